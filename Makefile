@@ -17,7 +17,7 @@ WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask
   tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone
 TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
-.PHONY: study manual test types types-of-tests passes test-all oldest newest truths calibrate levels degrees sharpness noticed benchmarks packages constraints setup clean
+.PHONY: study manual test types types-of-tests passes test-all oldest newest truths calibrate levels degrees mesh_cost sharpness noticed benchmarks packages constraints setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
@@ -83,6 +83,11 @@ levels: .venv/ready
 degrees: .venv/ready
 	$(BIN)/python -m pip install --quiet --editable '.[dev,meshing]'
 	$(BIN)/python -m drumlin_studies.mesh_degrees $(ARGS)
+
+# Time and true errors on one mesh file by Gmsh, beside GetFEM and CalculiX: a minute. make mesh_cost ARGS=4.4 has elements of 4.4 mm.
+mesh_cost: .venv/ready
+	$(BIN)/python -m pip install --quiet --editable '.[dev,meshing]'
+	$(BIN)/python -m drumlin_studies.mesh_cost $(ARGS)
 
 # By how much stated errors are larger than true ones now; the tests notice where this changes.
 sharpness: .venv/ready

@@ -137,6 +137,15 @@ TUNED: dict[str, dict[str, Guard]] = {
             "down", (f"{ON_COLUMNS}::test_a_table_of_many_clearances_is_a_curve",)
         ),
     },
+    "fem/preparation/load_places.py": {
+        "SPREAD": Guard(
+            "either",
+            (
+                "tests/test_further_loads.py::test_elastic_shoes_stretch_their_spring_by_their_motion",
+            ),
+            slow=True,
+        ),
+    },
     "fem/preparation/meshes.py": {
         "ELEMENTS": Guard("down", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
     },

@@ -35,6 +35,12 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "COARSE_PATH_ABOVE_NODES": SPEED,
         "LARGEST_DIFFERENCE_BETWEEN_MESHES": "any number between 0.004 and 0.7 tells two answers from two meshes",
     },
+    "contact/pressure_friction.py": {
+        "FRICTION_TOLERANCE": "accuracy that is stated",
+        "MOST_STEPS_TO_FRICTION": PASSES,
+        "SMALLEST_FRICTION_PART": PASSES,
+    },
+    "fem/equilibrium/pressure_friction.py": {"MOST_CHANGES_OF_SUPPORT": PASSES},
     "contact/stick_slip.py": {
         **dict.fromkeys(("OPEN", "STICK", "FORWARD", "BACKWARD"), "names of states"),
         "MOST_STATE_NEWTON_STEPS": PASSES,
@@ -187,7 +193,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_NUMBER": MEMORY,
         "METRES_PER_UNIT": FORMAT,
     },
-    "fem/mesh/arc.py": {"FACE_SLACK": ROUND_OFF},
+    "fem/mesh/arc.py": {"FACE_SLACK": ROUND_OFF, "MESH_KINDS": DEFINITION},
     "fem/mesh/beam.py": {"BEAM_SLACK": ROUND_OFF},
     "fem/mesh/grading.py": {
         "MOST_OVERHANG_ELEMENTS": MEMORY,

@@ -13,12 +13,12 @@ from drumlin import NoAnswer, vary
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import (
     FRAME,
     condense_body_to_contact_and_frame,
     multi_point_constraints_of_body,
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -30,6 +30,7 @@ from drumlin.fem.substructure.interface import (
     make_contact_line_of_lining,
     nodal_forces_of_unit_loads_on_loaded_end,
 )
+from drumlin_studies.two_bodies import scikit_fem_basis_of_mesh
 from picking import saying
 
 STEEL = Material(E=210e9, nu=0.3)
@@ -52,11 +53,12 @@ def whole(mesh):
 @pytest.mark.parametrize("kind", KINDS)
 def test_stiffness_equals_skfems_own_form(kind):
     mesh = whole(KINDS[kind]())
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     K = sparse_stiffness_of_body(
         basis, {"shoe": ElasticLayer.make_layer_in_plane_stress(STEEL, 0.04)}
     )
-    vector = basis.with_element(skfem.ElementVector(basis.elem))
+    own = scikit_fem_basis_of_mesh(mesh)
+    vector = own.with_element(skfem.ElementVector(own.elem))
     theirs = 0.04 * linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(vector)
     # Node numbers of drumlin are 2 node + component.
     place = np.empty(2 * basis.N, dtype=int)
@@ -70,7 +72,7 @@ def test_stiffness_equals_skfems_own_form(kind):
 def test_uniaxial_plane_stress(kind):
     """s_xx = E e_xx, e_yy = -nu e_xx, exactly, for every element: end forces E e b h only."""
     mesh = whole(KINDS[kind]())
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     b, strain = 0.04, 1e-3
     K = sparse_stiffness_of_body(basis, {"shoe": ElasticLayer.make_layer_in_plane_stress(STEEL, b)})
     x, y = basis.doflocs
@@ -101,7 +103,7 @@ def test_curved_cantilever_under_end_shear():
         mesh = skfem.MeshQuad2.from_mesh(grid)
         r, phi = mesh.doflocs
         mesh = whole(skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t))
-        basis = scalar_finite_element_basis_of_mesh(mesh)
+        basis = nodal_basis_of_mesh(mesh)
         K = sparse_stiffness_of_body(
             basis, {"shoe": ElasticLayer.make_layer_in_plane_stress(Material(E=1e4, nu=0.25), 1.0)}
         )
@@ -166,7 +168,7 @@ def test_a_singular_inside_is_refused():
 @pytest.mark.parametrize("elements", [1, 2, 3, 7])
 def test_dissection_of_tiny_meshes(brake, elements):
     mesh = parametric_mesh_of_shoe(brake.shoes[0], brake.drum.radius, elements)
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     assert np.array_equal(
         np.sort(elimination_order_by_nested_dissection(basis.doflocs, basis.element_dofs).nodes),
         np.arange(basis.N),
@@ -177,7 +179,7 @@ def full_system(brake, elements=12):
     """Stiffness of a shoe and the pieces of its condensation."""
     shoe = brake.shoes[0]
     mesh = parametric_mesh_of_shoe(shoe, brake.drum.radius, elements)
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     K = sparse_stiffness_of_body(basis, elastic_layers_of_shoe(shoe))
     line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
     rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()

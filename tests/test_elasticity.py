@@ -26,8 +26,8 @@ from drumlin.fem.hp.columns import (
     rotate_node_axes_of_matrix,
 )
 from drumlin.fem.hp.shoe import node_coordinates_of_layers_and_columns
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.substructure.body import (
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import (
@@ -41,6 +41,7 @@ from drumlin.verification.triangles.triangulation import (
     TriangleLayer,
     triangulate_grid_of_layered_body,
 )
+from drumlin_studies.two_bodies import scikit_fem_basis_of_mesh
 from picking import picked
 
 DIRECTED = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]]) * 1e8
@@ -158,10 +159,10 @@ def test_on_meshes_the_stiffness_is_that_of_scikit_fems_own_assembly(kind, name)
     if kind == "quad2":
         mesh = skfem.MeshQuad2(mesh.doflocs + 0.01 * np.sin(40 * mesh.doflocs[::-1]), mesh.t)
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     K, theirs = (
         sparse_stiffness_of_body(basis, {"body": LAYERS[name]}),
-        by_skfem(basis, LAYERS[name]),
+        by_skfem(scikit_fem_basis_of_mesh(mesh), LAYERS[name]),
     )
     assert abs(K - theirs).max() < 1e-13 * abs(K).max()
     assert abs(K - K.T).max() < 1e-15 * abs(K).max()

@@ -53,7 +53,7 @@ def test_the_saved_file_is_the_same_brake_whatever_the_file_was_called(explorer,
     assert set(tomllib.loads(data.decode())) == set(
         tomllib.loads((STUDY / "brake.toml").read_text())
     )
-    assert read_any(path) == explorer.brake.model_copy(update={"friction": 0.4})
+    assert read_any(path) == explorer.brake.model_copy(update={"friction_as_written": 0.4})
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -21,39 +21,10 @@ from drumlin.models import MODELS, applicable_models
 from drumlin.response.merit import barecki_shoe_factor
 from drumlin_studies.barecki_iteration import solve_post_brake_by_paper_iteration
 from picking import picked
+from posts import upright
 
 POST = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
 PAPER = {"tilt": False, "wedge": False, "plane_stress": False}
-
-
-def upright(
-    R=2.0, D=2.5, arc=40.0, EI=5e8, layer=5e8, mu=0.4, spin=1, gap=0.0, force=1e5, **more
-) -> Brake:
-    """A post brake with one post on the right of a rigid drum, hinged below, without blocks."""
-    data = {
-        "title": "post",
-        "rotation": "counter-clockwise" if spin > 0 else "clockwise",
-        "friction": mu,
-        "drum": {"radius": R},
-        "shoe": [
-            {
-                "name": "post",
-                "side": "external",
-                "hinge": {"x": D, "y": -2.3},
-                "lining": {
-                    "start": -math.radians(arc),
-                    "end": math.radians(arc),
-                    "thickness": 0.02,
-                    "width": 0.3,
-                    "material": {"E": layer, "nu": 0.25},
-                    "clearance": gap,
-                },
-                "body": {"shape": "beam", "bending_stiffness": EI},
-                "actuation": {"force": force, "direction": math.pi, "point": {"x": D, "y": 2.3}},
-            }
-        ],
-    }
-    return vary(make_drum_brake_from_data(data), more)
 
 
 def soft(**more) -> Brake:
@@ -182,10 +153,10 @@ def test_a_beam_on_an_elastic_foundation_is_hetenyis():
 
 def test_stations_end_at_the_linings_ends_and_their_number_is_as_asked():
     for sections in (10, 45, 360):
-        x, under = places_of_beam_stations(4.6, 1.0, 3.6, sections)
+        x, (under,) = places_of_beam_stations(4.6, [np.array([1.0, 3.6])], sections)
         assert abs(len(x) - 1 - sections) <= 1
         assert (x[under[0]], x[under[-1]], x[-1]) == pytest.approx((1.0, 3.6, 4.6))
-    x, under = places_of_beam_stations(4.6, 0.0, 4.6, 20)
+    x, (under,) = places_of_beam_stations(4.6, [np.array([0.0, 4.6])], 20)
     assert len(x) == len(under) == 21
 
 

@@ -13,10 +13,10 @@ from drumlin.fem.analysis.deflection import (
     inward_displacement_of_ring_surface,
     stations_and_deflections_of_beam,
 )
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.fem.substructure.body import scalar_finite_element_basis_of_mesh
 from drumlin.foundation.ring import ring_displacement_per_radial_force
 from drumlin.laws import solve_brake_by_sine_law
 
@@ -55,7 +55,7 @@ def test_the_mesh_fills_beam_block_and_lining_and_nothing_else():
     scene = make_prepared_model(vary(POST, {"drum.ring": None}), elements=30)
     assert scene.bodies[0] is scene.bodies[1]
     mesh, lining = scene.bodies[0].mesh, POST.shoes[0].lining
-    dx = scalar_finite_element_basis_of_mesh(mesh).dx.sum(axis=1)
+    dx = nodal_basis_of_mesh(mesh).dx.sum(axis=1)
     area = {name: float(dx[elements].sum()) for name, elements in mesh.subdomains.items()}
     assert dx.min() > 0
     half, back = math.radians(40), 2.02

@@ -10,8 +10,8 @@ from conftest import STUDY
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.substructure.body import scalar_finite_element_basis_of_mesh
 from drumlin.fem.substructure.interface import (
     ContactLine,
     function_for_drum_normals_and_tangents,
@@ -219,7 +219,7 @@ def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, t
     mesh = pair.plane_mesh_of_ring_sector(angles, np.array([0.0, 0.1, 0.2]), 1.0, 1)
     if kind == "quad1":
         mesh = skfem.MeshQuad(mesh.p, mesh.t, _boundaries=mesh.boundaries)
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     facets = np.random.default_rng(0).permutation(mesh.boundaries["contact"])
     line = make_contact_line_of_lining(basis, facets, turned + 0.1)
     order = 2 if kind == "quad2" else 1

@@ -9,9 +9,9 @@ from scipy.sparse.linalg import spsolve
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.grading import points_graded_to_both_ends
 from drumlin.fem.substructure.body import (
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
@@ -312,7 +312,7 @@ def test_lame_ring_under_inner_pressure():
     mesh = plane_mesh_of_closed_ring(
         np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1
     )
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     K = sparse_stiffness_of_body(
         basis, {"body": ElasticLayer.make_layer_in_plane_stress(Material(E=200e9, nu=0.3), 0.02)}
     ).tolil()

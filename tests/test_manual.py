@@ -74,7 +74,7 @@ def test_a_key_without_words_or_words_without_key_fails(monkeypatch):
 def test_a_value_says_its_kind_unit_and_limits():
     text = listing.brake_file_page()
     assert '| `radius` | a length such as `"8 mm"`, > 0; required |' in text
-    assert "| `friction` | a number, ≥ 0, ≤ 1e+06; required |" in text
+    assert "| `friction` | a number or a table, ≥ 0, ≤ 1e+06; required |" in text
     # The default of `blocks` is given in words, not as a number.
     assert '| `blocks` | rows like `["55 deg", "8 mm"]`; may be left out |' in text
     assert '| `blocks` | rows like `["8 mm", "8 mm"]`; may be left out |' in text

@@ -10,6 +10,7 @@ import skfem
 from conftest import partly
 from drumlin import hold, sensitivity, vary
 from drumlin.base.errors import NoAnswer
+from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.error_control import degrees
 from drumlin.fem.error_control.estimate import QUANTITIES, relative_differences_of_two_levels
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
@@ -32,6 +33,11 @@ from drumlin.report import render
 from drumlin.report.comparison import write_and_draw_stress_fields
 from drumlin.response.resultants import gauss_lobatto_points
 from drumlin_studies import mesh_degrees
+from drumlin_studies.mesh_cost import (
+    TOLERANCE,
+    costs_on_mesh_file,
+    write_mesh_of_main_example,
+)
 from drumlin_studies.mesh_degrees import (
     JudgedMesh,
     MeshForm,
@@ -46,6 +52,8 @@ from picking import saying
 from shared_parts import drum_ring, solve_on_elements_of_files
 
 ELEMENTS = 16
+LARGEST_STRESS_ERROR = {2: 0.05, 3: 0.004, 4: 0.001}
+"""Error of the radial stress relative to the largest pressure, by degree; twice what is found."""
 
 
 @pytest.fixture
@@ -187,6 +195,33 @@ def test_a_mesh_too_fine_for_a_higher_degree_is_solved_as_it_is(own, monkeypatch
     assert found.torque == solve_on_elements_of_files(filed).torque
     assert found.error is None
     assert saying(found.notes, "warning: no error stated: at degree 2: its mesh has")
+
+
+@pytest.mark.parametrize("kind", ["tri2", "quad1"])
+def test_stress_at_the_drum_is_the_pressure_at_every_degree(own, kind):
+    """A field of the file's degree on elements of a higher degree was some ten per cent off."""
+    filed = own(kind)
+    for degree in (2, 3, 4):
+        scene = make_prepared_model(filed, raised=RaisedDegree(degree))
+        answer = solve_prepared_model(scene, filed)
+        found = stress_and_displacement_fields_of_shoe(scene, filed, answer, 0)
+        # The stress is singular at the ends of the lining, and there is no end among these nodes.
+        inner = found.pressure > 0
+        inner &= np.abs(filed.shoes[0].frame.phi(np.arctan2(*found.points.T[::-1])) - 1.2) < 0.7
+        assert inner.sum() > 10
+        xx, yy, xy = found.stress[inner].T
+        cos, sin = (found.points[inner] / np.linalg.norm(found.points[inner], axis=1)[:, None]).T
+        radial = xx * cos**2 + yy * sin**2 + 2 * xy * cos * sin
+        assert np.abs(radial + found.pressure[inner]).max() < LARGEST_STRESS_ERROR[degree] * (
+            found.pressure[inner].max()
+        )
+        # Every node is a corner of a cell, and the cells fill the area of the shoe.
+        assert len(np.unique(found.cells)) == len(found.points)
+        corners = found.points[found.cells]
+        x, y = corners.transpose(2, 0, 1)
+        area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
+        whole = scene.bodies[0].basis.dx.sum()
+        assert np.abs(area).sum() == pytest.approx(whole, rel=5e-3)
 
 
 @pytest.mark.slow
@@ -392,3 +427,16 @@ def test_rounded_nodes_inside_sides_are_put_on_the_drum(tmp_path, form):
     assert read.contact.rounded > 20
     assert read.contact.rounded_by > 1e-7
     assert np.abs(read.off).max() < 1e-12
+
+
+@pytest.mark.slow
+def test_cost_on_a_mesh_file_has_errors_that_the_mesh_explains(tmp_path):
+    """The answer with a stated error is nearer than one on the elements of the file's degree."""
+    pytest.importorskip("gmsh")
+    alone, filed = write_mesh_of_main_example(tmp_path / "shoe.msh", 8e-3)
+    rows = {row.way: row for row in costs_on_mesh_file(alone, filed)}
+    split, whole = rows["drumlin, stated error"], rows["drumlin, file's degree"]
+    assert split.pressure < split.stated < TOLERANCE
+    assert 2 * split.pressure < whole.pressure < 0.1
+    assert whole.stated is None
+    assert min(row.seconds for row in rows.values()) > 0

@@ -228,11 +228,8 @@ def test_what_does_not_fit_anchors_is_named(changes, line) -> None:
 
 
 def test_what_takes_no_anchors_says_so() -> None:
-    brake = duo_servo()
     with pytest.raises(BadInput, match=r"^shoe\[0\]\.anchor: sensitivity takes no shoes"):
-        drumlin.sensitivity(brake, elements=8)
-    with pytest.raises(BadInput, match=r"^shoe\[0\]\.anchor: the reference by triangles"):
-        drumlin.reference(brake)
+        drumlin.sensitivity(duo_servo(), elements=8)
 
 
 def test_a_brake_file_with_anchors_is_written_and_read_again(tmp_path) -> None:

@@ -29,12 +29,12 @@ from drumlin.fem.hp.corner import (
     pressure_exponent_at_orthotropic_corner,
     pressure_exponents_at_both_lining_corners,
 )
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.fem.substructure.body import (
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.models import (
@@ -53,6 +53,7 @@ from drumlin_studies.consistency_slopes import (
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import draw_brake_of_support_kind, mirror_turn_and_shift_brake
 from drumlin_studies.stated_true import solve_fine_reference_by_triangles
+from drumlin_studies.two_bodies import scikit_fem_basis_of_mesh
 from picking import having, picked
 from shared_parts import of_shoes
 
@@ -330,12 +331,12 @@ def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, 
     r, phi = mesh.doflocs
     mesh = type(mesh)(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t)
     mesh = mesh.with_subdomains({"ring": np.arange(mesh.nelements)})
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     K = sparse_stiffness_of_body(
         basis, {"ring": ElasticLayer.make_layer_in_plane_stress(material, width)}
     )
     inside = mesh.facets_satisfying(lambda x: np.abs(np.hypot(*x) - a) < 2e-4, boundaries_only=True)
-    boundary = skfem.FacetBasis(mesh, basis.elem, facets=inside)
+    boundary = skfem.FacetBasis(mesh, scikit_fem_basis_of_mesh(mesh).elem, facets=inside)
     f = np.zeros((basis.N, 2))
     for c in range(2):
         push = skfem.LinearForm(lambda v, w, c=c: p * width * w.x[c] / np.hypot(*w.x) * v)

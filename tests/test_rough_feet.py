@@ -294,7 +294,7 @@ def test_the_limit_of_rough_feet_is_where_solves_at_growing_friction_end(count: 
 
 
 def vary_friction(brake: Brake, friction: float) -> Brake:
-    return brake.model_copy(update={"friction": float(friction)})
+    return brake.model_copy(update={"friction_as_written": float(friction)})
 
 
 @pytest.mark.slow

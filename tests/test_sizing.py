@@ -8,10 +8,14 @@ from typer.testing import CliRunner
 
 import drumlin
 from conftest import STUDY, partly
+from drumlin import sizing
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.file import make_drum_brake_from_data, vary
+from drumlin.brake.file import make_drum_brake_from_data, values_of_brake_key, vary
 from drumlin.brake.plane_brake import make_brake_from_data
 from drumlin.cli.commands import app
+from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
+from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key
+from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 
 FORCE = "shoe.actuation.force"
 R, MU, PHI, F = 0.15, 0.3, math.radians(90), 2000.0
@@ -130,6 +134,78 @@ def test_the_force_of_an_elastic_brake_that_touches_as_before(brake):
     before = drumlin.solve(loose, elements=8, model_error=False).torque
     assert found.torque == pytest.approx(wanted, rel=1e-9)
     assert abs(found.value * before / (2000 * wanted) - 1) > 1e-3
+
+
+SLOPES = [
+    ("friction", 1e-4),
+    (FORCE, 1.0),
+    ("shoe.left.actuation.force", 1.0),
+    ("shoe.lining.material.E", 1e4),
+    ("shoe.body.material.E", 1e7),
+    ("shoe.left.hinge.radius", 1e-6),
+    ("shoe.left.hinge.angle", 1e-5),
+    ("shoe.right.hinge.y", 1e-6),
+]
+
+
+@pytest.mark.parametrize(("key", "step"), partly(SLOPES, {("shoe.left.hinge.angle", 1e-5)}))
+def test_the_exact_slope_of_a_key_is_the_change_of_the_torque(brake, key, step):
+    scene = prepared_model_with_finest_elements(brake, elements=8)
+    slope = exact_torque_slope_by_key(brake, key, compute_torque_sensitivity(scene, brake))
+    parts = values_of_brake_key(brake, key)
+    up, down = (
+        solve(vary(brake, {key: parts[0] + sign * step}), elements=8).torque for sign in (1, -1)
+    )
+    assert slope == pytest.approx((up - down) / (2 * step), rel=1e-4)
+
+
+@pytest.mark.slow
+def test_keys_without_an_exact_slope_have_none(brake):
+    slopes = drumlin.sensitivity(brake, elements=8)
+    for key in (
+        "drum.radius",
+        "shoe.lining.width",
+        "shoe.lining.material.nu",
+        "shoe.left.lining.end",
+    ):
+        assert exact_torque_slope_by_key(brake, key, slopes) is None
+    # The slope by friction changes the friction of a lining in proportion, unlike the key.
+    own = vary(brake, {"shoe.left.lining.friction": 0.4})
+    assert exact_torque_slope_by_key(own, "friction", drumlin.sensitivity(own, elements=8)) is None
+
+
+def count_solves(monkeypatch):
+    """A list that grows by one for each solve of a question."""
+    solved, before = [], sizing.Question.solve
+
+    def counted(question, value):
+        solved.append(value)
+        return before(question, value)
+
+    monkeypatch.setattr(sizing.Question, "solve", counted)
+    return solved
+
+
+@pytest.mark.parametrize(
+    ("key", "wanted", "most"),
+    partly(
+        [(FORCE, 400.0, 2), ("friction", 400.0, 5), ("friction", 3e4, 12)], {("friction", 400.0, 5)}
+    ),
+)
+def test_few_solves_lead_to_the_value(brake, monkeypatch, key, wanted, most):
+    solved = count_solves(monkeypatch)
+    found = drumlin.size(brake, key, torque=wanted, elements=8)
+    assert len(solved) <= most
+    assert found.torque == pytest.approx(wanted, rel=1e-9)
+
+
+def test_a_torque_that_jumps_over_the_wanted_one_has_no_value(brake, monkeypatch):
+    def jumping(question, value):
+        return sizing.Trial(value, 100.0 + value + 200.0 * (value > 2500.0), 1e6, {"torque": 0.0})
+
+    monkeypatch.setattr(sizing.Question, "trial", jumping)
+    with pytest.raises(NoAnswer, match=r"because the torque jumps from 2600 N m to 2800 N m at 25"):
+        drumlin.size(brake, FORCE, torque=2700.0, model="sine")
 
 
 def test_self_locking_bounds_the_friction(brake):

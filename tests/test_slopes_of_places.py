@@ -26,13 +26,13 @@ from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensiti
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.fem.substructure.body import (
     FRAME,
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin_studies import consistency_slopes
@@ -315,9 +315,7 @@ def moved(basis: Any, step: float) -> Any:
         return found
     mesh = basis.mesh
     places = mesh.doflocs + step * at_nodes(mesh.doflocs)
-    return scalar_finite_element_basis_of_mesh(
-        type(mesh)(places, mesh.t, _subdomains=mesh.subdomains)
-    )
+    return nodal_basis_of_mesh(type(mesh)(places, mesh.t, _subdomains=mesh.subdomains))
 
 
 ORTHOTROPIC = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]])

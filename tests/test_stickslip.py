@@ -30,12 +30,12 @@ from drumlin.fem.analysis.holding import (
     turn_drum_in_increments,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import (
     condense_body_to_contact_and_frame,
     multi_point_constraints_of_body,
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
@@ -246,7 +246,7 @@ def test_flat_patch_whole_and_inclined(turned):
             "support": np.flatnonzero(middle[1] > 1 - 1e-12),
         },
     )
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], math.atan2(1.0, 3.0))
     normal = np.array([s, -c])
     top = basis.get_dofs(mesh.boundaries["support"]).flatten()

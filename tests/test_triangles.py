@@ -20,6 +20,7 @@ from drumlin.verification.triangles import (
     levels,
     solve_on_triangle_level_sequence,
 )
+from drumlin.verification.triangles.equations import ContactEquations
 from drumlin.verification.triangles.face import (
     body_with_nodes_and_stiffness,
     gauss_rule_on_curved_edges,
@@ -161,7 +162,10 @@ def test_contact_sets_settle_on_the_one_that_fits(seed, skew):
     A = X @ X.T + 0.3 * np.eye(n) + skew * (Y - Y.T)
     B, q = -(0.5 + rng.random((n, 1))), 0.1 * rng.normal(size=n)
     C, h = -B.T, np.array([1.0])
-    found = contact.solve_contact_complementarity(A, q, B, C, h, np.ones(n), np.ones(n, dtype=bool))
+    equations = ContactEquations(
+        A, q, B, C, np.zeros((1, 1)), h, np.ones(n), np.zeros(1, dtype=bool)
+    )
+    found = contact.solve_contact_complementarity(equations, np.ones(n, dtype=bool))
     right = []
     for size in range(1, n + 1):
         for members in combinations(range(n), size):

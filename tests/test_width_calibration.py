@@ -13,6 +13,7 @@ from drumlin_studies.width_calibration import (
     LARGEST_SHORTFALL,
     LEAST_FITTED,
     SECTION_SEEDS,
+    TRUE_OVER_UNCERTAINTY,
     WIDTH_QUANTILE,
     WIDTH_SEEDS,
     WidthRow,
@@ -34,7 +35,7 @@ def kept(root):
 def made_up(ratios, quantity="pressure"):
     """Rows of one brake each, with these ratios of true errors to estimates."""
     return [
-        WidthRow("free", seed, "width", 2, quantity, 0.01, 0.01 * ratio)
+        WidthRow("free", seed, "width", 2, quantity, 0.01, 0.01 * ratio, unsure=0.0)
         for seed, ratio in enumerate(ratios)
     ]
 
@@ -82,6 +83,23 @@ def test_errors_that_are_nothing_are_left_out():
     assert smallest_width_factor([*tiny, *made_up([1.0, 1.0])]) == 1.0
 
 
+def test_errors_that_the_truth_does_not_know_are_left_out():
+    known = made_up([1.0, 1.0])
+    doubtful = [
+        row._replace(unsure=1.1 * row.true / TRUE_OVER_UNCERTAINTY) for row in made_up([9.0] * 3)
+    ]
+    assert smallest_width_factor([*known, *doubtful]) == 1.0
+    surer = [row._replace(unsure=0.9 * row.true / TRUE_OVER_UNCERTAINTY) for row in doubtful]
+    assert smallest_width_factor([*known, *surer]) == pytest.approx(9.0)
+
+
+def test_where_degrees_are_more_exact_than_the_truth_their_errors_are_not_fitted(kept):
+    """Degrees 5 to 7 agree to 1e-5 of the torque, and the truth is 2e-4 away from all of them."""
+    own = ("width", "built", 3105, "torque")
+    rows = [row for row in kept if (row.part, row.kind, row.seed, row.quantity) == own]
+    assert [row.degree for row in rows if row.is_usable] == [2]
+
+
 def test_the_file_that_the_code_reads_was_written_by_the_command(kept):
     path = Path(ladder.__file__).with_name("factors.json")
     data = json.loads(path.read_text(encoding="utf-8"))
@@ -102,3 +120,4 @@ def test_what_is_observed_today_is_what_was_kept(kept, tmp_path):
         assert one[:5] == two[:5]
         assert one.estimate == pytest.approx(two.estimate, rel=1e-2, abs=1e-8)
         assert one.true == pytest.approx(two.true, rel=1e-2, abs=1e-8)
+        assert one.unsure == pytest.approx(two.unsure, rel=1e-2, abs=1e-8)

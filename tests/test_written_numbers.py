@@ -9,7 +9,7 @@ from conftest import STUDY
 from drumlin.base.errors import BadInput
 from drumlin.base.written_numbers import number_as_written
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.file import read_brake, vary
+from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
 from drumlin.brake.schema import QUANTITY
 from drumlin.brake.units import quantity_in_si
 from drumlin.sweeps.file import sweep_from_file_data
@@ -228,3 +228,14 @@ def test_a_known_decimal_sign_tells_what_a_comma_means():
     assert number_as_written("59,447", ".") == 59447
     with pytest.raises(ValueError, match="must be a number"):
         number_as_written("59,4471", ".")
+
+
+def test_a_second_actuation_is_refused_with_the_key_of_further_forces(brake):
+    data = brake.model_dump(by_alias=True)
+    data["shoe"][0]["actuation"] = [data["shoe"][0]["actuation"]] * 2
+    with pytest.raises(BadInput, match=r"force, direction, point; .* are \[\[shoe\.force\]\]"):
+        make_drum_brake_from_data(data)
+    # A value that is no table at all has no second force.
+    data["shoe"][0]["actuation"] = "2 kN"
+    with pytest.raises(BadInput, match=r"keys of force, direction, point$"):
+        make_drum_brake_from_data(data)

@@ -160,6 +160,7 @@ def solve(
     >>> round(drumlin.solve(brake).torque), round(drumlin.solve(brake, "sine").torque)
     (448, 435)
     """
+    from drumlin.brake.friction import reason_if_friction_depends_on_pressure
     from drumlin.brake.plausibility import notes_on_values_that_can_hardly_be_meant
     from drumlin.laws.rigid import response_with_keys_left_out, self_locking_by_rigid_shoe_law
     from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
@@ -196,8 +197,11 @@ def solve(
         if not notes:
             raise
         raise NoAnswer("; ".join((str(error), *notes))) from error
-    locking = response.self_locking or self_locking_by_rigid_shoe_law(whole)
     response = response_with_keys_left_out(whole, response)
+    unknown = reason_if_friction_depends_on_pressure(whole, "the distance from self-locking")
+    if unknown is not None:
+        return replace(response, notes=(*response.notes, f"note: {unknown}", *notes))
+    locking = response.self_locking or self_locking_by_rigid_shoe_law(whole)
     notes = (*response.notes, *locking.warnings(), *notes)
     return replace(response, notes=notes, self_locking=locking)
 

@@ -9,6 +9,10 @@ from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.brake import Brake
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
+from drumlin.laws.pressure_friction import (
+    reason_if_law_has_uneven_pressure,
+    solve_brake_by_law_of_even_pressure,
+)
 from drumlin.response.response import Response
 
 
@@ -140,15 +144,20 @@ def _make_model_of_law(
     name : name of the law
     assumes : its assumptions in words
     why_not : function that returns why the law does not apply to a brake, or None; it does not
-        look at the materials
+        look at the materials, and not at friction over the pressure
     solve : function that solves a brake
     """
 
     def reason_why_law_does_not_apply(brake: Brake) -> str | None:
-        """Why the law does not apply to a brake, or to its orthotropic materials; else None."""
-        return why_not(brake) or reason_if_any_part_is_orthotropic(brake, "a closed-form law")
+        """Why the law does not apply to a brake, its friction or its materials; else None."""
+        return (
+            why_not(brake)
+            or reason_if_law_has_uneven_pressure(name, brake)
+            or reason_if_any_part_is_orthotropic(brake, "a closed-form law")
+        )
 
-    return Model(name, assumes, reason_why_law_does_not_apply, solve)
+    solver = partial(solve_brake_by_law_of_even_pressure, solve)
+    return Model(name, assumes, reason_why_law_does_not_apply, solver)
 
 
 MODELS: Mapping[str, Model] = {

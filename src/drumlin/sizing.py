@@ -1,21 +1,23 @@
 """Find the value of a key of a brake file at which a brake has a wanted torque or peak pressure.
 
-The range of the key is tried at some values first. Between two of them the value is found by
-Brent's method (scipy.optimize), which needs a change of sign and no slope. Values without an answer
-(a brake that locks itself, a geometry that is not allowed) bound the search, and the refusal names
-their reason.
+The search begins at the value of the file, with the exact slope of the torque by the key where the
+finite elements have one. Each further value follows from a rational function through the last
+answers. If this search meets no such value, the range of the key is tried at some values, and the
+rational function is used between two of them. Values without an answer (a brake that locks itself,
+a geometry that is not allowed) bound the search, and the refusal names their reason.
 """
 
 import math
 from bisect import insort
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
@@ -26,7 +28,10 @@ from drumlin.brake.file import (
     values_of_brake_key,
     vary,
 )
+from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
+from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key
 from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.response import Response
 
@@ -71,6 +76,18 @@ The torque is then within 1e-8 of its rise above the neighbours. A smaller value
 SOLVED_SHARE = 0.01
 """Part of the stated error of a torque at which the search for this torque ends."""
 
+NEAR_TRIALS = 12
+"""Number of values that are tried from the value of the file on, until two enclose the wanted one.
+
+Most questions take two to four. Above it the whole range is tried, which takes more time.
+"""
+JUMP_OF_QUANTITY = 1e-9
+"""Difference of a quantity from its wanted value, relative to it, above which the quantity jumps.
+
+It counts where two values of the key that differ by round-off alone enclose the wanted value, and
+no larger error is stated. Round-off of a solve is some 1e-12; a smaller number would take round-off
+for a jump.
+"""
 EXACT = 1e-14
 """Relative difference at which the search ends where no error is stated: round-off of a double."""
 
@@ -212,7 +229,7 @@ class Sizing:
     value_of_file : the value of the brake file [SI]
     torque : torque [N m], on a plane braking force [N]
     peak_pressure : largest peak pressure of the shoes [Pa]
-    slope : change of the wanted quantity per value of the key, a difference of two answers; None
+    slope : change of the wanted quantity per value of the key, exact where it is known; None
         where the torque is largest
     errors : error of the value [SI] by the stated error of the finite elements ("elements") and by
         that of plane stress itself ("plane_stress"); without errors that are not stated
@@ -292,11 +309,16 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
         where it is not possible, with the reason and the range that was searched
     """
     _check_wanted_quantities(question)
+    name = "peak_pressure" if question.torque is None else "torque"
+    wanted = question.peak_pressure if question.torque is None else question.torque
+    if not isinstance(wanted, str) and wanted is not None:
+        near = _root_near_value_of_file(question, name, wanted)
+        if near is not None and _is_peak_pressure_allowed(question, near):
+            return _sizing_of_value(question, near, (), answer)
     trials = _first_trials(question)
     if question.torque == LARGEST:
         found, remark = _value_with_largest_torque(question, trials)
         return _sizing_of_value(question, found, (), answer, remark)
-    name = "peak_pressure" if question.torque is None else "torque"
     roots = _values_with_wanted_quantity(question, trials, name)
     allowed = [root for root in roots if _is_peak_pressure_allowed(question, root)]
     if not allowed:
@@ -376,48 +398,215 @@ def _values_with_wanted_quantity(question: Question, trials: list[Trial], name: 
 def _roots_between_trials(
     question: Question, trials: Sequence[Trial], name: str, wanted: float
 ) -> Iterator[Trial]:
-    """Yield the trials at which a quantity crosses a wanted value, by Brent's method."""
+    """Yield the trials at which a quantity crosses a wanted value, by `_root_in_bracket`."""
     for before, after in pairwise(trials):
         off = [getattr(trial, name) - wanted for trial in (before, after)]
         # A trial that has the value exactly ends one interval and begins the next one.
         if off[0] == 0 or off[0] * off[1] < 0:
-            yield _root_between_two_trials(question, before, after, name, wanted)
+            yield _root_in_bracket(question, [before, after], name, wanted)
     if trials and getattr(trials[-1], name) == wanted:
         yield trials[-1]
 
 
-def _root_between_two_trials(
-    question: Question, before: Trial, after: Trial, name: str, wanted: float
-) -> Trial:
-    """The trial between two others at which a quantity has a wanted value.
+def _difference_from_wanted(trial: Trial, name: str, wanted: float) -> float:
+    """A quantity of a trial less its wanted value; 0 within a small part of its stated error."""
+    off = float(getattr(trial, name) - wanted)
+    close = max(EXACT, SOLVED_SHARE * trial.errors.get(name, 0.0)) * wanted
+    return 0.0 if abs(off) <= close else off
 
-    Raises NoAnswer if a brake between both has no answer.
+
+def _root_in_bracket(question: Question, known: list[Trial], name: str, wanted: float) -> Trial:
+    """The trial at which a quantity has a wanted value, between two trials that enclose it.
+
+    The value of the rational function is taken where it lies inside of the bracket. Every third
+    step halves the bracket instead, if the rational function has not made it shorter than half.
+
+    Parameters
+    ----------
+    question : the question
+    known : solved trials, two of which are on either side of the wanted value
+    name, wanted : the quantity and its wanted value
+
+    Raises
+    ------
+    NoAnswer
+        if a brake in the bracket has no answer, or the quantity jumps over the wanted value
     """
-    known = {before.value: before, after.value: after}
+    known = sorted(known, key=lambda trial: trial.value)
+    steps, width = 0, math.inf
+    while True:
+        for trial in known:
+            if _difference_from_wanted(trial, name, wanted) == 0:
+                return trial
+        low, high = _bracket_of_trials(known, name, wanted)
+        resolution = 2 * np.finfo(float).eps * max(abs(low.value), abs(high.value))
+        if high.value - low.value <= resolution:
+            return _end_of_closed_bracket(question, (low, high), name, wanted)
+        value = _value_of_rational_function(known, name, wanted)
+        is_slow = steps % 3 == 2 and high.value - low.value > 0.5 * width
+        if is_slow or value is None or not low.value < value < high.value:
+            value = 0.5 * (low.value + high.value)
+        if steps % 3 == 2:
+            width = high.value - low.value
+        steps += 1
+        insort(known, _solved_trial(question, value), key=lambda trial: trial.value)
 
-    def difference_from_wanted_value(value: float) -> float:
-        """The quantity less its wanted value; 0 within a small part of its stated error."""
-        if value not in known:
-            known[value] = question.trial(value)
-        trial = known[value]
-        if trial.failure:
-            raise NoAnswer(
-                f"{_not_possible(question)}, because {question.key} = {question.text(value)} "
-                f"has no answer: {trial.failure}"
-            )
-        off = float(getattr(trial, name) - wanted)
-        close = max(EXACT, SOLVED_SHARE * trial.errors[name]) * wanted
-        return 0.0 if abs(off) <= close else off
 
-    root = brentq(
-        difference_from_wanted_value,
-        before.value,
-        after.value,
-        xtol=EXACT * abs(after.value - before.value),
-        rtol=4 * np.finfo(float).eps,
+def _solved_trial(question: Question, value: float) -> Trial:
+    """A trial that has an answer. Raises NoAnswer with the reason if it has none."""
+    trial = question.trial(value)
+    if trial.failure:
+        raise NoAnswer(
+            f"{_not_possible(question)}, because {question.key} = {question.text(value)} "
+            f"has no answer: {trial.failure}"
+        )
+    return trial
+
+
+def _bracket_of_trials(known: Sequence[Trial], name: str, wanted: float) -> tuple[Trial, Trial]:
+    """The two neighbouring trials, in growing order, between which a quantity crosses a value.
+
+    The shortest of several brackets is taken. Raises ValueError if there is none.
+    """
+    crossed = [
+        (before, after)
+        for before, after in pairwise(known)
+        if (getattr(before, name) - wanted) * (getattr(after, name) - wanted) < 0
+    ]
+    return min(crossed, key=lambda pair: pair[1].value - pair[0].value)
+
+
+def _end_of_closed_bracket(
+    question: Question, ends: tuple[Trial, Trial], name: str, wanted: float
+) -> Trial:
+    """The end of a bracket without width that is nearer to the wanted value.
+
+    Raises NoAnswer if it is farther from the wanted value than round-off and its stated error: the
+    quantity jumps there.
+    """
+    near = min(ends, key=lambda trial: abs(getattr(trial, name) - wanted))
+    allowed = max(JUMP_OF_QUANTITY, near.errors.get(name, 0.0)) * wanted
+    if abs(getattr(near, name) - wanted) <= allowed:
+        return near
+    what = question.brake.surface.effect if name == "torque" else "peak pressure"
+    unit = question.brake.surface.effect_unit if name == "torque" else "Pa"
+    from_to = [quantity_in_words(getattr(trial, name), unit) for trial in ends]
+    raise NoAnswer(
+        f"{_not_possible(question)}, because the {what} jumps from {from_to[0]} to {from_to[1]} "
+        f"at {question.text(near.value)}"
     )
-    difference_from_wanted_value(float(root))
-    return known[float(root)]
+
+
+def _value_of_rational_function(known: Sequence[Trial], name: str, wanted: float) -> float | None:
+    """The value at which a rational function through the nearest trials has the wanted quantity.
+
+    The function y = (a + b x)/(1 + c x) goes through the three trials whose quantities are nearest
+    to the wanted one. It is exact for a torque that is proportional to a force, and for a torque
+    that grows without bound at self-locking, such as that of a short shoe. Two trials give a
+    straight line. The result is None where there is no such value.
+    """
+    nearest = sorted(known, key=lambda trial: abs(getattr(trial, name) - wanted))[:3]
+    x = np.array([trial.value for trial in nearest])
+    off = np.array([getattr(trial, name) - wanted for trial in nearest])
+    x0, off0 = x[0], off[0]
+    with np.errstate(all="ignore"):
+        slopes = (off[1:] - off0) / (x[1:] - x0)
+        if len(slopes) == 1:
+            step = -off0 / slopes[0]
+        else:
+            # (y - y0)/(x - x0) = (B - c y)/(1 + c x0) is linear in y, and y is 0 at the value.
+            per_off = (slopes[1] - slopes[0]) / (off[2] - off[1])
+            step = -off0 / (slopes[0] - per_off * off[1])
+    return float(x0 + step) if np.isfinite(step) else None
+
+
+def _root_near_value_of_file(question: Question, name: str, wanted: float) -> Trial | None:
+    """The trial at which a quantity has a wanted value, sought from the value of the file on.
+
+    It is sought for keys that keep their sign alone, since a torque often has one value twice where
+    an angle or a coordinate varies. The result is None if the wanted value is not met: then the
+    whole range must be tried.
+    """
+    (low, high), start = question.ends, question.value_of_file
+    if start == 0 or not (question.is_of_one_sign and low <= start <= high):
+        return None
+    first = question.trial(start)
+    known = [] if first.failure else _trials_up_to_wanted_value(question, first, name, wanted)
+    if not known:
+        return None
+    with suppress(NoAnswer):
+        return _root_in_bracket(question, known, name, wanted)
+    return None
+
+
+def _trials_up_to_wanted_value(
+    question: Question, first: Trial, name: str, wanted: float
+) -> list[Trial]:
+    """Solved trials from the first one on, until two enclose the wanted value or one has it.
+
+    The list is empty if this is not reached in NEAR_TRIALS trials, or before an end of the range.
+    """
+    known, (low, high) = [first], question.ends
+    slope = _exact_slope_at_value(question, first.value, name)
+    value: float | None = _first_guess(first, name, wanted, slope)
+    for _ in range(NEAR_TRIALS):
+        if _is_wanted_value_enclosed(known, name, wanted):
+            return known
+        value = None if value is None else min(max(value, low), high)
+        if value is None or any(value == trial.value for trial in known):
+            break
+        trial = question.trial(value)
+        if trial.failure:
+            # There is no answer from here on, so that the next value is nearer to a solved one.
+            nearest = min(known, key=lambda one: abs(one.value - trial.value))
+            low, high = (low, value) if value > nearest.value else (value, high)
+            value = 0.5 * (nearest.value + value)
+        else:
+            insort(known, trial, key=lambda one: one.value)
+            value = _value_of_rational_function(known, name, wanted)
+    return []
+
+
+def _is_wanted_value_enclosed(known: Sequence[Trial], name: str, wanted: float) -> bool:
+    """Whether two of the solved trials enclose the wanted value of a quantity, or one has it."""
+    off = [_difference_from_wanted(trial, name, wanted) for trial in known]
+    return min(off) <= 0 <= max(off)
+
+
+def _first_guess(trial: Trial, name: str, wanted: float, slope: float | None) -> float:
+    """The value of the key after the first trial: by its slope, or in proportion to the quantity.
+
+    A step by the slope to a value of the other sign, or farther than the proportional one by
+    RANGE_FACTOR, is not taken.
+    """
+    quantity = float(getattr(trial, name))
+    proportional = trial.value * wanted / quantity if quantity > 0 else RANGE_FACTOR * trial.value
+    if not slope:
+        return proportional
+    value = trial.value + (wanted - quantity) / slope
+    is_near = 1 / RANGE_FACTOR < value / proportional < RANGE_FACTOR
+    return value if is_near else proportional
+
+
+def _exact_slope_at_value(question: Question, value: float, name: str) -> float | None:
+    """The exact slope of the torque by the key at a value; None where none is known.
+
+    The finite elements in the plane have it for friction, forces, moduli, clearances and hinges.
+    """
+    plain = {"elements", "kind", "penalty", "tolerance"}
+    if question.model != "fem" or name != "torque" or not set(question.options) <= plain:
+        return None
+    brake = vary(question.brake, {question.key: value})
+    on_mesh = {
+        name: question.options[name] for name in ("elements", "kind") & question.options.keys()
+    }
+    stiffness = {name: question.options[name] for name in {"penalty"} & question.options.keys()}
+    try:
+        model = prepared_model_with_finest_elements(brake, **on_mesh, cache=question.cache)
+        slopes = compute_torque_sensitivity(model, brake, **stiffness)
+    except (BadInput, NoAnswer):
+        return None
+    return exact_torque_slope_by_key(brake, question.key, slopes)
 
 
 def _add_trials_at_borders(question: Question, trials: list[Trial]) -> None:
@@ -548,10 +737,13 @@ def _sizing_of_value(
 
 
 def _slope_at_trial(question: Question, found: Trial, name: str) -> float | None:
-    """The slope of a quantity by the key, by a difference.
+    """The slope of a quantity by the key: the exact one where it is known, or a difference.
 
     It is None where no neighbour of the trial has an answer.
     """
+    exact = _exact_slope_at_value(question, found.value, name)
+    if exact is not None:
+        return exact
     low, high = question.ends
     size = abs(found.value) if question.is_of_one_sign else high - low
     steps = (SLOPE_STEP * size, -SLOPE_STEP * size)

@@ -16,8 +16,8 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.substructure.body import (
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
@@ -33,7 +33,11 @@ from drumlin_studies.ladder_case import (
     ROUND_OFF_TIER,
     KnownAnswer,
 )
-from drumlin_studies.two_bodies import LADDER_STEEL, plane_mesh_of_closed_ring
+from drumlin_studies.two_bodies import (
+    LADDER_STEEL,
+    plane_mesh_of_closed_ring,
+    scikit_fem_basis_of_mesh,
+)
 from drumlin_studies.uncertainty import Index, grid_convergence_index_of_three_values
 
 ROACHE_VALUES = (0.96178, 0.96854, 0.97050)
@@ -71,9 +75,8 @@ def _basis_and_stiffness_of_rectangle(
 def _basis_and_stiffness_of_mesh(mesh: Any, material: Material) -> tuple[Any, Any]:
     """The finite-element basis and stiffness matrix of a body of one material and unit width."""
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
-    basis = scalar_finite_element_basis_of_mesh(mesh)
-    return basis, sparse_stiffness_of_body(
-        basis, {"body": ElasticLayer.make_layer_in_plane_stress(material, 1.0)}
+    return scikit_fem_basis_of_mesh(mesh), sparse_stiffness_of_body(
+        nodal_basis_of_mesh(mesh), {"body": ElasticLayer.make_layer_in_plane_stress(material, 1.0)}
     ).tocsc()
 
 

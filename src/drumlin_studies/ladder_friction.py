@@ -17,9 +17,9 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, equations, self_locking, stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK, FrictionalProblem, SlipHistory
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import (
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
@@ -223,7 +223,7 @@ class FlexibleBody(NamedTuple):
         middle : float
             Angle of the middle of the contact [rad].
         """
-        basis = scalar_finite_element_basis_of_mesh(mesh)
+        basis = nodal_basis_of_mesh(mesh)
         K = sparse_stiffness_of_body(
             basis, {"body": ElasticLayer.make_layer_in_plane_stress(material, 1.0)}
         ).tocsc()
@@ -290,7 +290,7 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
         lambda d, phi: np.array([(1 + d) * np.cos(phi), (1 + d) * np.sin(phi)]),
         lambda d, phi: phi > wrap - 1e-9,
     )
-    at = scalar_finite_element_basis_of_mesh(mesh).get_dofs(mesh.boundaries["support"]).flatten()
+    at = nodal_basis_of_mesh(mesh).get_dofs(mesh.boundaries["support"]).flatten()
     belt = FlexibleBody.elastic_body_of_mesh(
         mesh,
         LADDER_STEEL,
@@ -336,7 +336,7 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
         lambda d, x: np.array([3 + c * x - s * d, 1 + s * x + c * d]),
         lambda d, x: d > 1 - 1e-9,
     )
-    top = scalar_finite_element_basis_of_mesh(mesh).get_dofs(mesh.boundaries["support"]).flatten()
+    top = nodal_basis_of_mesh(mesh).get_dofs(mesh.boundaries["support"]).flatten()
     directions = _constant_normal_and_tangent(np.array([s, -c]), np.array([c, s]))
     held = np.concatenate([2 * top, 2 * top + 1])
     strip = FlexibleBody.elastic_body_of_mesh(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
@@ -436,7 +436,7 @@ def _plate_with_plane_of_symmetry() -> _SymmetricPlate:
     mesh = _quadratic_mesh_of_mapped_grid(
         grid, lambda depth, x: np.array([x, depth]), lambda depth, x: x < 1e-9
     )
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     left = basis.get_dofs(mesh.boundaries["support"]).flatten()
     corner = left[np.argmax(basis.doflocs[1][left])]
     plate = FlexibleBody.elastic_body_of_mesh(

@@ -206,7 +206,7 @@ def prepared_model_without_parts(
     # friction is added to the balance of moments alone.
     if "drag" in names and brake.friction > 0:
         scene = _model_without_friction_deformation(
-            make(simple.model_copy(update={"friction": 0.0})), simple
+            make(simple.model_copy(update={"friction_as_written": 0.0})), simple
         )
     else:
         scene = make(simple)

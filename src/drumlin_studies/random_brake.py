@@ -589,7 +589,7 @@ def _has_contact_without_friction(brake: Brake, locking: float) -> bool:
     """
     # The sine law raises NoAnswer where the shoe is not pressed or the clearance is uneven.
     solve_brake_by_sine_law(vary(brake, {"friction": 0.1 * min(locking, 1.0)}))
-    frictionless = brake.model_copy(update={"friction": 0.0})
+    frictionless = brake.model_copy(update={"friction_as_written": 0.0})
     response = solve(frictionless, elements=FRICTIONLESS_ELEMENTS)
     return bool(response.shoes[0].contact_arcs)
 

@@ -13,7 +13,9 @@ errors, and a table of the errors that plane stress states of itself. KIND is a 
 
 The truth has functions across the width that are graded to the sides of all parts, on the level
 LEVEL (2) of the section. Its uncertainty is its distance from the same functions of one degree
-less. An error is judged where it is at least TRUTH_FACTOR times this uncertainty.
+less. An error is judged where it is at least TRUTH_FACTOR times this uncertainty. An answer on the
+section of level LEVEL shares the section's error with the truth. Stated over true errors of such an
+answer are then too large, and a truth on the next level judges them.
 """
 
 import math

@@ -18,11 +18,11 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.contact.equations import ContactProblem
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.substructure.body import (
     CondensedBody,
     condense_body_to_contact_and_frame,
     multi_point_constraints_of_body,
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
@@ -99,6 +99,22 @@ def plane_mesh_of_closed_ring(angles: Floats, depths: Floats, radius: float, sig
     return quadratic_mesh_of_closed_ring(angles, depths, radius, sign, "body")
 
 
+def scikit_fem_basis_of_mesh(mesh: Any) -> Any:
+    """scikit-fem's own basis of one displacement component on a mesh.
+
+    Its nodes have the numbers of drumlin's own basis of the same degree, and its quadrature has
+    order 4, or 2 on linear elements.
+    """
+    of_mesh = {
+        skfem.MeshQuad2: skfem.ElementQuad2,
+        skfem.MeshQuad1: skfem.ElementQuad1,
+        skfem.MeshTri2: skfem.ElementTriP2,
+        skfem.MeshTri1: skfem.ElementTriP1,
+    }
+    element = of_mesh[type(mesh)]()
+    return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
+
+
 @dataclass(frozen=True)
 class ContactBody:
     """A body after static condensation to the nodes of its contact line.
@@ -134,7 +150,7 @@ def condense_body_to_contact_nodes(
     middle : float
         Angle of the middle of the contact line [rad].
     """
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], middle)
     ties = multi_point_constraints_of_body(
         basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2)

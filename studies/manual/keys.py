@@ -15,6 +15,7 @@ from drumlin.brake.components import Table as SectionTable
 from drumlin.brake.drive import Chamber, Drive, Link
 from drumlin.brake.drum_brake import DrumBrake, DrumShoe
 from drumlin.brake.fields import Material, Orthotropic, Part, Point
+from drumlin.brake.friction import FrictionTable
 from drumlin.brake.further_loads import Gravity, Lever, ShoeForce, ShoeMass, Spring
 from drumlin.brake.pattern import DrumPattern, FlatPattern
 from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatMisfit, FlatShoe, Plane
@@ -85,17 +86,22 @@ BRAKE: tuple[Table, ...] = (
     ("The brake", DrumBrake, {
         "title": "title of tables, figures and reports",
         "rotation": "sense in which the drum turns",
-        "friction": "friction coefficient μ of the linings that have none of their own",
+        "friction": "friction coefficient μ of linings that have none of their own, or its table",
         "drum": "the table `[drum]`",
         "shoe": "the tables `[[shoe]]`, one for each shoe", **_SHARED,
         "shoe_speed": "speed at which the shoes turn about the drum's centre, as those of a "
             "centrifugal clutch; it acts on the masses of the shoes"}),
+    ("`friction`: a table", FrictionTable, {
+        "mu": "friction coefficient of each row of the table",
+        "pressure": "pressure of each row", "speed": "sliding speed of each row",
+        "temperature_rise": "temperature rise at the lining's face of each row"}),
     ("`[drum]`", Drum, {
         "radius": "radius R of the friction surface",
         "ring": "the table `[drum.ring]`; without it the drum is rigid",
         "out_of_round": "deviation of the friction surface from a circle, as harmonics; see below",
         "angle": "angle by which the drum, with its harmonics, has turned", **_HEAT,
-        "expansion": "coefficient of thermal expansion, by default that of the ring's material"}),
+        "expansion": "coefficient of thermal expansion, by default that of the ring's material",
+        "speed": "angular speed of the drum; a table of `friction` over `speed` needs it"}),
     ("`out_of_round` of `[drum]`: tables", Lobes, {
         "order": "number of waves around the drum: 0 growth of a hot drum, 1 run-out, 2 ovality",
         "amplitude": "largest distance of the surface outside the circle",
@@ -126,7 +132,8 @@ BRAKE: tuple[Table, ...] = (
         "clearance": "gap of the unloaded lining, positive if open: one value, or rows of angle "
             "and gap",
         "misfit": "further deviation of the surface from the drum's circle; see below",
-        "friction": "friction coefficient of this lining, by default that of the brake", **_HEAT}),
+        "friction": "friction coefficient of this lining, or its table, by default that of the "
+            "brake", **_HEAT}),
     ("`misfit` of `[shoe.lining]`", Misfit, {
         "radius": "radius of the lining's own circle, by default the drum's radius",
         "offset": "vector by which the circle is moved",
@@ -229,10 +236,12 @@ BRAKE: tuple[Table, ...] = (
         "x": "distance from the drum's centre in x", "y": "distance from the drum's centre in y"}),
     ("A brake on a plane", FlatBrake, {
         "title": "title of tables, figures and reports",
-        "friction": "friction coefficient μ of the linings that have none of their own",
+        "friction": "friction coefficient μ of linings that have none of their own, or its table",
         "plane": "the table `[plane]`, in place of `[drum]`",
         "shoe": "the tables `[[shoe]]`", **_SHARED}),
-    ("`[plane]`", Plane, {"sliding": "direction in which the plane slides under the linings"}),
+    ("`[plane]`", Plane, {
+        "sliding": "direction in which the plane slides under the linings",
+        "speed": "sliding speed; a table of `friction` over `speed` needs it"}),
     ("`[[shoe]]` on a plane", FlatShoe, _HELD),
     ("`[shoe.lining]` on a plane", FlatLining, {
         "start": "place x at which the lining begins", "end": "place x at which the lining ends",
@@ -242,7 +251,8 @@ BRAKE: tuple[Table, ...] = (
         "clearance": "gap between the unloaded lining and the plane: one value, or rows of place "
             "x and gap",
         "misfit": "further deviation of the face from the plane; see below",
-        "friction": "friction coefficient of this lining, by default that of the brake", **_HEAT}),
+        "friction": "friction coefficient of this lining, or its table, by default that of the "
+            "brake", **_HEAT}),
     ("`misfit` of `[shoe.lining]` on a plane", FlatMisfit, {
         "radius": "radius of a face that is ground to a circle and meets the plane in its middle: "
             "positive for a crowned face, negative for a hollow face; by default the face is flat",

@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args, get_origin
 
+from pydantic import Discriminator
 from pydantic.fields import FieldInfo
 from studies.manual import keys
 
@@ -100,19 +101,17 @@ def _kind_of_value(annotation: Any) -> str:
         return " or ".join(f'`"{word}"`' for word in words)
     unit, row = si_unit_of_field_type(annotation), si_units_of_table_field(annotation)
     rows = f'rows like `["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]`' if row else ""
-    if unit:
-        return f'{QUANTITY_NAMES[unit]} such as `"{EXAMPLES[unit]}"`' + (
-            f", or {rows}" if rows else ""
-        )
-    if rows:
-        return rows
-    if unit == "":
-        return (
-            "a number"
-            if str not in _plain_types(annotation)
-            else "a number, or a quantity with its unit"
-        )
     plain = _plain_types(annotation)
+    if unit is not None and not rows:
+        said = f'{QUANTITY_NAMES[unit]} such as `"{EXAMPLES[unit]}"`' if unit else "a number"
+        if not unit and str in plain:
+            said += ", or a quantity with its unit"
+        if any(isinstance(each, type) and issubclass(each, Part) for each in plain):
+            said += " or a table"
+        return f"a list; each value {said}" if tuple in plain else said
+    if rows:
+        said = f'{QUANTITY_NAMES[unit]} such as `"{EXAMPLES[unit]}"`, or ' if unit else ""
+        return f"{said}{rows}"
     for kind, said in (
         (bool, "`true` or `false`"),
         (int, "a whole number"),
@@ -154,9 +153,11 @@ def _limits_in_words(annotation: Any) -> Iterator[str]:
 def _annotations_of(annotation: Any) -> tuple[Any, ...]:
     """The annotations of a type, or of each of its alternatives."""
     own = getattr(annotation, "__metadata__", ())
-    return own or tuple(
-        mark for part in get_args(annotation) for mark in getattr(part, "__metadata__", ())
-    )
+    # The mark that tells a table from a number says nothing about the number.
+    if own and not any(isinstance(mark, Discriminator) for mark in own):
+        return tuple(own)
+    choices = get_args(annotation.__origin__ if own else annotation)
+    return tuple(mark for part in choices for mark in _annotations_of(part))
 
 
 # commands

@@ -21,6 +21,12 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.components import Backing, Bar, Beam, Lining, Lobes, Ring
 from drumlin.brake.drive import Drive, Link, reason_why_forces_are_shared
 from drumlin.brake.fields import Part, Point
+from drumlin.brake.friction import (
+    FrictionCurve,
+    FrictionTable,
+    friction_curve_of_lining,
+    text_of_friction,
+)
 from drumlin.brake.further_loads import Gravity, Lever, Spring
 from drumlin.brake.support import MOVES, Meshed
 from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
@@ -225,6 +231,19 @@ class Shoe(Meshed):
         phi = max(ends, key=abs) if loaded else min(ends, key=abs)
         return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), size)
 
+    def is_nearer_to_loaded_end(self, point: Point, size: float) -> bool:
+        """Whether a point is nearer to the loaded end of the shoe's body than to its pin.
+
+        A one-sided support at such a point pushes on the loaded end, as the actuation does; others
+        act on the rigid frame at the held end. `size` [m] is that of the brake.
+        """
+        # A mesh of the shoe's own has its loaded nodes near the point of the actuation.
+        loaded = self.convert_points_to_shoe_frame(self.actuation.point.xy)
+        if isinstance(self.body, Bar) and self.mesh is None:
+            loaded = self.middle_of_body_end_face(size, loaded=True)
+        at = self.convert_points_to_shoe_frame(point.xy)
+        return math.dist(at, loaded) < math.dist(at, self.pin_in_shoe_frame)
+
     @property
     def has_support_on_back_of_body(self) -> bool:
         """Whether the support acts on the back of an elastic body and not on an end face.
@@ -276,7 +295,7 @@ class Brake(Part):
         @property
         def title(self) -> str: ...
         @property
-        def friction(self) -> float: ...
+        def friction_as_written(self) -> float | FrictionTable: ...
         @property
         def shoes(self) -> tuple[Shoe, ...]: ...
         @property
@@ -394,17 +413,60 @@ class Brake(Part):
         """Sense of the motion: +1 towards growing coordinates of the surface, else -1."""
         return 1 if self.direction == self.directions[0] else -1
 
+    @property
+    @abstractmethod
+    def sliding_speed(self) -> float | None:
+        """Speed [m/s] at which drum or plane slides over the linings; None if it is not given."""
+
+    @property
+    def friction(self) -> float:
+        """Friction coefficient of the brake; of a table that of a cold lining without pressure."""
+        return self._friction_without_pressure(self.friction_as_written, 0.0)
+
+    def _friction_without_pressure(
+        self, written: float | FrictionTable, temperature_rise: float
+    ) -> float:
+        """The number of a key `friction`, or the coefficient of its table at the pressure 0."""
+        if not isinstance(written, FrictionTable):
+            return written
+        curve = written.curve(self.sliding_speed or 0.0, temperature_rise)
+        return float(curve.coefficient(np.zeros(())))
+
+    def friction_curve_of_shoe(self, shoe: Shoe) -> FrictionCurve:
+        """Friction coefficient of a shoe's lining over its pressure.
+
+        A coefficient that does not depend on the pressure is a curve of one point.
+        """
+        own = shoe.lining.friction
+        return friction_curve_of_lining(
+            self.friction_as_written if own is None else own,
+            self.sliding_speed or 0.0,
+            shoe.lining.temperature_rise,
+        )
+
     def friction_of_shoe(self, shoe: Shoe) -> float:
-        """Friction coefficient of a shoe's lining: its own, or that of the brake."""
-        return self.friction if shoe.lining.friction is None else shoe.lining.friction
+        """Friction coefficient of a shoe's lining: its own, or that of the brake.
+
+        Of a table it is the coefficient without pressure.
+        """
+        own = shoe.lining.friction
+        written = self.friction_as_written if own is None else own
+        return self._friction_without_pressure(written, shoe.lining.temperature_rise)
 
     def relative_friction_of_shoe(self, shoe: Shoe) -> float:
         """Friction coefficient of a shoe's lining over the friction coefficient of the brake.
 
         It is 1 for a brake without friction, whose linings have none either.
         """
-        own = shoe.lining.friction
-        return 1.0 if own is None or self.friction == 0 else own / self.friction
+        if not self._has_lining_own_friction(shoe) or self.friction == 0:
+            return 1.0
+        return self.friction_of_shoe(shoe) / self.friction
+
+    def _has_lining_own_friction(self, shoe: Shoe) -> bool:
+        """Whether a lining has its own friction, by its key or because it is heated."""
+        written = self.friction_as_written
+        by_heat = isinstance(written, FrictionTable) and bool(written.temperature_rise)
+        return shoe.lining.friction is not None or (by_heat and shoe.lining.temperature_rise != 0)
 
     def friction_at_friction_of_shoe(self, shoe: Shoe, friction: float) -> float:
         """Friction coefficient of the brake at which the lining of a shoe has the given one.
@@ -417,8 +479,9 @@ class Brake(Part):
     def key_of_first_own_friction(self) -> str | None:
         """The first key by which a lining has a friction of its own; None if no lining has one."""
         for i, shoe in enumerate(self.shoes):
-            if shoe.lining.friction is not None:
-                return f"shoe[{i}].lining.friction"
+            if self._has_lining_own_friction(shoe):
+                own = "temperature_rise" if shoe.lining.friction is None else "friction"
+                return f"shoe[{i}].lining.{own}"
         return None
 
     def check_friction_of_brake_scales_linings(self) -> None:
@@ -439,14 +502,14 @@ class Brake(Part):
         Frictions that linings have of their own change in proportion.
         """
         if self.key_of_first_own_friction() is None:
-            return self.model_copy(update={"friction": friction})
+            return self.model_copy(update={"friction_as_written": friction})
         shoes = []
         for shoe in self.shoes:
             own = friction * self.relative_friction_of_shoe(shoe)
-            changed = None if shoe.lining.friction is None else own
+            changed = own if self._has_lining_own_friction(shoe) else None
             lining = shoe.lining.copy_with({"friction": changed})
             shoes.append(shoe.model_copy(update={"lining": lining}))
-        return self.model_copy(update={"friction": friction, "shoes": tuple(shoes)})
+        return self.model_copy(update={"friction_as_written": friction, "shoes": tuple(shoes)})
 
     @property
     def friction_in_words(self) -> str:
@@ -455,11 +518,13 @@ class Brake(Part):
         Linings are named if they have a friction of their own.
         """
         own = [
-            f"{shoe.lining.friction:g} of shoe {shoe.name!r}"
+            f"{text_of_friction(self.friction_curve_of_shoe(shoe))} of shoe {shoe.name!r}"
             for shoe in self.shoes
-            if shoe.lining.friction is not None
+            if self._has_lining_own_friction(shoe)
         ]
-        return ", ".join([f"mu = {self.friction:g}", *own])
+        speed, written = self.sliding_speed or 0.0, self.friction_as_written
+        of_brake = text_of_friction(friction_curve_of_lining(written, speed, 0.0))
+        return ", ".join([f"mu = {of_brake}", *own])
 
     def signed_friction_per_pressure(self, shoe: Shoe) -> float:
         """Friction stress on the lining of a shoe per pressure at full slip: friction times spin.
@@ -512,12 +577,6 @@ class Brake(Part):
             if reason is not None:
                 return f"shoe {shoe.name!r}: {reason}"
         return None
-
-    def check_shoes_have_one_lining(self, what: str) -> None:
-        """Raise BadInput if a shoe has slots between linings, which `what` does not take."""
-        reason = self.reason_against_several_linings(what)
-        if reason is not None:
-            raise BadInput(reason)
 
     def reason_why_not_all_shoes_hinged(self) -> str | None:
         """Why not every shoe turns about a hinge under a known force; None if every shoe does."""

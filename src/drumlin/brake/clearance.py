@@ -126,7 +126,7 @@ def _rows_and_slope_changes_of_clearance(lining: Lining) -> list[tuple[float, fl
     See `coordinates_of_clearance_rows` and `clearance_slope_changes`.
     """
     found: list[tuple[float, float]] = []
-    for part in lining.linings:
+    for part in lining.linings_apart:
         if not isinstance(part.clearance, tuple):
             continue
         angle, gap = np.array(part.clearance).T
@@ -134,7 +134,7 @@ def _rows_and_slope_changes_of_clearance(lining: Lining) -> list[tuple[float, fl
         slope = np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]])
         rows = zip(angle.tolist(), np.diff(slope).tolist(), strict=True)
         # Beyond a lining of a row its table means nothing: another lining may lie there.
-        alone = len(lining.linings) == 1
+        alone = len(lining.linings_apart) == 1
         found += [row for row in rows if alone or part.start < row[0] < part.end]
     return found
 

@@ -5,13 +5,13 @@ All quantities are in SI units.
 
 import math
 from abc import abstractmethod
+from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
-    AfterValidator,
     Discriminator,
     Field,
     SerializerFunctionWrapHandler,
@@ -22,8 +22,8 @@ from pydantic import (
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.fields import (
-    PURE_NUMBER,
     Angle,
+    AngularSpeed,
     AnyMaterial,
     BendingStiffness,
     Expansion,
@@ -40,15 +40,8 @@ from drumlin.brake.fields import (
     validator_of_number_or_table,
     validator_of_table_with_growing_coordinates,
 )
-from drumlin.brake.units import SMALLEST, deg_text, mm_text
-
-Friction = Annotated[
-    float,
-    Field(ge=0, le=1e6, strict=True),
-    AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0),
-    PURE_NUMBER,
-]
-"""The type of a friction coefficient. A value below SMALLEST is set to 0, as for all quantities."""
+from drumlin.brake.friction import FrictionOrTable, FrictionTable
+from drumlin.brake.units import deg_text, mm_text
 
 
 class Section(NamedTuple):
@@ -213,7 +206,8 @@ class Drum(Part):
     the drum: `angle` [rad] is the angular position of the drum, and the harmonics are given for
     `angle` = 0. A heated drum grows: `temperature_rise` [K] is the rise at its friction surface,
     `back_temperature_rise` [K] that at the far edge of its ring, and `expansion` [1/K] is its
-    coefficient of thermal expansion, see `drumlin.brake.heat`.
+    coefficient of thermal expansion, see `drumlin.brake.heat`. `speed` [rad/s] is the angular speed
+    of the drum, on which a friction coefficient may depend.
     """
 
     radius: Thickness
@@ -223,6 +217,7 @@ class Drum(Part):
     temperature_rise: TemperatureRise = 0.0
     back_temperature_rise: TemperatureRise | None = None
     expansion: Expansion | None = None
+    speed: AngularSpeed | None = None
 
 
 # Types of quantities that are constant or given by a table: over the distance from the hinge for a
@@ -325,7 +320,9 @@ class Lining(Part):
         @property
         def misfit(self) -> Misfit: ...
         @property
-        def friction(self) -> float | None: ...
+        def friction(self) -> float | FrictionTable | None: ...
+        @property
+        def temperature_rise(self) -> float: ...
 
     @property
     def linings(self) -> "tuple[Lining, ...]":
@@ -333,12 +330,17 @@ class Lining(Part):
         return (self,)
 
     @property
+    def linings_apart(self) -> "tuple[Lining, ...]":
+        """The linings with slots between them by growing coordinate; linings that touch are one."""
+        return self.linings
+
+    @property
     def arcs(self) -> tuple[tuple[float, float], ...]:
         """Begin and end of each part of the friction surface, by growing coordinate.
 
         Between two parts is a slot without lining. Linings that touch are one part.
         """
-        return ((self.start, self.end),)
+        return tuple((part.start, part.end) for part in self.linings_apart)
 
     @property
     def slots(self) -> tuple[tuple[float, float], ...]:
@@ -363,6 +365,11 @@ class Lining(Part):
     def copy_with(self, changes: Mapping[str, object]) -> Self:
         """A copy in which fields of every lining have other values, by the name of the field."""
         return self.model_copy(update=dict(changes))
+
+    def copy_with_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
+        """A copy with other clearances: one for each of `arcs`, in their order."""
+        (clearance,) = clearances
+        return self.model_copy(update={"clearance": clearance})
 
     def clearance_at_surface_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] without the misfit at the surface coordinates `theta`, same shape."""
@@ -389,7 +396,8 @@ class DrumLining(Lining):
 
     `clearance` [m] is the gap between unloaded lining and drum, positive if open: a number, or a
     table of rows (angle, clearance) with linear interpolation. The gap due to the `misfit` is added
-    to it. `friction` is the lining's own friction coefficient, by default that of the brake.
+    to it. `friction` is the lining's own friction coefficient, or a table of it, by default that of
+    the brake.
     """
 
     start: Angle
@@ -399,7 +407,7 @@ class DrumLining(Lining):
     material: AnyMaterial
     clearance: Clearance = 0.0
     misfit: Misfit = Misfit()
-    friction: Friction | None = None
+    friction: FrictionOrTable | None = None
     temperature_rise: TemperatureRise = 0.0
     back_temperature_rise: TemperatureRise | None = None
 
@@ -485,13 +493,14 @@ class DrumLiningRow(Lining):
         return self.parts
 
     @property
-    def arcs(self) -> tuple[tuple[float, float], ...]:
-        """First and last angle of each part of the friction surface; touching linings are one."""
-        found = [(self.parts[0].start, self.parts[0].end)]
+    def linings_apart(self) -> tuple[Lining, ...]:
+        """The linings with slots between them by growing angle; linings that touch are one."""
+        found = [self.parts[0]]
         for part in self.parts[1:]:
-            touches = part.start - found[-1][1] <= TOUCHING
-            start = found.pop()[0] if touches else part.start
-            found.append((start, part.end))
+            if part.start - found[-1].end <= TOUCHING:
+                found[-1] = found[-1].model_copy(update={"end": part.end})
+            else:
+                found.append(part)
         return tuple(found)
 
     @property
@@ -520,8 +529,8 @@ class DrumLiningRow(Lining):
         return self.parts[0].material
 
     @property
-    def friction(self) -> float | None:
-        """Friction coefficient of all linings; None for that of the brake."""
+    def friction(self) -> float | FrictionTable | None:
+        """Friction coefficient of all linings, or its table; None for that of the brake."""
         return self.parts[0].friction
 
     @property
@@ -543,6 +552,16 @@ class DrumLiningRow(Lining):
         """A copy in which fields of every lining have other values, by the name of the field."""
         parts = tuple(part.model_copy(update=dict(changes)) for part in self.parts)
         return self.model_copy(update={"parts": parts})
+
+    def copy_with_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
+        """A copy with other clearances: one for each of `arcs`, in their order."""
+        # Linings that touch are on one arc and have one clearance.
+        starts = [start for start, _ in self.arcs]
+        parts = []
+        for part in self.parts:
+            own = clearances[bisect_right(starts, part.start) - 1]
+            parts.append(part.model_copy(update={"clearance": own}))
+        return self.model_copy(update={"parts": tuple(parts)})
 
     def clearance_at_surface_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] without the misfit at the angles `theta`, same shape.
@@ -797,6 +816,8 @@ class Actuation(Part):
 
     If the drive of the brake gives the forces (`Drive`), the file gives no force for the shoe.
     """
+
+    hint_if_several: ClassVar[str] = "; further forces on a shoe are [[shoe.force]]"
 
     force: Force = 0.0
     direction: Angle

@@ -28,7 +28,6 @@ from drumlin.brake.components import (
     Bar,
     Beam,
     Drum,
-    Friction,
     Lining,
     Lobes,
     Ring,
@@ -37,6 +36,7 @@ from drumlin.brake.components import (
 )
 from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive
 from drumlin.brake.fields import AngularSpeed, Point, Title, check_shoe_names_differ
+from drumlin.brake.friction import FrictionOrTable, check_speed_of_friction_tables
 from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_spring_pulls
 from drumlin.brake.heat import (
     check_heated_drum_can_expand,
@@ -144,7 +144,7 @@ class DrumBrake(Brake):
 
     title: Title
     rotation: Literal["counter-clockwise", "clockwise"]
-    friction: Friction
+    friction_as_written: Annotated[FrictionOrTable, Field(alias="friction")]
     drum: Drum
     shoes: Annotated[tuple[DrumShoe, ...], Field(alias="shoe", min_length=1)]
     actuation: Drive | None = None
@@ -153,6 +153,16 @@ class DrumBrake(Brake):
     levers: Annotated[tuple[Lever, ...], Field(alias="lever")] = ()
     gravity: Gravity | None = None
     shoe_speed: AngularSpeed | None = None
+
+    @property
+    def sliding_speed(self) -> float | None:
+        """Speed [m/s] at which the drum slides over the linings; None if no speed is given.
+
+        Shoes may turn about the drum's centre, in the sense of the drum.
+        """
+        if self.drum.speed is None and self.shoe_speed is None:
+            return None
+        return self.drum.radius * abs((self.drum.speed or 0.0) - (self.shoe_speed or 0.0))
 
     @property
     def direction(self) -> str:
@@ -180,12 +190,13 @@ class DrumBrake(Brake):
         friction coefficient above 0 becomes 1.
         """
         plain = {"out_of_round": (), "angle": 0.0, "temperature_rise": 0.0}
-        drum = self.drum.model_copy(update=plain | {"back_temperature_rise": None})
+        absent = {"back_temperature_rise": None, "speed": None}
+        drum = self.drum.model_copy(update=plain | absent)
         # The condensed stiffness depends on whether there is friction, not on its coefficient.
         changes = {
             "title": "-",
             "rotation": self.directions[0],
-            "friction": float(self.friction > 0),
+            "friction_as_written": float(self.friction > 0),
             "drum": drum,
             "springs": (),
             "levers": (),
@@ -233,6 +244,7 @@ class DrumBrake(Brake):
         Returns the brake with these forces. Raises ValueError if the parts do not fit together.
         """
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
+        check_speed_of_friction_tables(self, "drum.speed", self.drum.speed is not None)
         self.check_friction_of_brake_scales_linings()
         # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))

@@ -9,7 +9,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Annotated, Any, Self, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Self, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -102,6 +102,9 @@ SpringRate = Annotated[float, _validator_that_converts_quantity_to_si("N/m")]
 Mass = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("kg")]
 Acceleration = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("m/s^2")]
 AngularSpeed = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("rad/s")]
+PressureOfTable = Annotated[float, Field(ge=0), _validator_that_converts_quantity_to_si("Pa")]
+SpeedOfTable = Annotated[float, Field(ge=0), _validator_that_converts_quantity_to_si("m/s")]
+Speed = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("m/s")]
 TemperatureRise = Annotated[float, _validator_that_converts_quantity_to_si("K")]
 Expansion = Annotated[float, _validator_that_converts_quantity_to_si("1/K")]
 BendingStiffness = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("N m^2")]
@@ -118,6 +121,9 @@ class Part(BaseModel):
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True
     )
 
+    # What the error line adds where a file has a list of tables in the place of one table.
+    hint_if_several: ClassVar[str] = ""
+
     @model_validator(mode="before")
     @classmethod
     def _check_keys_are_known(cls, data: object) -> object:
@@ -130,7 +136,8 @@ class Part(BaseModel):
                     meant = did_you_mean_hint(str(key), allowed)
                     raise ValueError(f"unknown key {key!r}{meant}; allowed: {', '.join(allowed)}")
         elif not isinstance(data, Part):
-            raise ValueError(f"must be a table with keys of {', '.join(allowed)}")
+            several = cls.hint_if_several if isinstance(data, list) else ""
+            raise ValueError(f"must be a table with keys of {', '.join(allowed)}{several}")
         return data
 
     def __copy__(self) -> Self:

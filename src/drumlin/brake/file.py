@@ -50,6 +50,7 @@ pydantic's own messages for these errors use words of Python, such as "tuple".
 UNION_TAGS = {
     *("arc", "beam", "isotropic", "orthotropic", "float", "str"),
     *("one lining", "several linings", "parts"),
+    *("friction number", "friction table"),
 }
 """Words in pydantic's path to a wrong value that are no keys of the brake file.
 
@@ -222,7 +223,7 @@ def si_unit_of_brake_key(brake: Part, key: str) -> str | None:
     It is "" for a number without unit, and None if the value is no number. The key is written as
     for `vary`. Raises BadInput for an unknown key.
     """
-    parts, name = _parts_and_field_of_key(brake, key)
+    parts, name = parts_and_field_of_key(brake, key)
     if isinstance(parts[0], Point) and name in POLAR_UNITS:
         return POLAR_UNITS[name]
     field = type(parts[0]).model_fields[name]
@@ -239,7 +240,7 @@ def is_allowed_range_an_interval(brake: Part, key: str) -> bool:
     """
     unit = si_unit_of_brake_key(brake, key)
     return unit not in {None, "rad"} and not isinstance(
-        _parts_and_field_of_key(brake, key)[0][0], Point
+        parts_and_field_of_key(brake, key)[0][0], Point
     )
 
 
@@ -248,11 +249,11 @@ def values_of_brake_key(brake: Part, key: str) -> list[Any]:
 
     The key is written as for `vary`. Raises BadInput for an unknown key.
     """
-    parts, name = _parts_and_field_of_key(brake, key)
+    parts, name = parts_and_field_of_key(brake, key)
     return [getattr(part, name) for part in parts]
 
 
-def _parts_and_field_of_key(brake: Part, key: str) -> tuple[list[Part], str]:
+def parts_and_field_of_key(brake: Part, key: str) -> tuple[list[Part], str]:
     """Find the parts of a brake that a key belongs to, and the name of its field in Python.
 
     There are several parts if the key means every shoe. Raises BadInput for an unknown key.

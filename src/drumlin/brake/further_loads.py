@@ -1,13 +1,14 @@
 """Loads on a shoe besides its actuation: plain forces, springs, weight and centrifugal forces.
 
-A load is written as its resultant (3,) about the origin of the brake: force x, force y [N] and
-moment [N m], counter-clockwise positive. The brake file gives plain forces and masses for each
-shoe. Springs, gravity and the speed of rotating shoes are keys of the whole brake.
+The brake file gives plain forces and masses for each shoe. Springs, levers, gravity and the speed
+of rotating shoes are keys of the whole brake, which tells them to its shoes as forces at points and
+as accelerations of masses. The resultant (3,) of a load is about the origin of the brake: force x,
+force y [N] and moment [N m], counter-clockwise positive.
 """
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -29,8 +30,35 @@ from drumlin.brake.fields import (
 STANDARD_GRAVITY = 9.80665
 """Standard acceleration of free fall [m/s^2], by definition of the CGPM of 1901."""
 
-NO_LOAD = (0.0, 0.0, 0.0)
-"""Resultant of a shoe on which the brake as a whole exerts no further load."""
+
+class ForceAtPoint(NamedTuple):
+    """A force `force` (2,) [N] that acts on a shoe at a `point` (2,) [m]."""
+
+    force: tuple[float, float]
+    point: tuple[float, float]
+
+
+class LoadsOfBrake(NamedTuple):
+    """The loads on a shoe that follow from keys of the whole brake.
+
+    Attributes
+    ----------
+    forces : forces of springs and levers at their points; a spring without pull has a force of 0
+    gravity : (2,) acceleration of free fall [m/s^2]
+    square_of_speed : square of the angular velocity of the shoe about the origin [rad^2/s^2]
+    """
+
+    forces: tuple[ForceAtPoint, ...] = ()
+    gravity: tuple[float, float] = (0.0, 0.0)
+    square_of_speed: float = 0.0
+
+    def acceleration_at_point(self, point: Floats) -> Floats:
+        """Force (2,) per mass [m/s^2] of gravity and rotation on a mass at a point (2,) [m]."""
+        return np.array(self.gravity) + self.square_of_speed * point
+
+
+NO_LOADS = LoadsOfBrake()
+"""Loads of a shoe on which the brake as a whole exerts none."""
 
 
 class ShoeForce(Actuation):
@@ -89,13 +117,12 @@ class Spring(Part):
         along = self.end.xy - self.point.xy
         return np.asarray(along / np.linalg.norm(along))
 
-    def resultant_per_pull_on_shoe(self, name: str) -> Floats:
-        """Resultant (3,) on the shoe with this name, per newton of the spring's pull."""
-        if name == self.shoe:
-            return resultant_of_force_at_point(self.direction_from_point_to_end, self.point.xy)
-        if name == self.to:
-            return resultant_of_force_at_point(-self.direction_from_point_to_end, self.end.xy)
-        return np.zeros(3)
+    def force_on_shoe(self, name: str, pull: float) -> ForceAtPoint | None:
+        """The force of a pull [N] on the shoe with this name; None if the spring is not there."""
+        if name not in (self.shoe, self.to):
+            return None
+        sign, at = (1, self.point) if name == self.shoe else (-1, self.end)
+        return force_at_point(sign * pull * self.direction_from_point_to_end, at.xy)
 
 
 class Lever(ShoeForce):
@@ -145,14 +172,17 @@ class Lever(ShoeForce):
         about_pin = self.moment_of_force_about_point(self.pivot)
         return about_pin / per_newton if per_newton else math.nan
 
-    def resultant_on_shoe(self, name: str) -> Floats:
-        """Resultant (3,) of the lever on the shoe with this name."""
+    def force_on_shoe(self, name: str) -> ForceAtPoint | None:
+        """The force on the shoe with this name; None if neither lever nor strut is there."""
         strut = self.strut_force * self._direction_of_strut
         if name == self.shoe:
-            return resultant_of_force_at_point(self.force_vector - strut, self.pivot.xy)
-        if name == self.to:
-            return resultant_of_force_at_point(strut, self.end.xy)
-        return np.zeros(3)
+            return force_at_point(self.force_vector - strut, self.pivot.xy)
+        return force_at_point(strut, self.end.xy) if name == self.to else None
+
+
+def force_at_point(force: Floats, point: Floats) -> ForceAtPoint:
+    """A force (2,) [N] at a point (2,) [m], as plain numbers."""
+    return ForceAtPoint((float(force[0]), float(force[1])), (float(point[0]), float(point[1])))
 
 
 def resultant_of_force_at_point(force: Floats, point: Floats) -> Floats:
@@ -176,17 +206,23 @@ def brake_with_spring_pulls(brake: Any, pulls: Sequence[float] | None = None) ->
     _check_keys_of_brake_loads(brake)
     if pulls is None:
         pulls = [spring.preload for spring in brake.springs]
+    gravity = brake.gravity and brake.gravity.acceleration * np.array(
+        [math.cos(brake.gravity.direction), math.sin(brake.gravity.direction)]
+    )
     shoes = []
     for shoe in brake.shoes:
-        total = np.zeros(3)
-        for spring, pull in zip(brake.springs, pulls, strict=True):
-            total += pull * spring.resultant_per_pull_on_shoe(shoe.name)
-        for lever in brake.levers:
-            total += lever.resultant_on_shoe(shoe.name)
+        acting = [
+            spring.force_on_shoe(shoe.name, pull)
+            for spring, pull in zip(brake.springs, pulls, strict=True)
+        ]
+        acting += [lever.force_on_shoe(shoe.name) for lever in brake.levers]
+        loads = LoadsOfBrake(tuple(force for force in acting if force is not None))
         if shoe.mass is not None:
-            force = shoe.mass.mass * acceleration_of_mass(brake, shoe.mass.point.xy)
-            total += resultant_of_force_at_point(force, shoe.mass.point.xy)
-        shoes.append(shoe.shoe_with_loads_of_brake(total))
+            loads = loads._replace(
+                gravity=(0.0, 0.0) if gravity is None else tuple(gravity.tolist()),
+                square_of_speed=(brake.shoe_speed or 0.0) ** 2,
+            )
+        shoes.append(shoe.shoe_with_loads_of_brake(loads))
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
@@ -204,15 +240,13 @@ def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> A
     return brake_with_spring_pulls(brake.model_copy(update={"springs": springs}))
 
 
-def acceleration_of_mass(brake: Any, point: Floats) -> Floats:
-    """Force (2,) per mass [m/s^2] of gravity and rotation on a mass at a point (2,) [m]."""
-    found = np.zeros(2)
-    if brake.gravity is not None:
-        angle = brake.gravity.direction
-        found += brake.gravity.acceleration * np.array([math.cos(angle), math.sin(angle)])
-    if brake.shoe_speed is not None:
-        found += brake.shoe_speed**2 * point
-    return found
+def brake_with_loads_at_actuation(brake: Any) -> Any:
+    """The brake on whose shoes finite elements let all loads act where the actuation acts.
+
+    Models of shoes with their widths have loads nowhere else.
+    """
+    shoes = tuple(shoe.shoe_with_loads_at_actuation() for shoe in brake.shoes)
+    return brake.model_copy(update={"shoes": shoes})
 
 
 def _check_keys_of_brake_loads(brake: Any) -> None:

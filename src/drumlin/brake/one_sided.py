@@ -35,6 +35,12 @@ small.
 """
 
 
+NOT_HELD_TEXT = (
+    "no equilibrium, on no choice of its one-sided supports do pushes balance the actuation"
+)
+"""Text of the refusal of a shoe that its anchors, abutments and struts cannot hold by pushing."""
+
+
 class SideOfSupport(NamedTuple):
     """The push of a one-sided support on one shoe.
 
@@ -97,6 +103,29 @@ def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
             name = f"anchor{number} of {shoe.name!r}"
             found.append(OneSidedSupport(name, (side,), anchor.clearance))
     return tuple(found)
+
+
+def groups_of_shoes_on_anchors(brake: Brake) -> list[tuple[int, ...]]:
+    """The positions of the shoes on anchors, in groups that struts join."""
+    groups: list[tuple[int, ...]] = []
+    joined: dict[int, tuple[int, ...]] = {}
+    for support in one_sided_supports_of_brake(brake):
+        if support.is_strut:
+            ends = tuple(sorted(side.shoe for side in support.sides))
+            joined |= dict.fromkeys(ends, ends)
+    for i, shoe in enumerate(brake.shoes):
+        group = joined.get(i, (i,))
+        if shoe.anchors and group not in groups:
+            groups.append(group)
+    return groups
+
+
+def pushes_of_one_sided_supports_on_shoe(brake: Brake, name: str) -> list[Actuation]:
+    """The pushes of 1 N of the one-sided supports on the shoe called `name`, in their order."""
+    found = []
+    for support in one_sided_supports_of_brake(brake):
+        found += [side.push for side in support.sides if brake.shoes[side.shoe].name == name]
+    return found
 
 
 def _unit_push(point: Point, direction: float) -> Actuation:

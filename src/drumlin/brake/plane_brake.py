@@ -22,7 +22,6 @@ from drumlin.brake.components import (
     ROUNDED_STEP,
     Backing,
     Bar,
-    Friction,
     Lining,
     Misfit,
 )
@@ -34,6 +33,7 @@ from drumlin.brake.fields import (
     Part,
     Point,
     Rows,
+    Speed,
     TemperatureRise,
     Thickness,
     Title,
@@ -46,6 +46,7 @@ from drumlin.brake.file import (
     parse_text_of_brake_file,
     read_data_of_brake_file,
 )
+from drumlin.brake.friction import FrictionOrTable, check_speed_of_friction_tables
 from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_spring_pulls
 from drumlin.brake.heat import check_heated_shoes_can_expand
 from drumlin.brake.off_circle import gap_of_pad_ground_to_circle
@@ -56,9 +57,13 @@ from drumlin.brake.units import deg_text, mm_text
 
 
 class Plane(Part):
-    """The sliding plane y = 0 and the direction in which the body slides."""
+    """The sliding plane y = 0 and the direction in which the body slides.
+
+    `speed` [m/s] is the sliding speed, on which a friction coefficient may depend.
+    """
 
     sliding: Literal["+x", "-x"]
+    speed: Speed | None = None
 
 
 class FlatMisfit(Misfit):
@@ -81,7 +86,7 @@ class FlatLining(Lining):
     Finite elements need `thickness` [m] and `material`. `clearance` [m] is the gap between unloaded
     lining and plane, positive if open: a number, or a table of rows (x, clearance) with linear
     interpolation. The gap due to the `misfit` is added to it. `friction` is the lining's own
-    friction coefficient, by default that of the brake.
+    friction coefficient, or a table of it, by default that of the brake.
     """
 
     start: Length
@@ -93,7 +98,7 @@ class FlatLining(Lining):
         float | Rows, validator_of_number_or_table("place", "m", "clearance", "m")
     ] = 0.0
     misfit: FlatMisfit = FlatMisfit()
-    friction: Friction | None = None
+    friction: FrictionOrTable | None = None
     temperature_rise: TemperatureRise = 0.0
     back_temperature_rise: TemperatureRise | None = None
 
@@ -257,7 +262,7 @@ class FlatBrake(Brake):
     directions = ("+x", "-x")
 
     title: Title
-    friction: Friction
+    friction_as_written: Annotated[FrictionOrTable, Field(alias="friction")]
     plane: Plane
     shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
     actuation: Drive | None = None
@@ -270,6 +275,11 @@ class FlatBrake(Brake):
     def shoe_speed(self) -> float | None:
         """Always None: shoes on a plane do not turn about a drum's centre."""
         return None
+
+    @property
+    def sliding_speed(self) -> float | None:
+        """Speed [m/s] at which the body slides; None if it is not given."""
+        return self.plane.speed
 
     @property
     def direction(self) -> str:
@@ -293,7 +303,7 @@ class FlatBrake(Brake):
         """
         changes = {
             "title": "-",
-            "friction": float(self.friction > 0),
+            "friction_as_written": float(self.friction > 0),
             "plane": Plane(sliding="+x"),
             "springs": (),
             "levers": (),
@@ -314,6 +324,7 @@ class FlatBrake(Brake):
         Returns the brake with these forces. Raises ValueError if the parts do not fit together.
         """
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
+        check_speed_of_friction_tables(self, "plane.speed", self.plane.speed is not None)
         self.check_friction_of_brake_scales_linings()
         # Only data of a file must have units: this tells them from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))

@@ -156,7 +156,8 @@ def _lines_on_friction(brake: Brake) -> Iterator[str]:
     """A line on each friction coefficient that no lining has."""
     frictions = {"friction": brake.friction}
     for i, shoe in enumerate(brake.shoes):
-        frictions[f"shoe[{i}].lining.friction"] = shoe.lining.friction or 0.0
+        if shoe.lining.friction is not None:
+            frictions[f"shoe[{i}].lining.friction"] = brake.friction_of_shoe(shoe)
     for key, friction in frictions.items():
         if friction > HIGH_FRICTION:
             meant = f"; did you mean {friction / 100:g}, which is {friction:g} %?"

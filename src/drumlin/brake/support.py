@@ -31,7 +31,15 @@ from drumlin.base.arrays import Floats
 from drumlin.base.files import register_protected_input_file
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import PURE_NUMBER, Angle, Length, Name, Part, Place, Point
-from drumlin.brake.further_loads import NO_LOAD, ShoeForce, ShoeMass, resultant_of_force_at_point
+from drumlin.brake.further_loads import (
+    NO_LOADS,
+    ForceAtPoint,
+    LoadsOfBrake,
+    ShoeForce,
+    ShoeMass,
+    force_at_point,
+    resultant_of_force_at_point,
+)
 
 MAIN_SUPPORTS = ("hinge", "abutment", "guide")
 """Keys of the supports; a shoe has exactly one of them. A pivot needs a hinge besides."""
@@ -178,8 +186,10 @@ class Held(Part):
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
     forces: Annotated[tuple[ShoeForce, ...], Field(alias="force")] = ()
     mass: ShoeMass | None = None
-    # The resultant of springs, weight and centrifugal force, which the brake tells its shoes.
-    _load_of_brake: tuple[float, float, float] = PrivateAttr(NO_LOAD)
+    # The loads of springs, levers, gravity and rotation, which the brake tells its shoes.
+    _loads_of_brake: LoadsOfBrake = PrivateAttr(NO_LOADS)
+    # Whether finite elements let all loads of the shoe act where its actuation acts.
+    _has_loads_at_actuation: bool = PrivateAttr(False)
 
     @model_validator(mode="after")
     def _check_has_one_support(self) -> Self:
@@ -246,16 +256,50 @@ class Held(Part):
         actuation = self.actuation.model_copy(update={"force": force})
         return self.model_copy(update={"actuation": actuation})
 
-    def shoe_with_loads_of_brake(self, load: Floats) -> Self:
-        """A copy of the shoe under a resultant (3,) of springs, weight and centrifugal force."""
+    def shoe_with_loads_of_brake(self, loads: LoadsOfBrake) -> Self:
+        """A copy of the shoe under loads of springs, levers, gravity and rotation."""
         shoe = self.model_copy()
-        shoe._load_of_brake = (float(load[0]), float(load[1]), float(load[2]))
+        shoe._loads_of_brake = loads
         return shoe
+
+    def shoe_with_loads_at_actuation(self) -> Self:
+        """A copy of the shoe on which finite elements let all loads act where its actuation acts.
+
+        Only the resultant of the loads then matters, as on a rigid shoe.
+        """
+        shoe = self.model_copy()
+        shoe._has_loads_at_actuation = True
+        return shoe
+
+    @property
+    def has_loads_at_actuation(self) -> bool:
+        """Whether finite elements let all loads of the shoe act where its actuation acts."""
+        return self._has_loads_at_actuation
+
+    @property
+    def loads_of_brake(self) -> LoadsOfBrake:
+        """The loads on the shoe by springs, levers, gravity and rotation."""
+        return self._loads_of_brake
+
+    @property
+    def further_forces_at_points(self) -> tuple[ForceAtPoint, ...]:
+        """The forces on the shoe besides its actuation and the forces on its mass."""
+        of_shoe = [force_at_point(each.force_vector, each.point.xy) for each in self.forces]
+        return (*of_shoe, *self._loads_of_brake.forces)
+
+    @property
+    def _force_on_mass(self) -> ForceAtPoint | None:
+        """The force of gravity and rotation at the centre of mass; None without a mass."""
+        if self.mass is None:
+            return None
+        at = self.mass.point.xy
+        return force_at_point(self.mass.mass * self._loads_of_brake.acceleration_at_point(at), at)
 
     @property
     def has_further_loads(self) -> bool:
         """Whether forces act on the shoe besides its actuation and its support."""
-        return bool(self.forces) or any(self._load_of_brake)
+        acting = (*self._loads_of_brake.forces, self._force_on_mass)
+        return bool(self.forces) or any(each is not None and any(each.force) for each in acting)
 
     @property
     def is_loaded(self) -> bool:
@@ -266,7 +310,9 @@ class Held(Part):
     def largest_load(self) -> float:
         """Largest force [N] among the actuation, the further forces and the loads of the brake."""
         forces = [abs(each.force) for each in (self.actuation, *self.forces)]
-        return max(*forces, math.hypot(*self._load_of_brake[:2]))
+        of_brake = (*self._loads_of_brake.forces, self._force_on_mass)
+        of_brake_sizes = [math.hypot(*each.force) for each in of_brake if each is not None]
+        return max(*forces, *of_brake_sizes, 0.0)
 
     @property
     def further_load(self) -> Floats:
@@ -274,9 +320,10 @@ class Held(Part):
 
         The moment is about the origin of the brake.
         """
-        total = np.array(self._load_of_brake)
-        for each in self.forces:
-            total += resultant_of_force_at_point(each.force_vector, each.point.xy)
+        total = np.zeros(3)
+        for each in (*self.further_forces_at_points, self._force_on_mass):
+            if each is not None:
+                total += resultant_of_force_at_point(np.array(each.force), np.array(each.point))
         return total
 
     @property

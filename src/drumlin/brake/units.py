@@ -60,6 +60,7 @@ EXAMPLES = {
     "kg": "1.5 kg",
     "m/s^2": "9.81 m/s^2",
     "rad/s": "1500 rpm",
+    "m/s": "12 m/s",
     "K": "180 K",
     "1/K": "12e-6 1/K",
 }
@@ -77,6 +78,7 @@ QUANTITY_NAMES = {
     "kg": "a mass",
     "m/s^2": "an acceleration",
     "rad/s": "an angular speed",
+    "m/s": "a speed",
     "K": "a temperature rise",
     "1/K": "a coefficient of thermal expansion",
 }
@@ -93,6 +95,7 @@ COMMON = {
     "kg": {"kg": 1.0, "g": 1e-3},
     "m/s^2": {"m/s^2": 1.0},
     "rad/s": {"rad/s": 1.0, "rpm": math.pi / 30},
+    "m/s": {"m/s": 1.0, "km/h": 1 / 3.6},
     # Every temperature of a brake file is a difference, so that 180 degC is a rise by 180 K.
     "K": {"K": 1.0, "degC": 1.0, "°C": 1.0, "degF": 5 / 9, "°F": 5 / 9},
     "1/K": {"1/K": 1.0, "1/degC": 1.0, "1/°C": 1.0, "um/(m K)": 1e-6},

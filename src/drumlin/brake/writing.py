@@ -19,10 +19,11 @@ from drumlin.brake.fields import (
     si_unit_of_field_type,
     si_units_of_table_field,
 )
+from drumlin.brake.friction import FrictionTable
 from drumlin.brake.support import Held
 from drumlin.brake.units import COMMON, quantity_in_si
 
-INLINE = (Material, Orthotropic, Point, Misfit, Lobes, Table)
+INLINE = (Material, Orthotropic, Point, Misfit, Lobes, Table, FrictionTable)
 """Classes of parts that a brake file has in one line, in braces, and not as a table of lines."""
 
 READABLE = {
@@ -119,13 +120,20 @@ def _toml_text_of_value(value: Any, field: FieldInfo) -> str:
     # The units of a table of numbers, or of a number, are found from the type of the field.
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     if isinstance(value, tuple):
-        place, size = si_units_of_table_field(kind)
-        rows = [
-            f"[{quoted_toml_text_of_quantity(a, place)}, {quoted_toml_text_of_quantity(b, size)}]"
-            for a, b in value
-        ]
-        return f"[{', '.join(rows)}]"
+        return f"[{', '.join(_toml_texts_of_table_rows(value, kind))}]"
     return quoted_toml_text_of_quantity(value, si_unit_of_field_type(kind) or "")
+
+
+def _toml_texts_of_table_rows(rows: tuple[Any, ...], kind: Any) -> list[str]:
+    """The text of each row of a table, or of each quantity of a column; `kind` is the type."""
+    if not isinstance(rows[0], tuple):
+        si = si_unit_of_field_type(kind) or ""
+        return [quoted_toml_text_of_quantity(item, si) for item in rows]
+    place, size = si_units_of_table_field(kind)
+    return [
+        f"[{quoted_toml_text_of_quantity(a, place)}, {quoted_toml_text_of_quantity(b, size)}]"
+        for a, b in rows
+    ]
 
 
 def _toml_text_in_quotes(text: str) -> str:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.explore.knobs import LARGEST_WEAR, KnobSetting, brake_at_knob_setting, knobs_for_brake
 from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
 from drumlin.fem.error_control.levels import LEVELS
@@ -165,6 +166,7 @@ class Explorer:
 
     def __init__(self, brake: Brake) -> None:
         model_with_name_that_applies_to_brake("fem", brake)
+        require_friction_without_pressure(brake, "explore")
         self.brake, self.knobs = brake, knobs_for_brake(brake)
         self._scene = LatestValueCache()
         self._worn = LatestValueCache()
@@ -212,7 +214,8 @@ class Explorer:
             return make_prepared_model(rough, EXPLORE_LEVEL)
 
         # Brakes that differ in loads or friction only have the same key in the cache.
-        key = brake_without_loads_and_clearances(brake).model_copy(update={"friction": 1.0})
+        with_friction = {"friction_as_written": 1.0}
+        key = brake_without_loads_and_clearances(brake).model_copy(update=with_friction)
         return self._scene.get((key, model), prepare_model_with_friction)
 
     def _brake_worn_over_distance(

@@ -15,7 +15,7 @@ from drumlin.base.round_numbers import round_numbers_about
 from drumlin.base.texts import printable_single_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.components import Beam, Lining
 from drumlin.brake.drive import Drive
 from drumlin.fem.width.functions import has_several_widths
 from drumlin.fem.width.prepare import reason_against_width_model
@@ -345,13 +345,25 @@ def _new_directions_of_turned_forces(brake: Brake, by: float) -> Changes:
     return changes
 
 
+def _linings_by_brake_file_key(brake: Brake) -> dict[str, Lining]:
+    """The linings of all shoes by their key in the brake file, such as "shoe[0].lining[1]"."""
+    linings: dict[str, Lining] = {}
+    for i, shoe in enumerate(brake.shoes):
+        parts = shoe.lining.linings
+        for k, part in enumerate(parts):
+            number = f"[{k}]" if len(parts) > 1 else ""
+            linings[f"shoe[{i}].lining{number}"] = part
+    return linings
+
+
 def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
     """The knob of the clearance between linings and drum, with a smallest change `step` [mm].
 
     Where the shoes have different clearances, or tables of clearance, the knob's value is added to
     the clearances of the brake file.
     """
-    given = [shoe.lining.clearance for shoe in brake.shoes]
+    linings = _linings_by_brake_file_key(brake)
+    given = [lining.clearance for lining in linings.values()]
     same = len(set(given)) == 1 and isinstance(given[0], float | int)
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
 
@@ -359,8 +371,8 @@ def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
         """New clearances of all linings for the knob at `value` [mm]; all change by one length."""
         more = (value - start) * 1e-3
         made: Changes = {}
-        for i, old in enumerate(given):
-            key = f"shoe[{i}].lining.clearance"
+        for lining, old in zip(linings, given, strict=True):
+            key = f"{lining}.clearance"
             if isinstance(old, tuple):
                 made[key] = np.add(old, [0.0, more]).tolist()
             else:
@@ -383,8 +395,9 @@ def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
     """
     R = brake.size
     given = []
-    for shoe in brake.shoes:
-        radius = shoe.lining.misfit.radius
+    linings = _linings_by_brake_file_key(brake)
+    for lining in linings.values():
+        radius = lining.misfit.radius
         given.append(0.0 if radius is None else radius - R)
     same = len(set(given)) == 1
     start = given[0] * 1e3 if same else 0.0
@@ -393,8 +406,8 @@ def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
         """New radii of all linings for the knob at `value` [mm]; all change by one length."""
         more = (value - start) * 1e-3
         made: Changes = {}
-        for i, old in enumerate(given):
-            made[f"shoe[{i}].lining.misfit.radius"] = R + old + more
+        for lining, old in zip(linings, given, strict=True):
+            made[f"{lining}.misfit.radius"] = R + old + more
         return made
 
     reach = max(200 * step, 2 * abs(start))

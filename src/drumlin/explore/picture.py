@@ -397,9 +397,8 @@ def drawing_lines_of_brake(brake: Brake) -> Mapping[str, Lines]:
     for shoe in brake.shoes:
         # Depths are measured from the friction surface into the shoe.
         lining, depth = shoe.lining, shoe.lining.thickness or 0.0
-        linings.append(
-            _outline_of_shoe_layer(shoe, brake.size, (lining.start, lining.end), (0.0, depth))
-        )
+        for ends in lining.arcs:
+            linings.append(_outline_of_shoe_layer(shoe, brake.size, ends, (0.0, depth)))
         if shoe.mesh is None and isinstance(shoe.body, Bar):
             depth += shoe.backing.thickness if shoe.backing else 0.0
             ends = shoe.body.start, shoe.body.end

@@ -96,7 +96,6 @@ def serve_page_of_brake(brake: Brake, name: str, port: int, ready: Callable[[str
     BadInput
         for a port that is not available, and for a brake that finite elements do not cover
     """
-    brake.check_shoes_have_one_lining("the explorer")
     explorer = Explorer(brake)
     if not 0 <= port <= 65535:
         raise BadInput(f"--port = {port}: must be from 1 to 65535, or 0 for any free one")

@@ -22,6 +22,7 @@ from drumlin.brake.one_sided import SupportForce
 from drumlin.brake.units import mm_text
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.pressure_friction import solve_group_with_its_friction
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
 from drumlin.fem.equilibrium.springs import (
     approach_of_spring_points_by_shoe,
@@ -30,13 +31,14 @@ from drumlin.fem.equilibrium.springs import (
 )
 from drumlin.fem.mesh.from_file import notes_on_mesh_file
 from drumlin.fem.preparation.bodies import (
+    force_of_load_factors,
     load_factors_under_actuation_force,
     moment_of_further_loads_about_pin,
     support_reaction_of_shoe,
 )
 from drumlin.fem.preparation.cache import shape_key_of_shoe
+from drumlin.fem.preparation.load_places import has_loads_at_their_places
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
-from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws.rigid import notes_on_cam_force_of_unlike_linings
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
@@ -185,6 +187,7 @@ def _solve_under_known_spring_pulls(
             *(answer.note for answer in in_order),
             *notes_on_forces_of_supports([answer.response for answer in in_order]),
             *_notes_on_supports_of_shoe_bodies(brake),
+            *_notes_on_loads_away_from_their_places(scene, brake),
             *notes_on_cam_force_of_unlike_linings(brake),
             *filter(None, [note_on_heat(brake)]),
         ),
@@ -197,7 +200,7 @@ def _check_brake_matches_model(scene: PreparedModel, brake: Brake) -> None:
     if [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes] != scene.cache_keys_of_shoe_shapes:
         raise BadInput(
             "the brake differs from the prepared scene in more than "
-            "friction, rotation, load, clearance"
+            "friction, rotation, sizes of loads, clearance"
         )
     if brake.friction > 0 and scene.brake.friction == 0:
         raise BadInput(
@@ -241,6 +244,22 @@ def _notes_on_mesh_files(
     for body, shoe, response in zip(scene.bodies, brake.shoes, responses, strict=True):
         if body.of_file is not None:
             yield from notes_on_mesh_file(shoe, body.of_file, response)
+
+
+def _notes_on_loads_away_from_their_places(scene: PreparedModel, brake: Brake) -> Iterator[str]:
+    """Yield a line of text on elastic shoes whose further loads act where the actuation acts."""
+    names = [
+        repr(shoe.name)
+        for shoe, body in zip(brake.shoes, scene.bodies, strict=True)
+        if shoe.body is not None
+        and shoe.has_further_loads
+        and not has_loads_at_their_places(body.unit_load_vectors_by_name)
+    ]
+    if names:
+        yield (
+            f"note: shoe {', '.join(names)}: its further forces act where its actuation acts, "
+            "not at their own places"
+        )
 
 
 def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
@@ -366,7 +385,7 @@ def _solve_group_of_coupled_shoes(
     if start is not None:
         parts = [_mark_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))]
         first = np.concatenate(parts)
-    settled = group.solve_contact_and_abutment_friction(first)
+    settled = solve_group_with_its_friction(group, first)
     solution = _group_solution_by_substructures(*settled)
     answers = _results_of_shoes_in_solved_group(solution)
     # A group with shared forces is never refined.
@@ -575,7 +594,8 @@ def _motion_of_shoe_along_spring_pulls(solution: _ShoeSolution) -> Floats:
     elastic = body.load_motion_by_load @ load - body.closure_by_load.T @ p
     if body.load_motion_by_friction is not None:
         drag = brake.signed_friction_per_pressure_in_shoe_frame(shoe)
-        elastic = elastic + drag * (body.load_motion_by_friction @ p)
+        dragging = group.dragging_pressures_of_shoe(k, p)
+        elastic = elastic + drag * (body.load_motion_by_friction @ dragging)
     pin_motion = group.rigid_body_modes_of_shoes[k].pin_motion @ solution.coordinates
     return approach_of_spring_points_by_shoe(brake, shoe, body, elastic, pin_motion)
 
@@ -613,9 +633,11 @@ def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _Force
     moment = abs(solution.force) * group.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
     if shoe.has_further_loads:
         moment += moment_of_further_loads_about_pin(shoe)
-    push = body.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, load)[:2]
+    push = force_of_load_factors(body, shoe, load)
     drag = group.brake.signed_friction_per_pressure_in_shoe_frame(shoe)
-    normal, dragged = body.resultants_of_contact_node_forces @ p
+    dragging = group.dragging_pressures_of_shoe(k, p)
+    normal, dragged = body.resultants_of_contact_node_forces
+    normal, dragged = normal @ p, dragged @ dragging
     contact = drag * dragged - normal
     if solution.support_forces:
         reaction = _resultant_of_support_forces_at_pin(shoe, solution.support_forces)
@@ -625,7 +647,7 @@ def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _Force
         about_pin = contact[2] + moment - planar_cross_product(shoe.pin_in_shoe_frame, contact[:2])
         reaction = -np.append(contact[:2] + push, about_pin)
     else:
-        reaction = support_reaction_of_shoe(body, p, drag, load)
+        reaction = support_reaction_of_shoe(body, p, dragging, drag, load)
     twist = float(reaction[2]) if shoe.kind_of_support in {"guide", "anchor"} else 0.0
     return _ForcesOnShoe(normal, contact, push, moment, reaction[:2], twist)
 
@@ -680,7 +702,7 @@ def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     coupling, modes = group.substructures_of_shoes[k].coupling, group.rigid_body_modes_of_shoes[k]
     drag = group.brake.signed_friction_per_pressure_in_shoe_frame(group.shoes[k])
-    nodal = drag * (coupling.T.T @ p) - coupling.N.T @ p
+    nodal = drag * (coupling.T.T @ group.dragging_pressures_of_shoe(k, p)) - coupling.N.T @ p
     by_actuation = abs(solution.force) * modes.actuation_work + modes.further_work
     for support in solution.support_forces:
         by_actuation += group.work_of_push_on_modes(k, support.push)
@@ -721,6 +743,7 @@ def _note_on_accuracy_of_shoe_contact(solution: _ShoeSolution, errors: _Arithmet
     shoe, lever = group.shoes[k], group.substructures_of_shoes[k].coupling.lever
     contact = "exact contact, no penetration"
     if not math.isinf(group.penalty):
+        lever = lever * group.friction_ratios_at_nodes_of_shoe(k)
         pressed = float(lever @ p)
         softer = float(lever @ solution.pressure_errors[0]) / pressed if pressed else 0.0
         penetration = p.max() / group.contact_stiffness_per_area_of_shoes[k]
@@ -759,8 +782,13 @@ def _response_of_shoe_in_brake_frame(
         brake.signed_friction_per_pressure_in_shoe_frame(shoe),
     )
     phi, on_lining = line.nodes_over_all_linings
+    dragging = group.dragging_pressures_of_shoe(k, p)
     mean = np.zeros(len(phi))
     mean[on_lining] = line.angles_and_mean_pressures(p)[1]
+    stress = None
+    if group.friction_at_nodes is not None:
+        stress = np.zeros(len(phi))
+        stress[on_lining] = abs(drag) * line.angles_and_mean_pressures(dragging)[1]
     pin_motion = modes.pin_motion @ solution.coordinates
     return response_of_pressed_elastic_shoe(
         shoe,
@@ -770,7 +798,7 @@ def _response_of_shoe_in_brake_frame(
         order=line.interpolation_degree_along_contact_line,
         on_lining=on_lining,
         peak=line.inner_part_for_pressure_peak.peak(mean),
-        torque=abs(drag) * float(body.coupling.lever @ p),
+        torque=abs(drag) * float(body.coupling.lever @ dragging),
         normal_force=math.hypot(*acting.resultant_of_pressure[:2]),
         self_energising=_is_shoe_self_energising(solution),
         hinge_reaction=frame.convert_to_brake_frame(acting.support_force),
@@ -783,6 +811,7 @@ def _response_of_shoe_in_brake_frame(
         supports=solution.support_forces,
         motion=None if shoe.kind_of_support == "hinge" else tuple(pin_motion.tolist()),
         surface=line.pressure_over_arc_and_width(p),
+        friction_stress=stress,
         softness=errors.penalty,
         lost=errors.round_off,
     )
@@ -795,11 +824,15 @@ def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     drag = group.brake.signed_friction_per_pressure_in_shoe_frame(group.shoes[k])
-    closures = group.gap_closures_of_test_modes[k]
+    closures, dragging = group.gap_closures_of_test_modes[k], group.dragging_pressures_of_shoe(k, p)
     if group.shoes[k].anchors:
-        work = [float(p @ part @ solution.coordinates) for part in closures]
+        work = [
+            float(acting @ part @ solution.coordinates)
+            for acting, part in zip((p, dragging), closures, strict=True)
+        ]
         return drag * work[1] > NEITHER * abs(work[0])
-    closed, rubbed = float(closures.normal[:, 0] @ p), float(closures.tangential[:, 0] @ p)
+    closed = float(closures.normal[:, 0] @ p)
+    rubbed = float(closures.tangential[:, 0] @ dragging)
     modes = group.rigid_body_modes_of_shoes[k]
     pushing = modes.actuation_work[0]
     if group.shoes[k].has_further_loads:
@@ -855,14 +888,20 @@ def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -
         solution.pressure_errors,
     )
     shoe, body = group.shoes[k], group.substructures_of_shoes[k]
-    area, lever = body.coupling.areas_of_contact_nodes, body.coupling.lever
+    ratios = group.friction_ratios_at_nodes_of_shoe(k)
+    area, lever = body.coupling.areas_of_contact_nodes, body.coupling.lever * ratios
     weight = _node_areas_outside_edge_zones(shoe, body.line.phi, area)
     if weight @ p < 0.5 * (area @ p):
         weight = area
     # The reaction changes by the changed pressures alone, while the actuation stays.
     no_load = np.zeros((body.unit_load_vectors_by_name.number_of_load_columns, 1))
+    dragging = (changes * ratios).T
     reactions = support_reaction_of_shoe(
-        body, changes.T, group.brake.signed_friction_per_pressure_in_shoe_frame(shoe), no_load
+        body,
+        changes.T,
+        dragging,
+        group.brake.signed_friction_per_pressure_in_shoe_frame(shoe),
+        no_load,
     )
     top = float(p[weight > 0].max(initial=0.0))
     at_top = (weight > 0) & (p == top)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
+from drumlin.brake.further_loads import brake_with_loads_at_actuation
 from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_between_zero_and_one
 from drumlin.fem.model import PENALTY, require_positive_penalty
 from drumlin.fem.preparation.cache import Cache
@@ -64,8 +65,9 @@ def solve(
     reason = reason_against_width_model(brake)
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
+    # The solve begins with plane stress, whose loads then act where those of wide shoes act.
     solved = solve_and_keep_brake_with_widths(
-        brake,
+        brake_with_loads_at_actuation(brake),
         Tolerance(asked, asked),
         must=tolerance is not None,
         across=across,

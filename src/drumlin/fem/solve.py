@@ -10,6 +10,7 @@ from functools import partial
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
+from drumlin.brake.friction import key_of_friction_over_pressure
 from drumlin.brake.further_loads import brake_with_spring_pulls
 from drumlin.fem.equilibrium.locking import distance_of_friction_from_self_locking
 from drumlin.fem.error_control.adapt import (
@@ -82,7 +83,8 @@ def solve(
         fem/width/correction.py; it then states the error that remains
     model_error : whether the response states the error that plane stress itself causes, see
         fem/width/error.py; not needed together with `finite_width`
-    self_locking : whether the response states how far the friction is from locking the brake
+    self_locking : whether the response states how far the friction is from locking the brake; it
+        does not for friction that depends on the pressure
     cache : keeps the condensed bodies of earlier solves
 
     Raises
@@ -111,7 +113,7 @@ def solve(
             )
     elif not brake.surface.is_plane_and_not_drum:
         response = _response_with_note_on_curve_balance(brake, response)
-    if self_locking:
+    if self_locking and key_of_friction_over_pressure(brake) is None:
         # An answer that was found is kept where the limit of the elastic brake is not found.
         with add_elapsed_time(seconds, "self-locking"), suppress(NoAnswer):
             # Near the limit the springs of the answer keep their pulls.

@@ -31,6 +31,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
+from drumlin.brake.friction import reason_if_friction_depends_on_pressure
 from drumlin.brake.further_loads import reason_if_shoe_has_further_loads
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
@@ -60,7 +61,7 @@ from drumlin.response.response import (
     response_of_pressed_elastic_shoe,
     response_of_shoe_without_contact,
 )
-from drumlin.response.resultants import Resultant
+from drumlin.response.resultants import Resultant, nodes_with_slots
 
 RING_SECTIONS = 360
 """Number of divisions of each shoe's beam if the user gives none."""
@@ -115,12 +116,11 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
         if not isinstance(shoe.body, Beam):
             return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'
     model = "the foundation model"
-    several = brake.reason_against_several_linings(model)
     return (
-        several
-        or reason_if_shoe_has_further_loads(brake, model)
+        reason_if_shoe_has_further_loads(brake, model)
         or reason_if_any_part_is_orthotropic(brake, model)
         or reason_if_any_shoe_is_heated(brake, model)
+        or reason_if_friction_depends_on_pressure(brake, model)
         or reason_if_ring_support_is_not_plain(brake, model)
     )
 
@@ -482,12 +482,18 @@ def response_of_post_brake_shoe(
     contact = _resultant_of_sector_forces(brake, shoe, theta, N)
     # Friction is self-energising if its moment about the hinge opposes that of the normal forces.
     helping = float(-p.drag * (p.dragged[0] @ N))
-    deformation = Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[:: p.axis.sense])
+    # Between two linings the response has nodes without pressure.
+    place, on_lining = nodes_with_slots(p.values_of_each_lining_by_growing_angle(theta), 1)
+    p_at_place = np.zeros(len(place))
+    p_at_place[on_lining] = pressure[:: p.axis.sense]
+    z_at_place = np.interp(place, theta[:: p.axis.sense], z[:: p.axis.sense])
+    deformation = Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z_at_place)
     return response_of_pressed_elastic_shoe(
         shoe,
         R,
-        theta,
-        pressure,
+        place,
+        p_at_place,
+        on_lining=on_lining,
         order=1,
         torque=abs(contact.moment),
         normal_force=float(np.linalg.norm(contact.normal)),

@@ -1,14 +1,17 @@
 """Divide a shoe of the foundation model into stations along its beam and sectors of its lining.
 
-The shoe of a post brake is a straight beam that carries a lining. The beam has three parts, before,
-under and behind the lining, and each part has equal divisions of length dx. The points between the
-divisions are called stations. Each station under the lining has a sector of the lining. The ends of
-the lining are stations, so that the sectors at the ends are halves. The sums of Barecki & Scieszka
+The shoe of a post brake is a straight beam that carries one lining, or several with slots between
+them. The beam has parts under the linings, in the slots, and before and behind them, and each part
+has equal divisions of length dx. The points between the divisions are called stations. Each station
+under a lining has a sector of the lining. The ends of a lining are stations, so that the sectors at
+the ends are halves. The sums of Barecki & Scieszka
 (1987) are then trapezoidal rules, with errors of second order in dx. At the station of a sector
 only the half of the sector that is farther from the hinge bends the beam. Sum (8) of the paper
 counts the whole sector there, which is an error of first order in dx.
 """
 
+from collections.abc import Sequence
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -45,6 +48,7 @@ class SectionedShoe(NamedTuple):
         moments of the normal forces
     closing : (m, n) [m], closing of the gap at each sector per turn of the beam at each station
     drag : mu_hat, ratio of the friction force towards the loaded end to the normal force
+    further_linings : number of the first sector of each lining behind the first one
     """
 
     axis: Axis
@@ -61,6 +65,12 @@ class SectionedShoe(NamedTuple):
     loaded: Floats
     closing: Floats
     drag: float
+    further_linings: tuple[int, ...] = ()
+
+    def values_of_each_lining_by_growing_angle(self, values: Floats) -> list[Floats]:
+        """The values (n,) at the sectors, divided into those of each lining, by growing theta."""
+        parts = np.split(values, self.further_linings)
+        return parts if self.axis.sense > 0 else [part[::-1] for part in parts[::-1]]
 
 
 def divide_shoe_into_stations_and_sectors(
@@ -82,18 +92,24 @@ def divide_shoe_into_stations_and_sectors(
     # `reason_against_foundation_model` has refused brakes whose shoes are not beams.
     assert isinstance(body, Beam)
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
-    ends = np.sort(axis.angle(np.array([lining.start, lining.end])))
-    start, end = (axis.foot + R * np.sin(ends)).tolist()
-    x, under = places_of_beam_stations(axis.length, start, end, sections)
-    theta = _angles_of_sectors_at_places(x[under], axis, R, ends)
-    sector = trapezoidal_rule_weights(theta)
+    arcs = sorted(
+        (np.sort(axis.angle(np.array(arc))) for arc in shoe.lining.arcs), key=itemgetter(0)
+    )
+    places = [axis.foot + R * np.sin(arc) for arc in arcs]
+    x, stations = places_of_beam_stations(axis.length, places, sections)
+    angles = [
+        _angles_of_sectors_at_places(x[own], axis, R, arc)
+        for own, arc in zip(stations, arcs, strict=True)
+    ]
+    under, theta = np.concatenate(stations), np.concatenate(angles)
+    sector = np.concatenate(list(map(trapezoidal_rule_weights, angles)))
     soft = compression_of_layers_per_pressure(
         brake, shoe, axis, theta, wedge=wedge, plane_stress=plane_stress
     )
     c, s = np.cos(theta), np.sin(theta)
     offset = body.neutral_axis_offset_at_distances(x)
     arm_x, arm_y = _levers_of_sectors_about_stations(
-        x, under, theta, offset[:, None] + (axis.distance - R * c)
+        x, under, angles, offset[:, None] + (axis.distance - R * c)
     )
     along, towards = axis.components_along_and_across_beam(shoe.actuation.force_vector)
     pressed = arm_x * c + arm_y * s
@@ -114,6 +130,7 @@ def divide_shoe_into_stations_and_sectors(
         loaded=(axis.length - x) * towards - offset * along,
         closing=pressed if tilt else arm_x * c,
         drag=brake.signed_friction_per_pressure(shoe) * axis.sense,
+        further_linings=tuple(np.cumsum(list(map(len, angles)))[:-1].tolist()),
     )
 
 
@@ -143,7 +160,7 @@ def _weights_of_beam_stations(x: Floats) -> Floats:
 
 
 def _levers_of_sectors_about_stations(
-    x: Floats, under: Ints, theta: Floats, depth: Floats
+    x: Floats, under: Ints, angles: list[Floats], depth: Floats
 ) -> tuple[Floats, Floats]:
     """The levers (n, m) of m sectors about n stations [m], along the beam and towards the drum.
 
@@ -153,49 +170,56 @@ def _levers_of_sectors_about_stations(
     ----------
     x : (n,) places of the stations along the beam [m]
     under : (m,) numbers of the stations under the sectors
-    theta : (m,) angles of the sectors [rad]
+    angles : angles (m_k,) of the sectors of each lining [rad]
     depth : (n, m) distance of each sector from the beam's neutral axis at each station [m]
     """
     along = np.maximum(x[under] - x[:, None], 0.0)
-    return along, _fractions_of_sectors_beyond_stations(x, under, theta) * depth
+    return along, _fractions_of_sectors_beyond_stations(x, under, angles) * depth
 
 
-def _fractions_of_sectors_beyond_stations(x: Floats, under: Ints, theta: Floats) -> Floats:
+def _fractions_of_sectors_beyond_stations(x: Floats, under: Ints, angles: list[Floats]) -> Floats:
     """The fraction (m, n) of each sector that lies farther from the hinge than each station.
 
     Parameters
     ----------
     x : places (m,) [m] of the stations along the beam
     under : numbers (n,) of the stations at which the sectors are
-    theta : angles (n,) [rad] of the sectors
+    angles : angles (n_k,) [rad] of the sectors of each lining
     """
     beyond = (x[:, None] < x[under]).astype(float)
     # At its own station a sector counts by the half between the station and the next one.
-    half_ahead = np.append(np.diff(theta), 0.0)
-    beyond[under, np.arange(len(under))] = half_ahead / (2 * trapezoidal_rule_weights(theta))
+    ahead = []
+    for theta in angles:
+        half_ahead = np.append(np.diff(theta), 0.0)
+        ahead.append(half_ahead / (2 * trapezoidal_rule_weights(theta)))
+    beyond[under, np.arange(len(under))] = np.concatenate(ahead)
     return beyond
 
 
 def places_of_beam_stations(
-    length: float, start: float, end: float, sections: int
-) -> tuple[Floats, Ints]:
-    """The places (m,) [m] of a beam's stations, and the numbers (n,) of those under the lining.
+    length: float, linings: Sequence[Floats], sections: int
+) -> tuple[Floats, list[Ints]]:
+    """The places (m,) [m] of a beam's stations, and the numbers (n_k,) of those under each lining.
 
     Parameters
     ----------
     length : length of the beam [m]
-    start, end : begin and end of the lining along the beam [m]
+    linings : begin and end (2,) of each lining along the beam [m], growing
     sections : wanted number of divisions of the beam; rounding makes m - 1 differ from it
     """
-    # The parts of the beam before, under and behind the lining.
-    lengths = np.array([start, end - start, length - end])
-    # Each part has at least one division, unless it has no length; the lining has two or more.
+    # The parts of the beam before the linings, under them and in the slots in turn, and behind.
+    lengths = np.diff(np.concatenate([[0.0], *linings, [length]]))
+    # Each part has at least one division, unless it has no length; a lining has two or more.
     divisions = np.maximum(np.round(sections * lengths / length), 1)
     counts = np.where(lengths > 1e-9 * length, divisions, 0).astype(int)
-    counts[1] = max(counts[1], 2)
+    counts[1::2] = np.maximum(counts[1::2], 2)
     ends = np.concatenate([[0.0], np.cumsum(lengths)])
-    parts = [np.linspace(ends[i], ends[i + 1], counts[i] + 1)[1:] for i in range(3) if counts[i]]
-    return np.concatenate([[0.0], *parts]), counts[0] + np.arange(counts[1] + 1)
+    parts = [
+        np.linspace(ends[i], ends[i + 1], count + 1)[1:] for i, count in enumerate(counts) if count
+    ]
+    firsts = np.concatenate([[0], np.cumsum(counts)])
+    under = [np.arange(firsts[i], firsts[i + 1] + 1) for i in range(1, len(counts), 2)]
+    return np.concatenate([[0.0], *parts]), under
 
 
 def trapezoidal_rule_weights(x: Floats) -> Floats:

@@ -23,6 +23,7 @@ from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.one_sided import (
     LARGEST_PULL,
+    NOT_HELD_TEXT,
     Bearing,
     HeldMotions,
     OneSidedSupport,
@@ -30,6 +31,7 @@ from drumlin.brake.one_sided import (
     are_motions_resisted,
     divide_motions_by_supports,
     forces_of_supports_on_shoe,
+    groups_of_shoes_on_anchors,
     names_of_bearing_supports,
     one_sided_supports_of_brake,
     possible_bearings,
@@ -52,10 +54,6 @@ MOST_HALVED_FRICTIONS = 30
 A brake above its limit of self-locking has no solution that tells them. Thirty halvings end at
 1e-9 of the friction, where the brake is as good as frictionless; the number changes no result.
 """
-NOT_HELD_TEXT = (
-    "no equilibrium, on no choice of its one-sided supports do pushes balance the actuation"
-)
-"""Text of the refusal of a shoe that its anchors, abutments and struts cannot hold by pushing."""
 SAME_FORCES = 1e-6
 """Relative difference of the supports' forces below which two equilibria count as the same.
 
@@ -98,21 +96,6 @@ class SolvedShoesOnAnchors(NamedTuple):
     contacts: dict[str, RigidShoeContact]
     forces: Floats
     mu_lock: float
-
-
-def groups_of_shoes_on_anchors(brake: Brake) -> list[tuple[int, ...]]:
-    """The positions of the shoes on anchors, in groups that struts join."""
-    groups: list[tuple[int, ...]] = []
-    joined: dict[int, tuple[int, ...]] = {}
-    for support in one_sided_supports_of_brake(brake):
-        if support.is_strut:
-            ends = tuple(sorted(side.shoe for side in support.sides))
-            joined |= dict.fromkeys(ends, ends)
-    for i, shoe in enumerate(brake.shoes):
-        group = joined.get(i, (i,))
-        if shoe.anchors and group not in groups:
-            groups.append(group)
-    return groups
 
 
 def _shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesOnAnchors:

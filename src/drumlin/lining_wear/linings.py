@@ -5,6 +5,7 @@ actuations of shoes are allowed.
 """
 
 import math
+from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -15,9 +16,10 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.brake import Brake
-from drumlin.brake.fields import table_rows_from_coordinates_and_values
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.fields import Rows, table_rows_from_coordinates_and_values
 from drumlin.brake.file import vary
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
@@ -32,7 +34,7 @@ AnyBrake = TypeVar("AnyBrake", bound=Brake)
 
 
 class WornLining(NamedTuple):
-    """The lining of one shoe, and the positions of its contact unknowns among those of the brake.
+    """A lining of a shoe, and the positions of its contact unknowns among those of the brake.
 
     Linings that influence each other have one contact problem together, which is called an
     interface. A brake has one or more interfaces.
@@ -40,6 +42,7 @@ class WornLining(NamedTuple):
     Attributes
     ----------
     shoe : position of the shoe in the brake
+    lining : position of the lining among those of the shoe with slots between them (`Lining.arcs`)
     name : name of the shoe
     interface : number of the lining's interface
     part : slice of the lining's unknowns in the unknowns of all interfaces
@@ -54,6 +57,7 @@ class WornLining(NamedTuple):
     """
 
     shoe: int
+    lining: int
     name: str
     interface: int
     part: slice
@@ -118,6 +122,7 @@ class _PlacedLining(NamedTuple):
     """
 
     shoe: int
+    lining: int
     theta: Floats
     order: int
     across: Floats
@@ -141,6 +146,7 @@ def wear_setup_by_finite_elements(
         if no shoe touches the drum
     """
     require_springs_of_constant_pull(brake, "wear")
+    require_friction_without_pressure(brake, "wear")
     interfaces: list[WearInterface] = []
     surfaces: list[WornLining] = []
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
@@ -149,18 +155,29 @@ def wear_setup_by_finite_elements(
             group.members, group.substructures_of_shoes, group.shoes, strict=True
         ):
             phi, _ = body.line.angles_and_mean_pressures(np.zeros(len(body.line.nodes)))
-            placed.append(
-                _PlacedLining(
-                    i,
-                    shoe.frame.theta(phi),
-                    body.line.interpolation_degree_along_contact_line,
-                    body.line.node_distances_from_mid_plane,
-                    body.line.width_shares_of_nodes_across_width,
+            for own in body.line.values_of_each_lining(shoe.frame.theta(phi)):
+                placed.append(
+                    _PlacedLining(
+                        i,
+                        _position_of_lining_at_angles(shoe, own),
+                        own,
+                        body.line.interpolation_degree_along_contact_line,
+                        body.line.node_distances_from_mid_plane,
+                        body.line.width_shares_of_nodes_across_width,
+                    )
                 )
-            )
         surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
         interfaces.append(_wear_contact_problem_of_shoe_group(group))
     return _make_wear_setup(brake, scene.model, interfaces, surfaces)
+
+
+def _position_of_lining_at_angles(shoe: Shoe, theta: Floats) -> int:
+    """The position, among a shoe's linings with slots between them, of the one at angles `theta`.
+
+    `theta` (n,) are coordinates along the surface, all of them on one lining.
+    """
+    starts = [start for start, _ in shoe.lining.arcs]
+    return max(bisect_right(starts, float(theta.mean())) - 1, 0)
 
 
 def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
@@ -227,21 +244,35 @@ def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> t
 
 
 def brake_with_added_worn_depths(
-    brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]
+    brake: Brake, depths: Mapping[tuple[int, int], tuple[Floats, Floats]]
 ) -> Brake:
     """The brake with worn linings: the worn depth is added to the clearance of each lining.
 
-    `depths` holds for each worn lining, by the position of its shoe in the brake, growing angles
-    (n,) [rad] and the worn depth (n,) [m] at these angles.
+    `depths` holds for each worn lining, by `WornLining.shoe` and `WornLining.lining`, growing
+    angles (n,) [rad] and the worn depth (n,) [m] at these angles.
     """
-    shoes = list(brake.shoes)
-    for i, (theta, depth) in depths.items():
-        lining = shoes[i].lining
-        clearance = table_rows_from_coordinates_and_values(
+    clearances: dict[tuple[int, int], Rows] = {}
+    for place, (theta, depth) in depths.items():
+        lining = brake.shoes[place[0]].lining
+        clearances[place] = table_rows_from_coordinates_and_values(
             theta, lining.clearance_at_surface_coordinates(theta) + depth
         )
-        worn = lining.model_copy(update={"clearance": clearance})
-        shoes[i] = shoes[i].model_copy(update={"lining": worn})
+    return brake_with_clearances_of_linings(brake, clearances)
+
+
+def brake_with_clearances_of_linings(
+    brake: AnyBrake, clearances: Mapping[tuple[int, int], Rows]
+) -> AnyBrake:
+    """The brake with other clearances of some shoes.
+
+    `clearances` holds a table for each lining of such a shoe, by `WornLining.shoe` and
+    `WornLining.lining`.
+    """
+    shoes = list(brake.shoes)
+    for i in {shoe for shoe, _ in clearances}:
+        lining = shoes[i].lining
+        own = [clearances[i, k] for k in range(len(lining.arcs))]
+        shoes[i] = shoes[i].model_copy(update={"lining": lining.copy_with_clearances(own)})
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
@@ -301,15 +332,10 @@ def wear_setup_by_foundation_model(
             gaps.append(post.gap)
             areas.append(shoe.lining.width * brake.size * post.sector)
             torques.append(brake.friction_of_shoe(shoe) * areas[-1])
-            placed.append(
-                _PlacedLining(
-                    i,
-                    brake_angles_from_beam_angles(post.axis, shoe, post.theta),
-                    1,
-                    np.zeros(1),
-                    np.ones(1),
-                )
-            )
+            theta = brake_angles_from_beam_angles(post.axis, shoe, post.theta)
+            for own in np.split(theta, post.further_linings):
+                k = _position_of_lining_at_angles(shoe, own)
+                placed.append(_PlacedLining(i, k, own, 1, np.zeros(1), np.ones(1)))
         surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
         area = np.concatenate(areas)
         # The contact unknowns are the normal forces [N] on the sectors of the linings.
@@ -354,11 +380,12 @@ def _place_linings_among_contact_unknowns(
     offset = before[-1].part.stop if before else 0
     first = 0
     surfaces = []
-    for i, theta, order, across, shares in placed:
+    for i, lining, theta, order, across, shares in placed:
         n = len(theta) * len(across)
         surfaces.append(
             WornLining(
                 shoe=i,
+                lining=lining,
                 name=brake.shoes[i].name,
                 interface=interface,
                 part=slice(offset + first, offset + first + n),

@@ -153,9 +153,9 @@ def _lining_torque_by_rigid_shoe_law(
     """
     brake, shoe = setup.brake, setup.brake.shoes[surface.shoe]
     lining, mu = shoe.lining, brake.friction_of_shoe(shoe)
-    theta = rigid.node_places_of_pressure_along_lining(
-        (lining.start, lining.end), pressed.arcs, rigid.PRESSURE_NODES - 1
-    )
+    start, end = lining.arcs[surface.lining]
+    own = tuple(arc for arc in pressed.arcs if start <= arc[0] and arc[1] <= end)
+    theta = rigid.node_places_of_pressure_along_lining((start, end), own, rigid.PRESSURE_NODES - 1)
     # The law's pressure is replaced by parabolas through its nodal values, which the Gauss rule
     # integrates exactly.
     _, p, weight = polynomial_values_at_gauss_points(
@@ -327,7 +327,7 @@ def brake_with_worn_linings(setup: WearSetup, state: WearState) -> Brake:
         )
     depths = {}
     for surface in setup.surfaces:
-        depths[surface.shoe] = (
+        depths[surface.shoe, surface.lining] = (
             surface.angles_in_growing_order,
             surface.own_values_by_growing_angle(state.depth),
         )
@@ -569,7 +569,11 @@ def wear_run_as_json_data(
 
     shoes = []
     for surface in setup.surfaces:
-        shoe = {"name": surface.name, "theta": surface.angles_in_growing_order.tolist()}
+        shoe = {
+            "name": surface.name,
+            "lining": surface.lining,
+            "theta": surface.angles_in_growing_order.tolist(),
+        }
         shoes.append(shoe | ({"z": surface.across.tolist()} if is_solid else {}))
     return {
         "model": setup.model,

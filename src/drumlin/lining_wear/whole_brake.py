@@ -127,7 +127,6 @@ def make_wear_setups_of_brake(
     NoAnswer
         if the linings do not touch the drum, or if there is no equilibrium
     """
-    brake.check_shoes_have_one_lining("the wear of linings")
     turned_back = brake.brake_with_reversed_motion() if both_ways else None
     if model == "foundation":
         forward = wear_setup_by_foundation_model(brake, **options)

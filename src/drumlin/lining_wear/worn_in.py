@@ -32,8 +32,9 @@ The factor a and the motions y0 are free. The module chooses them by these rules
   moves the lining along the drum, and no amount of y' keeps the lining out of the drum there.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import groupby
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -55,7 +56,11 @@ from drumlin.foundation.model import (
 from drumlin.foundation.post import brake_angles_from_beam_angles
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.lining_wear.archard import WearInterface, WearLaw, solve_steady_wear
-from drumlin.lining_wear.linings import wear_setup_by_finite_elements
+from drumlin.lining_wear.linings import (
+    WornLining,
+    brake_with_clearances_of_linings,
+    wear_setup_by_finite_elements,
+)
 from drumlin.response import Response
 from drumlin.response.merit import response_with_figures_of_merit
 
@@ -86,7 +91,6 @@ def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: An
     penalty : factor alpha of the contact stiffness alpha E/t per area
     options : options of `prepared_model_with_finest_elements`
     """
-    brake.check_shoes_have_one_lining("the wear of linings")
     scene = prepared_model_with_finest_elements(brake, **options)
     worn = brake_with_worn_in_clearances(scene, brake)
     return response_with_figures_of_merit(brake, solve_prepared_model(scene, worn, penalty=penalty))
@@ -100,20 +104,32 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
     prepared finite elements of the brake.
     """
     setup = wear_setup_by_finite_elements(scene, brake_without_misfit(brake, drum=True))
-    gaps: dict[int, Rows] = {}
+    gaps: dict[tuple[int, int], Rows] = {}
     for number, interface in enumerate(setup.interfaces):
         surfaces = [surface for surface in setup.surfaces if surface.interface == number]
         # Shoes under a cam or behind a strut move together, so that their linings count as one.
         linings = [slice(None)]
         if brake.shares is None:
-            linings = list(map(attrgetter("local"), surfaces))
+            linings = _contact_unknowns_of_each_shoe(surfaces)
         gap = _gap_of_unloaded_worn_in_linings(interface, linings)
         for surface in surfaces:
             along = gap[surface.local][surface.forward]
-            gaps[surface.shoe] = table_rows_from_coordinates_and_values(
+            gaps[surface.shoe, surface.lining] = table_rows_from_coordinates_and_values(
                 surface.angles_in_growing_order, along
             )
-    return brake_without_misfit(brake_without_misfit(brake), gaps)
+    return brake_with_clearances_of_linings(brake_without_misfit(brake), gaps)
+
+
+def _contact_unknowns_of_each_shoe(surfaces: Sequence[WornLining]) -> list[slice]:
+    """The slices of the contact unknowns of each shoe in one contact problem.
+
+    The linings of a shoe move together, and their unknowns follow each other in `surfaces`.
+    """
+    slices = []
+    for _, own in groupby(surfaces, attrgetter("shoe")):
+        first, *others = own
+        slices.append(slice(first.local.start, (others or [first])[-1].local.stop))
+    return slices
 
 
 def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[slice]) -> Floats:
@@ -199,26 +215,19 @@ def _motions_to_resting_position(
     return _RestingMotions(nearest, evenly)
 
 
-def brake_without_misfit(
-    brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool = False
-) -> Brake:
-    """The brake with linings that fit the drum: without misfit, with given clearances or none.
+def brake_without_misfit(brake: Brake, *, drum: bool = False) -> Brake:
+    """The brake with linings that fit the drum: without misfit and clearance.
 
-    Parameters
-    ----------
-    brake : the brake
-    gaps : clearances of some linings, by the position of the shoe in the brake
-    drum : whether a drum that is out of round becomes round, too
+    If `drum` is true, a drum that is out of round becomes round, too.
     """
 
-    def shoe_without_misfit(i: int, shoe: Shoe) -> Shoe:
-        """Shoe `i` of the brake without misfit, and with its clearance in `gaps` or none."""
-        clearance = (gaps or {}).get(i, 0.0)
+    def shoe_without_misfit(shoe: Shoe) -> Shoe:
+        """The shoe with linings without misfit and clearance."""
         no_misfit = type(shoe.lining.linings[0].misfit)()
-        lining = shoe.lining.model_copy(update={"clearance": clearance, "misfit": no_misfit})
+        lining = shoe.lining.copy_with({"clearance": 0.0, "misfit": no_misfit})
         return shoe.model_copy(update={"lining": lining})
 
-    shoes = tuple(shoe_without_misfit(i, shoe) for i, shoe in enumerate(brake.shoes))
+    shoes = tuple(map(shoe_without_misfit, brake.shoes))
     return (brake.round() if drum else brake).model_copy(update={"shoes": shoes})
 
 
@@ -243,7 +252,7 @@ def post_brake_with_worn_in_clearances(
     names, law = validated_names_of_effects_to_include(brake, lift), solve_brake_by_sine_law(brake)
     fitting = brake_without_misfit(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
-    gaps: dict[int, Rows] = {}
+    gaps: dict[tuple[int, int], Rows] = {}
     # Shoes influence each other only through a ring that bends under the pressure of each shoe.
     groups = [shoes] if "own-pressure" in names else [[i] for i in shoes]
     for group in groups:
@@ -264,7 +273,11 @@ def post_brake_with_worn_in_clearances(
             # The turn is the smallest for which no clearance is negative. The clearance is then 0
             # at one sector.
             gap = post.closing[0] * np.max(own / post.closing[0]) - own
-            gaps[group[k]] = table_rows_from_coordinates_and_values(
-                theta[:: post.axis.sense], gap[:: post.axis.sense]
+            of_linings = zip(
+                post.values_of_each_lining_by_growing_angle(theta),
+                post.values_of_each_lining_by_growing_angle(gap),
+                strict=True,
             )
-    return brake_without_misfit(fitting, gaps)
+            for number, (places, own_gap) in enumerate(of_linings):
+                gaps[group[k], number] = table_rows_from_coordinates_and_values(places, own_gap)
+    return brake_with_clearances_of_linings(fitting, gaps)

@@ -380,8 +380,9 @@ def _deck_lines_of_actuation(loaded: LoadedShoe, setting: DeckSetting, grid: Dec
         parts.basis, parts.mesh.boundaries["actuation"]
     )
     nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
-    forces = setting.thickness * loaded.shoe.frame.convert_to_brake_frame(nodal)
-    return deck_lines_of_nodal_forces(forces, np.unique(grid.edges["actuation"]))
+    forces = setting.thickness * loaded.shoe.frame.convert_to_brake_frame(nodal + loaded.at_places)
+    on_body = np.flatnonzero(loaded.at_places.any(axis=1))
+    return deck_lines_of_nodal_forces(forces, np.union1d(grid.edges["actuation"], on_body))
 
 
 def deck_lines_of_nodal_forces(forces: Floats, nodes: Ints) -> list[str]:

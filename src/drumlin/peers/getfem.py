@@ -467,7 +467,7 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
     E, width = shoe.lining.material.E_through, shoe.lining.width
     line = parts.line
     modes = _rigid_body_modes_in_drum_radii(loaded, R)
-    work = loaded.work * (not loaded.is_force_on_body) / modes.test_sizes / (E * R**2 * width)
+    work = loaded.work_on_holder / modes.test_sizes / (E * R**2 * width)
     gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe) / R
     open_by = clearance.unloaded_gap_of_shoe(brake, shoe, shoe.frame.theta(line.phi)) / R
     return {
@@ -482,6 +482,7 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
         "force": (loaded.force / (E * R * width)).tolist(),
         "couple": loaded.couple / (E * R**2 * width),
         "centre": (parts.load_centre / R).tolist(),
+        "at_places": (loaded.at_places / (E * R * width)).tolist(),
         "drag_sense": math.copysign(brake.relative_friction_of_shoe(shoe), loaded.drag),
         "middle": sum(shoe.arc) / 2,
         "phi": line.phi.tolist(),

@@ -153,6 +153,7 @@ class PeerBody:
         )
         self._add_shoe_support_to_model(shoe)
         self._add_shoe_actuation_to_model(shoe)
+        self._add_forces_at_places_to_model(cells, numbers)
         self.nodes = self.scalar.basic_dof_on_region(CONTACT_REGION)
         self.xy = self.scalar.basic_dof_nodes(self.nodes)
         self._add_contact_with_drum(shoe)
@@ -251,6 +252,21 @@ class PeerBody:
             self.push = f"(force/{length!r} + couple/{polar!r}*arm)"
             self.model.add_linear_term(self.inside, f"-{self.push}.Test_u", ACTUATION_REGION)
 
+    def _add_forces_at_places_to_model(self, cells: Any, numbers: Any) -> None:
+        """Add nodal forces of further loads to the model; each solve sets their values.
+
+        Parameters
+        ----------
+        cells : numbers of the nodes of each cell (cells, nodes of a cell) in the problem file
+        numbers : GetFEM's numbers of the cells
+        """
+        dofs, _ = self.displacement.basic_dof_from_cvid(numbers)
+        ordered = cells[:, self.kind.order].ravel()
+        self.place = np.zeros((cells.max() + 1, 2), dtype=int)
+        self.place[ordered] = dofs.reshape(-1, 2)
+        none = np.zeros(self.displacement.nbdof())
+        self.at_places = self.model.add_explicit_rhs("u", none)
+
     def _add_contact_with_drum(self, shoe: dict[str, Any]) -> None:
         """Add the contact with the drum, or with a plane surface, to the model."""
         md = self.model
@@ -307,7 +323,8 @@ class PeerBody:
         values = {}
         for name in (*MODEL_UNKNOWNS, *self.amounts):
             values[name] = np.zeros(len(self.model.variable(name)))
-        pressure = shoe["augment"] * max(shoe["gap"]) + float(np.hypot(*shoe["force"]))
+        force = np.add(shoe["force"], np.sum(shoe["at_places"], axis=0))
+        pressure = shoe["augment"] * max(shoe["gap"]) + float(np.hypot(*force))
         if self.formulation == "full slip":
             values["p"] += pressure
         else:
@@ -341,6 +358,9 @@ class PeerBody:
         md.set_variable("force", np.array(shoe["force"]))
         md.set_variable("couple", np.array([shoe["couple"]]))
         md.set_variable("drag", np.array([drag]))
+        at_places = np.zeros(self.displacement.nbdof())
+        at_places[self.place] = shoe["at_places"]
+        md.set_private_rhs(self.at_places, at_places)
         for k in range(len(shoe["motions"])):
             md.set_variable(f"motion{k}", np.atleast_1d(shoe["motions"][k]))
             md.set_variable(f"test{k}", np.atleast_1d(shoe["tests"][k]))

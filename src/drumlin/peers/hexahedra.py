@@ -18,10 +18,10 @@ from scipy.spatial import cKDTree
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.grading import LiningDivision, points_graded_to_both_ends
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
-from drumlin.fem.substructure.body import scalar_finite_element_basis_of_mesh
 from drumlin.fem.substructure.interface import nodal_forces_of_unit_loads_on_loaded_end
 
 HEXAHEDRA_ALONG_LINING = 48
@@ -165,9 +165,7 @@ def extrude_shoe_section_to_solid(section: Any, half: Mapping[str, float], level
         subdomains[name] = np.flatnonzero(np.isin(cell, elements))
     mesh = skfem.MeshHex2(doflocs, mesh.t, _subdomains=subdomains)
     basis = skfem.Basis(mesh, skfem.ElementHex2(), intorder=4)
-    return Solid(
-        section, scalar_finite_element_basis_of_mesh(section), mesh, basis, z, numbers, half
-    )
+    return Solid(section, nodal_basis_of_mesh(section), mesh, basis, z, numbers, half)
 
 
 def _mesh_of_hexahedra_with_straight_edges(

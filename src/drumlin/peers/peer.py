@@ -18,6 +18,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
@@ -29,6 +30,10 @@ from drumlin.fem.preparation.bodies import (
     moment_of_further_loads_about_pin,
 )
 from drumlin.fem.preparation.cache import shape_key_of_shoe
+from drumlin.fem.preparation.load_places import (
+    factors_of_forces_and_mass,
+    unit_loads_of_forces_and_mass,
+)
 from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, mesh_and_assemble_shoe
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws import rigid
@@ -110,7 +115,9 @@ class LoadedShoe:
     approaches : whether the actuation presses the shoe on the drum anywhere
     motions : rigid-body modes (k, 3) of the shoe's holder: dx, dy [m] and rotation at the pin
     tests : test modes (k, 3), in the same form; see `Held.freedoms`
-    work : work (k,) of the actuation on the test modes
+    work : work (k,) of the loads on the test modes
+    at_places : nodal forces (nodes, 2) [N] of further loads that act at their own places of the
+        body; all other loads are in `force` and `couple`
     tip : displacement (k,) of the force's point of action along the force, for each rigid-body mode
     """
 
@@ -125,6 +132,29 @@ class LoadedShoe:
     tests: Floats
     work: Floats
     tip: Floats
+    at_places: Floats
+
+    @property
+    def work_on_holder(self) -> Floats:
+        """The work (k,) on the test modes of the loads that act on the shoe's rigid holder."""
+        if self.is_force_on_body:
+            return np.zeros_like(self.work)
+        # The further loads act on the holder unless they act at their own places.
+        return self.work - self.tests @ self.load_at_places_about_pin
+
+    @property
+    def load_on_end_about_pin(self) -> Floats:
+        """`force` [N] and `couple` [N m] as the resultant (3,) about the pin."""
+        arm = self.parts.load_centre - self.shoe.pin_in_shoe_frame
+        couple = self.couple + float(planar_cross_product(arm, self.force))
+        return np.array([*self.force, couple])
+
+    @property
+    def load_at_places_about_pin(self) -> Floats:
+        """The resultant (3,) of `at_places` about the pin: force x, y [N] and moment [N m]."""
+        x, y = self.parts.basis.doflocs - self.shoe.pin_in_shoe_frame[:, None]
+        fx, fy = self.at_places.T
+        return np.array([fx.sum(), fy.sum(), x @ fy - y @ fx])
 
     @property
     def is_force_on_body(self) -> bool:
@@ -173,6 +203,7 @@ def meshes_of_shoes_for_peer_program(
                 "must be greater than 0"
             )
     require_springs_of_constant_pull(brake, "a peer")
+    require_friction_without_pressure(brake, "a peer")
     heated = reason_if_any_shoe_is_heated(brake, "a peer")
     if heated is not None:
         raise BadInput(heated)
@@ -206,9 +237,13 @@ def meshed_shoe_with_actuation_and_support(
     factors, moment = load_factors_and_pin_moment_per_newton(parts, shoe)
     size, free = abs(shoe.actuation.force), shoe.freedoms(sense)
     acting, moment = size * factors, size * moment
+    at_places = np.zeros((parts.basis.N, 2))
     if shoe.has_further_loads:
         acting = acting + load_factors_of_further_loads(parts, shoe)
         moment += moment_of_further_loads_about_pin(shoe)
+        factors_by_name = factors_of_forces_and_mass(shoe)
+        for name, forces in unit_loads_of_forces_and_mass(parts.basis, shoe, brake.size).items():
+            at_places += (forces @ factors_by_name[name]).reshape(-1, 2)
     load = parts.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, acting)
     if shoe.kind_of_support == "hinge" and not shoe.flat:
         # A rotation of 1 about the pin at (a, 0) closes the gap at (x, y) by -sign a y / r.
@@ -230,6 +265,7 @@ def meshed_shoe_with_actuation_and_support(
         tests=pin_motions_by_rigid_body_motions(shoe, free.tests).T,
         work=free.work_of_all_loads,
         tip=free.tip,
+        at_places=at_places,
     )
 
 
@@ -291,7 +327,7 @@ def shoe_response_from_peer_forces(
     amounts : generalised coordinates (k,) of the rigid-body modes
     """
     shoe, frame, tests = loaded.shoe, loaded.shoe.frame, loaded.tests
-    load = _actuation_about_pin(loaded)
+    load = loaded.load_on_end_about_pin
     reaction = forces.held if loaded.is_force_on_body else forces.held - load
     drag = _friction_about_pin(loaded, forces)
     response = response_of_pressed_elastic_shoe(
@@ -330,12 +366,6 @@ def _friction_about_pin(loaded: LoadedShoe, forces: PeerForces) -> Floats:
     return drag
 
 
-def _actuation_about_pin(loaded: LoadedShoe) -> Floats:
-    """The actuation of a shoe: force (2,) [N], followed by its moment about the pin [N m]."""
-    arm = loaded.parts.load_centre - loaded.shoe.pin_in_shoe_frame
-    return np.array([*loaded.force, loaded.couple + float(planar_cross_product(arm, loaded.force))])
-
-
 def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floats) -> Balance:
     """The relative imbalance of a peer's forces on a shoe.
 
@@ -345,7 +375,9 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
     the pin [N m].
     """
     pin, tests = loaded.shoe.pin_in_shoe_frame, loaded.tests
-    push = load if loaded.is_force_on_body else np.zeros(3)
+    push = loaded.load_at_places_about_pin
+    if loaded.is_force_on_body:
+        push = push + load
     normal_force = float(np.linalg.norm(forces.normal))
     moments = [
         float(planar_cross_product(pin, forces.held[:2])),
@@ -358,7 +390,7 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
         [forces.normal, forces.friction, forces.held[:2], push[:2]],
         [forces.moment, *moments, size, -size],
     )
-    work = loaded.work * (not loaded.is_force_on_body)
+    work = loaded.work_on_holder
     lengths = np.hypot(*tests.T[:2]) + loaded.radius * np.abs(tests[:, 2])
     unbalanced = np.abs(tests @ forces.held - work) / lengths
     moment = max(balance.moment, float(unbalanced.max()) / normal_force)

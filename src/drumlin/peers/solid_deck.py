@@ -18,6 +18,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
+from drumlin.brake.further_loads import brake_with_loads_at_actuation
 from drumlin.fem.analysis.solid_fields import hexahedra_turned_to_positive_volume
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.width.prepare import reason_against_width_model
@@ -168,7 +169,7 @@ def _solid_shoes_under_actuation(
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
     posed = []
-    for loaded in hinged_shoes_under_actuation(brake, elements):
+    for loaded in hinged_shoes_under_actuation(brake_with_loads_at_actuation(brake), elements):
         shoe = loaded.shoe
         solid = mesh_of_half_solid_shoe(
             shoe,

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
-import skfem
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
@@ -23,6 +22,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.units import mm_text
 from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes
 from drumlin.fem.mesh.from_file import ShoeMesh
@@ -170,8 +170,8 @@ def _offsets_of_contact_nodes(brake: Brake, checked: CheckedShoe) -> _ContactOff
     """The distances of a mesh's contact nodes from the drum or the plane."""
     shoe, mesh = checked.shoe, checked.read.mesh
     nodes = np.unique(_nodes_on_sides(mesh, mesh.boundaries["contact"]))
-    solved = _basis_of_mesh(mesh).doflocs[:, nodes]
-    in_file = _basis_of_mesh(checked.read.in_file).doflocs[:, nodes]
+    solved = nodal_basis_of_mesh(mesh).doflocs[:, nodes]
+    in_file = nodal_basis_of_mesh(checked.read.in_file).doflocs[:, nodes]
     at = shoe.frame.theta(shoe.phi_of_points_in_shoe_frame(solved, brake.size))
     order = np.argsort(at)
     return _ContactOffsets(
@@ -181,14 +181,9 @@ def _offsets_of_contact_nodes(brake: Brake, checked: CheckedShoe) -> _ContactOff
     )
 
 
-def _basis_of_mesh(mesh: Any) -> Any:
-    """The scikit-fem basis of a mesh, which is used for its nodes only."""
-    return skfem.Basis(mesh, element_kind_of_mesh(mesh).scikit_fem_element_class(), intorder=1)
-
-
 def _nodes_on_sides(mesh: Any, facets: Ints) -> Ints:
     """The nodes (degree + 1, m) along m sides of elements, which have the numbers `facets` (m,)."""
-    return nodes_along_element_edges(_basis_of_mesh(mesh), facets)
+    return nodes_along_element_edges(nodal_basis_of_mesh(mesh), facets)
 
 
 # The functions below draw the picture.
@@ -210,7 +205,7 @@ def draw_checked_meshes(brake: Brake, checked: list[CheckedShoe]) -> Figure:
 def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedShoe) -> None:
     """Draw the groups of a mesh in colour, its support and its force, in mm."""
     shoe, mesh = checked.shoe, checked.read.mesh
-    basis = _basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     xy = shoe.points(basis.doflocs).T * MM_PER_M
     around = nodes_around_elements(basis)
     # Thin lines keep the colours of fine meshes visible.

@@ -39,7 +39,10 @@ def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeRespons
         size=brake.size,
         per_place=brake.scale_factor * shoe.lining.width,
         sign=shoe.sign,
-        drag=brake.signed_friction_per_pressure(shoe),
+        drag=brake.signed_friction_per_pressure(shoe)
+        if response.friction_stress is None
+        else brake.sign_of_motion,
+        dragging=response.friction_stress,
     )
 
 

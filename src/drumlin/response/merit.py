@@ -117,13 +117,24 @@ def barecki_shoe_factor(
     return np.asarray(gamma * psi / (resisting - sense * psi))
 
 
+def mean_friction_of_shoe(brake: Brake, shoe: Shoe, response: ShoeResponse) -> float:
+    """The friction coefficient of a shoe, as a mean weighted with the pressure if it varies."""
+    if response.friction_stress is None:
+        return brake.friction_of_shoe(shoe)
+    values = (response.friction_stress, response.pressure)
+    stress, pressure = (
+        integral_of_piecewise_polynomial(response.theta, each, response.order) for each in values
+    )
+    return stress / pressure if pressure else brake.friction_of_shoe(shoe)
+
+
 def figures_of_merit_of_shoe_on_plane(
     brake: Brake, index: int, response: ShoeResponse
 ) -> FlatMerit:
     """The figures of merit of shoe `index` of a brake on a plane."""
     shoe, N = brake.shoes[index], response.normal_force
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
-    friction = brake.friction_of_shoe(shoe)
+    friction = mean_friction_of_shoe(brake, shoe, response)
     force = friction * N
     # The moment of the friction about the hinge, positive if it helps the actuation.
     helping = -math.copysign(1, M) * friction * brake.sign_of_motion * shoe.pin.y * N

@@ -86,7 +86,8 @@ class Deformation(NamedTuple):
     x : (m,) [m], places along the beam from the hinge
     w : (m,) [m], displacement of the beam towards the drum at x
     relative : (m,) [m], displacement of the beam from the straight line through its displaced ends
-    z : (n,) [m], inward displacement of the ring at the angles `theta` of the shoe's response
+    z : (n,) [m], inward displacement of the ring at the angles `theta` of the shoe's response;
+        in a slot between two linings it is interpolated linearly
     """
 
     x: Floats
@@ -193,6 +194,8 @@ class ShoeResponse:
     theta : (n,) [rad], growing angles of the nodes at which the pressure is given. Between the
         nodes the pressure is a piecewise polynomial, whose neighbouring pieces share an end node.
     pressure : (n,) [Pa], pressures at the nodes
+    friction_stress : (n,) [Pa], friction stresses at the nodes, if the friction coefficient depends
+        on the pressure; otherwise None, and the stress is the coefficient times the pressure
     order : degree of the polynomial pieces
     slots : begin and end of each slot between two linings [rad]. There the pressure is 0, and the
         polynomial pieces beside a slot are JUMP long, see `resultants.nodes_with_slots`
@@ -227,6 +230,7 @@ class ShoeResponse:
     pressure: Floats
     order: int = 2
     slots: Slots = ()
+    friction_stress: Floats | None = None
     turn: float | None = None
     lumped: Resultant | None = None
     pivot_reaction: Floats | None = None
@@ -249,10 +253,14 @@ class ShoeResponse:
     @property
     def nodal_pressures_on_linings(self) -> Floats:
         """The pressures [Pa] at the nodes on linings, without those in slots between linings."""
+        return self.nodal_values_on_linings(self.pressure)
+
+    def nodal_values_on_linings(self, values: Floats) -> Floats:
+        """The values at the nodes on linings, of `values` (n,) at all nodes."""
         on_lining = np.ones(len(self.theta), dtype=bool)
         for start, end in self.slots:
             on_lining &= (self.theta <= start) | (self.theta >= end)
-        return self.pressure[on_lining]
+        return values[on_lining]
 
     def pressure_at(self, theta: Floats) -> Floats:
         """The pressure [Pa] at angles `theta` [rad] of any shape; 0 beyond the lining.
@@ -357,6 +365,9 @@ class ShoeResponse:
             "pressure": pressure.tolist(),
         }
         # Results that this shoe or its model does not have get no key.
+        if self.friction_stress is not None:
+            stress = replace(self, pressure=self.friction_stress).curve()[1]
+            data["friction_stress"] = stress.tolist()
         if self.error is not None:
             data["error"] = dict(self.error)
         if self.force is not None:
@@ -600,6 +611,7 @@ def response_of_pressed_elastic_shoe(
     on_lining: Bools | None = None,
     peak: float | None = None,
     surface: PressureOverWidth | None = None,
+    friction_stress: Floats | None = None,
     **results: Any,
 ) -> ShoeResponse:
     """The response of a shoe with an elastic lining that is in contact.
@@ -618,6 +630,7 @@ def response_of_pressed_elastic_shoe(
     on_lining : (n,) mask of the nodes on linings; None if no node lies in a slot between linings
     peak : peak pressure [Pa]; None if it is to be found from the nodal pressures
     surface : pressure over the width, whose rows belong to the angles `theta`
+    friction_stress : (n,) [Pa], friction stresses at the nodes; see ShoeResponse
     results : values of the attributes torque, normal_force, self_energising and hinge_reaction of
         ShoeResponse, and of optional attributes
 
@@ -654,6 +667,7 @@ def response_of_pressed_elastic_shoe(
         order=order,
         slots=slots,
         surface=surface,
+        friction_stress=None if friction_stress is None else friction_stress[forward],
         **results,
     )
 
@@ -730,7 +744,7 @@ def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> 
         return None
     theta, pressure = response.curve()
     zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
-    inside = _is_angle_outside_end_zones(theta, zone, response.slots)
+    inside = is_angle_outside_end_zones(theta, theta[0], theta[-1], zone, response.slots)
     # A response does not tell whether its peak pressure was sought on the whole lining or outside
     # the end zones. The largest value of the curve is known for both. The value that is nearer to
     # the peak pressure decides.
@@ -749,16 +763,23 @@ def largest_nodal_pressure_outside_zones(
     If the pressure is zero at all these nodes, the largest of all nodal pressures is returned.
     `slots` are those between several linings, each of which has two ends.
     """
-    inside = _is_angle_outside_end_zones(theta, zone, slots)
+    inside = is_angle_outside_end_zones(theta, theta[0], theta[-1], zone, slots)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
 
 
-def _is_angle_outside_end_zones(theta: Floats, zone: float, slots: Slots = ()) -> Bools:
-    """Whether angles (n,) are farther than a zone from the first and the last angle and the slots.
+def is_angle_outside_end_zones(
+    theta: Floats, first: float, last: float, zone: float, slots: Slots = ()
+) -> Bools:
+    """Whether angles are on a lining, and farther than a zone from its ends; a mask (n,).
 
-    In a slot they are not.
+    Parameters
+    ----------
+    theta : angles (n,) [rad]
+    first, last : angles of the ends of the lining, or of all linings together [rad]
+    zone : length of the zone [rad]
+    slots : first and last angle of each slot between two linings [rad]
     """
-    inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
+    inside = (theta > first + zone) & (theta < last - zone)
     for start, end in slots:
         inside &= (theta < start - zone) | (theta > end + zone)
     return np.asarray(inside)

@@ -400,11 +400,13 @@ def resultant_of_pressure_and_friction(
     per_place: float,
     sign: int,
     drag: float,
+    dragging: Floats | None = None,
 ) -> Resultant:
-    """The resultant on a lining of the pressure and the friction that is proportional to it.
+    """The resultant on a lining of the pressure p and the friction.
 
     The traction on the lining is -p n + drag p t. The normal n points out of the lining, and t
-    along the surface towards the growing coordinate.
+    along the surface towards the growing coordinate. If `dragging` is given, it takes the place of
+    p in the friction.
 
     Parameters
     ----------
@@ -416,15 +418,20 @@ def resultant_of_pressure_and_friction(
     per_place : area of the lining per unit of the coordinate
     sign : +1 for an internal lining, -1 for an external lining
     drag : friction per pressure along the growing coordinate, mu or -mu
+    dragging : (n,) [Pa], nodal values that `drag` turns into friction; None for the pressures
     """
     rule = polynomial_values_at_gauss_points(theta, pressure, order)
     load = rule.values * rule.weights * per_place
+    rubbing = load
+    if dragging is not None:
+        values = polynomial_values_at_gauss_points(theta, dragging, order).values
+        rubbing = values * rule.weights * per_place
     normal, along = surface.unit_normals_into_surface(rule.places), surface.along(rule.places)
     lever = surface.moments_of_unit_forces_on_surface(rule.places, size)
-    moment = drag * np.sum(load * lever[1]) - sign * np.sum(load * lever[0])
+    moment = drag * np.sum(rubbing * lever[1]) - sign * np.sum(load * lever[0])
     return Resultant(
         normal=-sign * np.sum(load * normal, axis=(1, 2)),
-        friction=drag * np.sum(load * along, axis=(1, 2)),
+        friction=drag * np.sum(rubbing * along, axis=(1, 2)),
         moment=float(moment),
     )
 

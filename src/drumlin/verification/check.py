@@ -19,6 +19,7 @@ from drumlin.base.tables import (
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import first_key_in_which_two_brakes_differ
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.brake.units import LARGEST_NUMBER_SI, quantity_in_si
@@ -341,9 +342,12 @@ def _verdict_on_pressure_curve(
     # The curve is interpolated linearly to the angles of the reference.
     off = np.interp(theta, *curve) - p
     worst = int(np.abs(off).argmax())
+    require_friction_without_pressure(brake, "check")
     # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
     lever = brake.friction_of_shoe(spec) * spec.lining.width * brake.scale_factor**2
-    torque_off, torque = abs(lever * float(np.trapezoid(off, theta))), known.torque.value
+    pieces = _slices_of_each_lining(spec, theta)
+    force_off = math.fsum(float(np.trapezoid(off[own], theta[own])) for own in pieces)
+    torque_off, torque = abs(lever * force_off), known.torque.value
     return Verdict(
         shoe=known.name,
         distance=_difference_relative_to_size(math.sqrt(float(off @ off)), math.sqrt(float(p @ p))),
@@ -361,15 +365,33 @@ def _difference_relative_to_size(difference: float, size: float) -> float:
     return difference / size if size else math.inf if difference else 0.0
 
 
-def _pressure_integral_along_lining(shoe: Shoe, curve: PressureTable) -> float:
-    """The integral of p over theta along the lining [Pa rad], by the trapezoidal rule.
+def _slices_of_each_lining(shoe: Shoe, theta: Floats) -> list[slice]:
+    """The slices of growing angles `theta` (n,) [rad] that are on each lining of a shoe."""
+    slices = []
+    for start, end in shoe.lining.arcs:
+        first, last = np.searchsorted(theta, [start, end]).tolist()
+        slices.append(slice(first, last))
+    return slices
 
-    The rule's points are those of the curve inside the lining, and the two ends of the lining.
+
+def _pressure_integral_along_lining(shoe: Shoe, curve: PressureTable) -> float:
+    """The integral of p over theta along all linings [Pa rad], by the trapezoidal rule.
+
+    The rule's points are those of the curve inside each lining, and the two ends of the lining. At
+    a slot the pressure is that of the lining's nearest point, and a lining without a point has no
+    pressure.
     """
-    start, end = shoe.lining.start, shoe.lining.end
-    within_lining = (curve.theta > start) & (curve.theta < end)
-    theta = np.concatenate([[start], curve.theta[within_lining], [end]])
-    return float(np.trapezoid(np.interp(theta, *curve), theta))
+    total = 0.0
+    slots = shoe.lining.slots
+    slices = _slices_of_each_lining(shoe, curve.theta)
+    for k, ((start, end), own) in enumerate(zip(shoe.lining.arcs, slices, strict=True)):
+        # Points beyond the outer ends of all linings help to interpolate the pressure there.
+        near = slice(own.start if k else 0, own.stop if k < len(slots) else None)
+        at, p = curve.theta[near], curve.p[near]
+        if len(at):
+            theta = np.concatenate([[start], curve.theta[own], [end]])
+            total += float(np.trapezoid(np.interp(theta, at, p), theta))
+    return total
 
 
 def are_verdicts_within_tolerance(verdicts: Sequence[Verdict], tolerance: float) -> bool:

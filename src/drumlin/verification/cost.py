@@ -23,6 +23,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.grading import LiningDivision, divide_lining_into_elements
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.bodies import ShoeSubstructure
@@ -31,7 +32,6 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import require_element_options_have_effect
 from drumlin.fem.substructure.body import (
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -184,7 +184,7 @@ def _seconds_to_assemble_and_factorise_stiffness(
     substitute = partial(factorise().solve, np.ones(K.shape[0]))
     tasks = (
         lambda: sparse_stiffness_of_body(
-            scalar_finite_element_basis_of_mesh(body.mesh), elastic_layers_of_shoe(shoe)
+            nodal_basis_of_mesh(body.mesh), elastic_layers_of_shoe(shoe)
         ),
         factorise,
         substitute,

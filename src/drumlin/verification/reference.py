@@ -22,8 +22,8 @@ import drumlin
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
-from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
 from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
@@ -36,9 +36,11 @@ from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import (
     Response,
     ShoeResponse,
+    is_angle_outside_end_zones,
     length_of_edge_zone_without_peak,
     response_of_pressed_elastic_shoe,
 )
+from drumlin.response.resultants import Slots
 from drumlin.verification import triangles
 
 STATED_PACKAGES = ("numpy", "scipy", "scikit-fem")
@@ -121,11 +123,10 @@ def solve_brake_for_reference_values(
 ) -> ReferenceResponses:
     """Solve a brake for its reference values: on two hp meshes, and by curved triangles.
 
-    Raises BadInput if finite elements cannot solve the brake, a shoe has a mesh file or rests on
-    anchors, and NoAnswer if the brake has no equilibrium.
+    Raises BadInput if finite elements cannot solve the brake or a shoe has a mesh file, and
+    NoAnswer if the brake has no equilibrium.
     """
-    require_no_shoe_on_anchors(brake, "the reference by triangles")
-    brake.check_shoes_have_one_lining("the reference")
+    require_friction_without_pressure(brake, "the reference by triangles")
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(
@@ -172,6 +173,7 @@ def _brake_response_by_curved_triangle_elements(
             solution.theta,
             solution.pressure,
             order=solution.order,
+            on_lining=_nodes_on_linings(shoe, solution.theta),
             torque=solution.torque,
             normal_force=solution.normal_force,
             self_energising=own.self_energising,
@@ -181,15 +183,32 @@ def _brake_response_by_curved_triangle_elements(
     return replace(like, model="triangles", shoes=tuple(shoes))
 
 
+def _nodes_on_linings(shoe: Shoe, theta: Floats) -> Bools:
+    """Whether growing nodes (n,) [rad] are on a lining, and not in a slot between two linings."""
+    on_lining = np.ones(len(theta), dtype=bool)
+    for start, end in shoe.lining.slots:
+        # The last node on the lining before the slot and the first one behind it are on linings.
+        before = int(np.abs(theta - start).argmin())
+        behind = len(theta) - 1 - int(np.abs(theta[::-1] - end).argmin())
+        on_lining[before + 1 : behind] = False
+    return on_lining
+
+
 def peak_pressure_between_edge_zones(
     response: ShoeResponse, edge: float, points: int = 2001
 ) -> float:
-    """The largest pressure [Pa] of a shoe outside the two edge zones at its lining's ends.
+    """The largest pressure [Pa] of a shoe outside the edge zones at the ends of its linings.
 
-    Each edge zone is `edge` [rad] long. The pressure is evaluated at `points` equidistant angles.
+    Each edge zone is `edge` [rad] long. The pressure is evaluated at `points` equidistant angles of
+    each lining.
     """
-    start, end = response.theta[0] + edge, response.theta[-1] - edge
-    return float(response.pressure_at(np.linspace(start, end, points)).max())
+    starts = [response.theta[0], *(end for _, end in response.slots)]
+    ends = [*(start for start, _ in response.slots), response.theta[-1]]
+    peaks = []
+    for start, end in zip(starts, ends, strict=True):
+        theta = np.linspace(start + edge, end - edge, points)
+        peaks.append(float(response.pressure_at(theta).max()))
+    return max(peaks)
 
 
 @dataclass(frozen=True)
@@ -227,6 +246,7 @@ class ShoeReference:
     uncertainty : uncertainties (n,) [Pa] of these pressures
     distance : relative uncertainty of the pressure curve: the larger of its L2 distances from the
         pressures of the two other solutions, without the zones EDGE_ZONE at the lining's ends
+    slots : first and last angle [rad] of each slot between two linings
     """
 
     name: str
@@ -241,12 +261,12 @@ class ShoeReference:
     pressure: Floats
     uncertainty: Floats
     distance: float
+    slots: Slots = ()
 
     @property
     def inside(self) -> Bools:
-        """Whether each of the listed angles (n,) is outside the edge zones."""
-        first, last = self.ends
-        return np.asarray((self.theta > first + self.edge) & (self.theta < last - self.edge))
+        """Whether each of the listed angles (n,) is on a lining and outside the edge zones."""
+        return is_angle_outside_end_zones(self.theta, *self.ends, self.edge, self.slots)
 
     @property
     def pressure_uncertainty(self) -> float:
@@ -374,6 +394,7 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
         pressure=pressure,
         uncertainty=np.max(differences, axis=0),
         distance=_largest_relative_distance_of_pressures(brake, cited, others),
+        slots=spec.lining.slots,
     )
 
 

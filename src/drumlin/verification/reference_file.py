@@ -17,6 +17,7 @@ from drumlin.base.files import read_text, write_text
 from drumlin.base.texts import check_numbers_have_few_digits, check_toml_parses_quickly
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.brake.units import LARGEST_NUMBER_SI
+from drumlin.response.response import is_angle_outside_end_zones
 from drumlin.verification.reference import Reference, ShoeReference, UncertainValue
 
 REFERENCE_FORMAT = "drumlin reference values, 1"
@@ -118,6 +119,7 @@ def _shoe_reference_as_json_data(shoe: ShoeReference) -> dict[str, Any]:
         "pressure_uncertainty": _numbers_rounded_to_significant_digits(
             shoe.uncertainty.tolist(), 3
         ),
+        **({"slots": list(map(list, shoe.slots))} if shoe.slots else {}),
     }
 
 
@@ -170,7 +172,8 @@ def rows_that_summarise_reference_values(
         theta = np.array(shoe["theta"])
         uncertainty = np.array(shoe["pressure_uncertainty"])
         # The largest uncertainty of p outside the edge zones is related to the peak pressure.
-        largest = uncertainty[(start + edge < theta) & (theta < end - edge)].max()
+        inside = is_angle_outside_end_zones(theta, start, end, edge, shoe.get("slots", ()))
+        largest = uncertainty[inside].max()
         pressure = float(largest / shoe["peak_pressure"]["value"])
         torque = shoe["torque"]["uncertainty"] / shoe["torque"]["value"]
         short = [f"six digits of torque ({torque:.0e})"] * (torque > 1e-6)
@@ -251,7 +254,8 @@ def _reference_values_of_shoe_from_json_data(data: dict[str, Any]) -> ShoeRefere
     """
     theta = _require_finite_array_of_shape(data["theta"], -1)
     first, last = _require_finite_array_of_shape(data["lining"], 2).tolist()
-    if not first < last or (np.diff(theta) <= 0).any():
+    slots = _require_finite_array_of_shape(data.get("slots", []), -1, 2)
+    if (np.diff([first, *slots.ravel(), last]) <= 0).any() or (np.diff(theta) <= 0).any():
         raise ValueError("angles that do not grow")
     return ShoeReference(
         name=_require_value_to_be_text(data["name"]),
@@ -266,6 +270,7 @@ def _reference_values_of_shoe_from_json_data(data: dict[str, Any]) -> ShoeRefere
         pressure=_require_finite_array_of_shape(data["pressure"], len(theta)),
         uncertainty=_require_finite_array_of_shape(data["pressure_uncertainty"], len(theta)),
         distance=_require_non_negative_number(data["pressure_distance"]),
+        slots=tuple((start, end) for start, end in slots.tolist()),
     )
 
 

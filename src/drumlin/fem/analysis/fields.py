@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import meshio
 import numpy as np
-import skfem
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
@@ -16,7 +15,6 @@ from drumlin.base.files import temporary_file_replacing_output
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import ColumnGrid
-from drumlin.fem.mesh.arc import element_kind_of_mesh
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
     free_strains_of_heated_layers,
@@ -188,6 +186,7 @@ def stress_and_displacement_fields_of_ring(
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
     u = ring.displacement_of_ring_nodes(
         nodal_contact_pressures_of_each_lining(brake, response),
+        dragging_pressures_of_each_lining(brake, response),
         list(map(brake.signed_friction_per_pressure, brake.shoes)),
     )
     no_pressure = np.zeros(ring.basis.N)
@@ -204,6 +203,31 @@ def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> 
     """
     pairs = zip(brake.shoes, response.shoes, strict=True)
     return [answer.nodal_pressures_on_linings[:: shoe.frame.sense] for shoe, answer in pairs]
+
+
+def dragging_pressures_of_each_lining(brake: Brake, response: Response) -> list[Floats]:
+    """The pressures (n_i,) [Pa] that the friction coefficient of each shoe turns into friction.
+
+    The nodes are in the order of the shoe's own frame.
+    """
+    pressures = nodal_contact_pressures_of_each_lining(brake, response)
+    found = []
+    for shoe, answer, p in zip(brake.shoes, response.shoes, pressures, strict=True):
+        found.append(_dragging_pressures_of_lining(brake, shoe, answer, p))
+    return found
+
+
+def _dragging_pressures_of_lining(
+    brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
+) -> Floats:
+    """The pressures that friction turns into friction on one lining, see the function above.
+
+    They are the pressures p (n,) themselves, unless friction depends on the pressure.
+    """
+    if answer.friction_stress is None:
+        return p
+    stress = answer.nodal_values_on_linings(answer.friction_stress)[:: shoe.frame.sense]
+    return np.asarray(stress / brake.friction_of_shoe(shoe))
 
 
 def stress_and_displacement_fields_of_bodies(
@@ -236,8 +260,9 @@ def nodal_displacements_of_shoe(
     for support in answer.supports:
         load = load + load_factors_of_push_on_shoe(body, shoe, support.push, brake.size)
     # These forces (2n,) [N] of pressure and friction act on the contact nodes.
+    dragging = _dragging_pressures_of_lining(brake, shoe, answer, p)
     nodal = (
-        brake.signed_friction_per_pressure_in_shoe_frame(shoe) * (body.coupling.T.T @ p)
+        brake.signed_friction_per_pressure_in_shoe_frame(shoe) * (body.coupling.T.T @ dragging)
         - body.coupling.N.T @ p
     )
     motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))
@@ -272,7 +297,7 @@ def _fields_of_body_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fi
     return Fields(
         points=place.points(xy).T,
         cells=np.concatenate(cells),
-        cell_type="quad" if isinstance(mesh, ColumnGrid) else element_kind_of_mesh(mesh).cell,
+        cell_type={3: "triangle", 4: "quad"}[cells[0].shape[1]],
         part=np.concatenate(numbers),
         displacement=to_brake(solved.u[:, all_nodes].T),
         stress=np.column_stack([xx, yy, shear]),
@@ -289,7 +314,7 @@ def _nodal_stresses_of_subdomain(solved: _SolvedBody, name: str) -> _SubdomainFi
     """
     basis, layer = solved.basis, solved.layers[name]
     mesh = basis if isinstance(basis, ColumnGrid) else basis.mesh
-    dofs, slopes, corners = _shape_gradients_at_element_nodes(mesh, mesh.subdomains[name])
+    dofs, slopes, corners = _shape_gradients_at_element_nodes(basis, mesh.subdomains[name])
     gradient = np.einsum("ian,ajnq->ijnq", solved.u[:, dofs], slopes)
     points = basis.doflocs[:, dofs].transpose(0, 2, 1)
     stress = stresses_from_displacement_gradients(
@@ -319,21 +344,17 @@ def nodal_means_of_element_tensors(values: Floats, dofs: Ints) -> NodalMeans:
     return NodalMeans(nodes, cells, total / np.bincount(cells.ravel())[:, None, None])
 
 
-def _shape_gradients_at_element_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
-    """The shape functions of chosen elements of a mesh, at the nodes of the elements."""
-    if isinstance(mesh, ColumnGrid):
-        dofs = mesh.element_dofs[:, elements]
+def _shape_gradients_at_element_nodes(basis: Any, elements: Ints) -> _ElementNodes:
+    """The shape functions of chosen elements of a body, at the nodes of the elements."""
+    if isinstance(basis, ColumnGrid):
+        dofs = basis.element_dofs[:, elements]
         return _ElementNodes(
             dofs,
-            mesh.shape_function_gradients_at_element_nodes(elements),
-            mesh.quadrilaterals_between_element_nodes,
+            basis.shape_function_gradients_at_element_nodes(elements),
+            basis.quadrilaterals_between_element_nodes,
         )
-    element = element_kind_of_mesh(mesh).scikit_fem_element_class()
-    # scikit-fem evaluates shape functions at quadrature points, which are the nodes here.
-    at = element.doflocs.T
-    basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
-    slopes = np.array([psi[0].grad for psi in basis.basis])
-    return _ElementNodes(basis.element_dofs, slopes, np.arange(len(slopes))[:, None])
+    slopes, _ = basis.gradients_and_determinants(basis.elem.doflocs.T, elements)
+    return _ElementNodes(basis.element_dofs[:, elements], slopes, basis.elem.cells_between_nodes)
 
 
 FIELD_OF_VTU_NAME = {

@@ -27,6 +27,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.contact import stick_slip
 from drumlin.contact.active_set import Contact
@@ -322,6 +323,7 @@ def _apply_actuation_forces_to_resting_groups(
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
     require_springs_of_constant_pull(brake, "hold")
+    require_friction_without_pressure(brake, "hold")
     touching = indices_of_pressed_shoes_in_brake(scene, brake)
     for i, shoe in enumerate(brake.shoes):
         if i not in touching:

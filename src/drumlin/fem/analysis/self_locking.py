@@ -7,6 +7,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION, FrictionLimit
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
@@ -38,6 +39,7 @@ def self_locking_friction_of_shoe_groups(
         where a group has no equilibrium, see `ShoeGroup.follow_contact_to_friction_limit`
     """
     require_springs_of_constant_pull(brake, "self-locking")
+    require_friction_without_pressure(brake, "self-locking")
     return {
         group.members: group.follow_contact_to_friction_limit(most).limit
         for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
@@ -52,6 +54,7 @@ def shoe_torques_at_friction_coefficients(
     Raises NoAnswer at the friction limit of self-locking and beyond this limit.
     """
     require_springs_of_constant_pull(brake, "self-locking")
+    require_friction_without_pressure(brake, "self-locking")
     values = np.zeros((len(frictions), len(brake.shoes)))
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         at, active = group, None

@@ -35,6 +35,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import require_springs_of_constant_pull
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
@@ -243,6 +244,7 @@ def _refuse_brake_or_model_without_friction(scene: PreparedModel, brake: Brake) 
     heated = reason_if_any_shoe_is_heated(brake, "the analysis of slopes")
     if heated is not None:
         raise BadInput(f"sensitivity: {heated}")
+    require_friction_without_pressure(brake, "the analysis of slopes")
     if scene.brake.friction == 0:
         raise BadInput(
             f"friction = {brake.friction:g}: "

@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.one_sided import possible_bearings
+from drumlin.brake.one_sided import NOT_HELD_TEXT, possible_bearings
 from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.problems import GroupProblems
@@ -28,7 +28,7 @@ from drumlin.fem.preparation.bodies import (
 )
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
-from drumlin.laws.anchored import NOT_HELD_TEXT, bearing_of_rigid_shoes
+from drumlin.laws.anchored import bearing_of_rigid_shoes
 
 FOOT_LEAVES_TEXT = "no equilibrium, a foot leaves its abutment"
 """Text of the refusal of a brake in which the foot of a shoe would lift off its abutment."""
@@ -311,7 +311,8 @@ class ShoeGroup(GroupProblems):
             contact.p[self.contact_node_slices_of_shoes[k]],
         )
         # The reaction balances the contact and the actuation.
-        normal, dragged = body.resultants_of_contact_node_forces @ p
+        normal, dragged = body.resultants_of_contact_node_forces
+        normal, dragged = normal @ p, dragged @ self.dragging_pressures_of_shoe(k, p)
         push = (
             self.actuation_forces_under_contact_pressures(contact.p)[k]
             * shoe.actuation.unit_vector_of_force

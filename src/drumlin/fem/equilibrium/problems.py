@@ -107,15 +107,20 @@ class GroupProblems(GroupState):
         A = _shoe_compliance_with_penalty(
             self.substructures_of_shoes[k], drag, self.contact_stiffness_per_area_of_shoes[k]
         )
-        C = (drag * closures.tangential - closures.normal).T
+        C = (np.reshape(drag, (-1, 1)) * closures.tangential - closures.normal).T
         return ContactProblem(A, terms.q, terms.B, C, terms.h)
 
-    def _friction_coefficient_signed_by_drag_on_shoe(self, k: int, friction: float) -> float:
+    def _friction_coefficient_signed_by_drag_on_shoe(
+        self, k: int, friction: float
+    ) -> float | Floats:
         """The friction coefficient of shoe `k`, signed by the sense of drag in the shoe's frame.
 
-        `friction` is the friction coefficient of the brake.
+        It is an array (n_k,) if the coefficient differs from node to node. `friction` is the
+        friction coefficient of the brake.
         """
-        own = friction * self.relative_friction_of_each_shoe[k]
+        own: float | Floats = friction * self.relative_friction_of_each_shoe[k]
+        if self.friction_at_nodes is not None:
+            own = friction * self.friction_at_nodes[self.contact_node_slices_of_shoes[k]]
         return own * self.brake.sign_of_motion * self.shoes[k].frame.sense
 
     # The following methods treat forces that the shoes share.
@@ -317,7 +322,9 @@ class GroupProblems(GroupState):
         return [y[part] for part in self.rigid_body_mode_slices_of_shoes]
 
 
-def _shoe_compliance_with_penalty(body: ShoeSubstructure, drag: float, stiffness: float) -> Floats:
+def _shoe_compliance_with_penalty(
+    body: ShoeSubstructure, drag: float | Floats, stiffness: float
+) -> Floats:
     """The compliance matrix (n, n) of a shoe: weighted gaps per nodal pressure.
 
     It includes the compliance of the contact by the penalty.
@@ -325,7 +332,8 @@ def _shoe_compliance_with_penalty(body: ShoeSubstructure, drag: float, stiffness
     Parameters
     ----------
     body : the substructure of the shoe
-    drag : friction coefficient with the sign of the drag in the frame of the shoe
+    drag : friction coefficient with the sign of the drag in the frame of the shoe, for the shoe or
+        for each of its n nodes
     stiffness : contact stiffness of the penalty per area [Pa/m]
     """
     pressed, dragged, M = body.closure_by_pressure, body.closure_by_friction, body.coupling.M

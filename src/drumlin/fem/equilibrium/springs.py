@@ -14,8 +14,8 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.further_loads import brake_with_spring_pulls
-from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_of_resultant
+from drumlin.brake.further_loads import brake_with_spring_pulls, resultant_of_force_at_point
+from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_of_force_at_point
 
 SETTLED_PULL = 1e-12
 """Largest error of a spring's pull, relative to the largest force, that counts as settled.
@@ -98,12 +98,19 @@ def approach_of_spring_points_by_shoe(
     pin_motion : (3,) displacement x, y [m] of the pin and turn [rad], in the frame of the shoe
     """
     found = np.zeros(len(brake.springs))
+    # The forces of springs follow the further forces of the shoe itself, in the springs' order.
+    index = len(shoe.forces)
     for j, spring in enumerate(brake.springs):
-        pull = spring.resultant_per_pull_on_shoe(shoe.name)
-        fx, fy, moment = pull.tolist()
+        pull = spring.force_on_shoe(shoe.name, 1.0)
+        if pull is None:
+            continue
+        at_own_place = load_factors_of_force_at_point(body, shoe, index, pull)
+        index += 1
+        resultant = resultant_of_force_at_point(np.array(pull.force), np.array(pull.point))
+        fx, fy, moment = resultant.tolist()
         about_pin = shoe.frame.sense * (moment - (shoe.pin.x * fy - shoe.pin.y * fx))
-        at_pin = np.array([*shoe.frame.convert_to_shoe_frame(pull[:2]), about_pin])
-        found[j] = load_factors_of_resultant(body, shoe, pull) @ elastic + at_pin @ pin_motion
+        at_pin = np.array([*shoe.frame.convert_to_shoe_frame(resultant[:2]), about_pin])
+        found[j] = at_own_place @ elastic + at_pin @ pin_motion
     return found
 
 

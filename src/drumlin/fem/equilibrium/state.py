@@ -99,6 +99,8 @@ class GroupState:
         take them from the brake, which does not know them once its friction is scaled to 0
     bearing : whether each one-sided support of the group bears; empty until the solve has found
         which of them do. A group with such supports has no contact problem before.
+    friction_at_nodes : (n,) friction coefficient at each contact node over that of the brake; None
+        if it is the same at all nodes of a shoe
     worn_depth : (n,) [m], depth by which wear has opened the gap at the contact nodes of the group;
         None for unworn linings
     """
@@ -109,6 +111,7 @@ class GroupState:
     penalty: float = math.inf
     friction_senses: tuple[int, ...] = ()
     relative_frictions: tuple[float, ...] = ()
+    friction_at_nodes: Floats | None = None
     worn_depth: Floats | None = None
     bearing: Bearing = ()
 
@@ -158,6 +161,21 @@ class GroupState:
     def drag_at_nodes(self) -> Floats:
         """The friction stress (n,) per pressure at each contact node, along growing theta."""
         return self.brake.friction * self.brake.sign_of_motion * self.relative_friction_of_nodes
+
+    def dragging_pressures_of_shoe(self, k: int, p: Floats) -> Floats:
+        """The pressures (n_k,) that the friction coefficient of shoe `k` turns into friction.
+
+        They are the pressures p (n_k,) themselves, unless friction differs from node to node.
+        """
+        return np.asarray(self.friction_ratios_at_nodes_of_shoe(k) * p)
+
+    def friction_ratios_at_nodes_of_shoe(self, k: int) -> Floats:
+        """The friction coefficient (n_k,) at each node of shoe `k` over that of the shoe."""
+        nodes = self.contact_node_slices_of_shoes[k]
+        if self.friction_at_nodes is None:
+            return np.ones(nodes.stop - nodes.start)
+        own = self.friction_at_nodes[nodes]
+        return np.asarray(own / self.relative_friction_of_each_shoe[k])
 
     # These properties tell where the unknowns of each shoe stand among those of the group.
 
@@ -316,6 +334,8 @@ class GroupState:
     @cached_property
     def relative_friction_of_nodes(self) -> Floats:
         """The friction coefficient (n,) at each contact node over that of the brake."""
+        if self.friction_at_nodes is not None:
+            return self.friction_at_nodes
         counts = [len(body.line.nodes) for body in self.substructures_of_shoes]
         return np.repeat(self.relative_friction_of_each_shoe, counts)
 

@@ -37,6 +37,8 @@ from drumlin.fem.error_control.levels import (
 )
 from drumlin.fem.hp.corner import response_with_power_laws_at_corners
 from drumlin.fem.hp.division import Level
+from drumlin.fem.mesh.degree import nodal_basis_of_shoe_mesh
+from drumlin.fem.mesh.smooth_outline import moves_onto_smooth_outline
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.meshes import ELEMENTS, RaisedDegree, read_mesh_file_of_shoe
@@ -240,10 +242,6 @@ def _errors_of_rounded_coordinates(brake: Brake, cache: Cache) -> Floats:
 
 def _has_straight_sides_on_curves(brake: Brake, cache: Cache) -> bool:
     """Whether the mesh of a file has straight sides that lie noticeably off a smooth outline."""
-    # The modules load scikit-fem, which takes long.
-    from drumlin.fem.mesh.degree import nodal_basis_of_shoe_mesh  # noqa: PLC0415
-    from drumlin.fem.mesh.smooth_outline import moves_onto_smooth_outline  # noqa: PLC0415
-
     for shoe in brake.shoes:
         read = read_mesh_file_of_shoe(brake, shoe, cache)
         if read is not None:

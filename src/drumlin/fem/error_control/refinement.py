@@ -262,7 +262,8 @@ def _blocks_of_full_matrix(
         if ring is not None:
             N, T = ring.couplings[group.members[k]]
             drag = group.brake.signed_friction_per_pressure(group.shoes[k])
-            blocks[ring_row][at], blocks[at][ring_row] = -(N - drag * T).T, N
+            drags = drag * group.friction_ratios_at_nodes_of_shoe(k)[:, None]
+            blocks[ring_row][at], blocks[at][ring_row] = -(N - T.multiply(drags)).T, N
     return blocks
 
 
@@ -292,7 +293,8 @@ def _torque_factors_of_full_system_unknowns(group: ShoeGroup, layout: _Layout) -
     lever = np.zeros(int(layout.pressure_starts[-1]))
     for k, body in enumerate(group.substructures_of_shoes):
         at = slice(layout.pressure_starts[k], layout.pressure_starts[k + 1])
-        lever[at] = group.brake.friction_of_shoe(group.shoes[k]) * body.coupling.lever
+        friction = group.brake.friction_of_shoe(group.shoes[k])
+        lever[at] = friction * body.coupling.lever * group.friction_ratios_at_nodes_of_shoe(k)
     return lever
 
 
@@ -317,7 +319,8 @@ def _part_of_shoe_in_full_system(
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
     N, T = body.coupling.N.astype(LONG_DOUBLE), body.coupling.T.astype(LONG_DOUBLE)
     drag = LONG_DOUBLE(group.brake.signed_friction_per_pressure_in_shoe_frame(shoe))
-    pushing = (N - drag * T).T
+    drags = drag * group.friction_ratios_at_nodes_of_shoe(k)[:, None].astype(LONG_DOUBLE)
+    pushing = (N - drags * T).T
     contact_modes = modes.contact_modes.astype(LONG_DOUBLE)
     test_modes = modes.test_modes.astype(LONG_DOUBLE)
     pin_motion = modes.pin_motion.astype(LONG_DOUBLE)

@@ -1,8 +1,9 @@
 """The singular points of a lining's pressure, found in the response of an earlier level.
 
 At a singular point the pressure p(theta) is not smooth. Singular points are the ends of the
-contact, the kinks of the gap, and the steps between blocks of the lining. The next division of the
-lining has small elements at these points.
+contact, the kinks of the gap, and the steps between blocks of the lining. If a table gives friction
+over the pressure, they are also the places where the pressure is that of a row of the table. The
+next division of the lining has small elements at these points.
 
 A node without contact between two nodes in contact shows that the contact has an opening which the
 elements are too wide to resolve. The ends of the opening may lie anywhere between the two
@@ -22,6 +23,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
+from drumlin.brake.friction import FrictionCurve
 from drumlin.fem.hp.corner import logarithmic_pressures_at_gap_tips
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
@@ -85,6 +87,11 @@ def singular_points_of_all_linings(
     for i, (shoe, first) in enumerate(zip(brake.shoes, first_alike, strict=True)):
         answer = None if response is None else response.shoes[i]
         points_of_shoe = _singular_points_of_lining(shoe, answer, brake.scale_factor, error)
+        curve = brake.friction_curve_of_shoe(shoe)
+        if answer is not None and answer.contact_arcs and len(curve.mu) > 1:
+            points_of_shoe += _singular_points_at_kinks_of_friction(
+                shoe, answer, curve, brake.scale_factor, error
+            )
         points.setdefault(first, []).extend(points_of_shoe)
     return {first: sorted(points_of_shape) for first, points_of_shape in points.items()}
 
@@ -196,6 +203,57 @@ def _singular_points_at_kinks_of_gap(
     return points + _singular_points_at_tips_of_gap(shoe, scale_factor, norm, kinks)
 
 
+def _singular_points_at_kinks_of_friction(
+    shoe: Shoe,
+    answer: ShoeResponse,
+    curve: FrictionCurve,
+    scale_factor: float,
+    level_error: float,
+) -> list[SingularPoint]:
+    """The singular points where the pressure is that of a row of a table of friction.
+
+    There the slope of the friction stress mu(p) p changes by s over the coordinate. Between two
+    such places at a distance h the stress deviates from a smooth curve by the parabola
+    s x (1 - x/h)/2, of the root mean square s h/sqrt(120). The weakest kinks are left out, see
+    NEGLIGIBLE_KINKS.
+
+    Parameters
+    ----------
+    shoe, answer : the shoe and its earlier response
+    curve : friction coefficient of the shoe over the pressure
+    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
+    level_error : planned error of p on the next level
+    """
+    theta, p = answer.curve()
+    slopes = np.concatenate([[0.0], np.diff(curve.mu) / np.diff(curve.pressure), [0.0]])
+    places, changes = [], []
+    for row, pressure in zip(np.diff(slopes).tolist(), curve.pressure.tolist(), strict=True):
+        crossed = np.flatnonzero((p[:-1] < pressure) != (p[1:] < pressure))
+        rise = p[crossed + 1] - p[crossed]
+        step = theta[crossed + 1] - theta[crossed]
+        places.append(theta[crossed] + (pressure - p[crossed]) / rise * step)
+        changes.append(np.abs(row * pressure * rise / step))
+    order = np.argsort(np.concatenate(places))
+    angle, change = np.concatenate(places)[order], np.concatenate(changes)[order]
+    ends = np.concatenate([theta[:1], 0.5 * (angle[1:] + angle[:-1]), theta[-1:]])
+    spacing = np.diff(ends) if len(angle) else angle
+    _, stress, weight = polynomial_values_at_gauss_points(
+        answer.theta, answer.pressure, answer.order
+    )
+    norm = math.sqrt(float(np.sum(weight * stress**2)))
+    kinks = _angles_of_strongest_kinks(
+        angle, change * spacing**1.5 / math.sqrt(120), NEGLIGIBLE_KINKS * level_error * norm
+    )
+    # The pressure is as smooth there as at a step between blocks, over the lining's thickness.
+    length = shoe.lining.thickness / scale_factor / shoe.frame.unit
+    (start, end), points = shoe.arc, []
+    for phi in shoe.frame.phi_coordinates_as_list(kinks):
+        if start < phi < end:
+            at = _rounded_angle_of_contact_end(phi, end - start)
+            points.append(SingularPoint(at, length, Singularity.STEP))
+    return points
+
+
 def _singular_points_at_tips_of_gap(
     shoe: Shoe, scale_factor: float, norm: float, kinks: Floats
 ) -> list[SingularPoint]:
@@ -229,8 +287,13 @@ def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Flo
     thus E s/sqrt(48) on a half-plane, and E s h/(sqrt(720) t) on a layer. The sum of both is an
     upper bound for a layer on a support.
     """
-    if len(lining.linings) > 1:
-        changes = [pressure_changes_by_kinks_of_gap(part, scale_factor) for part in lining.linings]
+    if len(lining.linings_apart) > 1:
+        # The rows are those of `coordinates_of_clearance_rows`: the rows on each lining.
+        changes = []
+        for part in lining.linings_apart:
+            rows = np.array(clearance.coordinates_of_clearance_rows(part))
+            on_part = (part.start < rows) & (rows < part.end)
+            changes.append(pressure_changes_by_kinks_of_gap(part, scale_factor)[on_part])
         return np.concatenate(changes)
     angle = np.array(clearance.coordinates_of_clearance_rows(lining))
     if len(angle) == 0:

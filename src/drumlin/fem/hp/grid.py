@@ -25,9 +25,14 @@ from drumlin.fem.hp.element import (
     plane_stress_stiffness_of_elements,
     points_of_square_grid,
     reference_element_of_degree,
+    shape_function_gradients_and_gauss_areas,
     shape_function_values_and_slopes,
 )
-from drumlin.fem.substructure.body import InnerSystem, assemble_sparse_stiffness
+from drumlin.fem.substructure.body import (
+    ElementQuadrature,
+    InnerSystem,
+    assemble_sparse_stiffness,
+)
 from drumlin.fem.substructure.elimination import CondensedSystem
 from drumlin.fem.substructure.expansion import Strains, stress_belonging_to_free_strain
 
@@ -216,6 +221,19 @@ class ColumnGrid:
             own = nodal_forces_of_element_stresses(xy[elements], held, self.degree)
             np.add.at(forces, self.element_nodes_boundary_nodes_first[elements], own)
         return forces.ravel()
+
+    @property
+    def element_quadrature(self) -> ElementQuadrature:
+        """The Gauss points of all elements."""
+        xy = self.node_coordinates_of_each_element
+        _, areas = shape_function_gradients_and_gauss_areas(xy, self.degree)
+        return ElementQuadrature(
+            xy=np.moveaxis(gauss_points_of_elements(xy, self.degree), 1, 0),
+            shapes=reference_element_of_degree(self.degree).values,
+            areas=areas,
+            nodes=self.element_nodes_boundary_nodes_first,
+            parts=self.subdomains,
+        )
 
     @cached_property
     def grid_without_inner_element_nodes(self) -> "Skeleton":

@@ -29,12 +29,13 @@ class MeshKind(NamedTuple):
 
     Attributes
     ----------
-    mesh_name, element_name : names of scikit-fem's classes of the mesh and its elements
+    mesh_name : name of scikit-fem's class of the mesh
+    degree : degree of the sides of the elements
     cell, edge : meshio's names of the elements and of their edges
     """
 
     mesh_name: str
-    element_name: str
+    degree: int
     cell: str
     edge: str
 
@@ -42,11 +43,6 @@ class MeshKind(NamedTuple):
     def mesh(self) -> Any:
         """scikit-fem's class of meshes of this kind."""
         return _scikit_fem_class_of_name(self.mesh_name)
-
-    @property
-    def scikit_fem_element_class(self) -> Any:
-        """scikit-fem's class of elements of this kind."""
-        return _scikit_fem_class_of_name(self.element_name)
 
 
 def _scikit_fem_class_of_name(name: str) -> Any:
@@ -58,10 +54,10 @@ def _scikit_fem_class_of_name(name: str) -> Any:
 
 
 MESH_KINDS = {
-    "quad2": MeshKind("MeshQuad2", "ElementQuad2", "quad9", "line3"),
-    "quad1": MeshKind("MeshQuad1", "ElementQuad1", "quad", "line"),
-    "tri2": MeshKind("MeshTri2", "ElementTriP2", "triangle6", "line3"),
-    "tri1": MeshKind("MeshTri1", "ElementTriP1", "triangle", "line"),
+    "quad2": MeshKind("MeshQuad2", 2, "quad9", "line3"),
+    "quad1": MeshKind("MeshQuad1", 1, "quad", "line"),
+    "tri2": MeshKind("MeshTri2", 2, "triangle6", "line3"),
+    "tri1": MeshKind("MeshTri1", 1, "triangle", "line"),
 }
 """The kinds of meshes by their names in options: quadrilaterals or triangles, of degree 1 or 2."""
 DEFAULT_KIND = "quad2"

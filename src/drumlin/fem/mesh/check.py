@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 import scipy.spatial
-import skfem
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.units import mm_text
-from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 
 MOST_LISTED_NAMES = 30
@@ -218,11 +217,7 @@ def _check_nodes_are_near_and_distinct(mesh: Any, shoe: Shoe, radius: float, fau
 def _check_elements_are_valid_and_connected(mesh: Any, shoe: Shoe, fault: str) -> None:
     """Refuse a mesh with bent, inverted or folded elements, or with more than one part."""
     # The middle node of each edge must be near the middle of the edge's chord.
-    basis = skfem.Basis(
-        mesh,
-        element_kind_of_mesh(mesh).scikit_fem_element_class(),
-        quadrature=(np.zeros((2, 1)), np.ones(1)),
-    )
+    basis = nodal_basis_of_mesh(mesh)
     on_edges = basis.doflocs[:, nodes_along_element_edges(basis, np.arange(mesh.nfacets))]
     first, *middles, last = on_edges.transpose(1, 0, 2)
     for middle in middles:
@@ -235,9 +230,7 @@ def _check_elements_are_valid_and_connected(mesh: Any, shoe: Shoe, fault: str) -
             )
             raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
     # The Jacobian determinant must have the same sign at all nodes of an element, plus or minus.
-    determinant = mesh.mapping().detDF(
-        element_kind_of_mesh(mesh).scikit_fem_element_class().doflocs.T
-    )
+    determinant = mesh.mapping().detDF(basis.elem.doflocs.T)
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
     smallest = np.abs(determinant.sum(axis=1)) * JACOBIAN_RATIO
     flat = np.abs(determinant).min(axis=1) <= smallest
@@ -311,11 +304,7 @@ def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault
     facets = mesh.boundaries["contact"]
     if not np.isin(mesh.f2t[0, facets], mesh.subdomains["lining"]).all():
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
-    basis = skfem.Basis(
-        mesh,
-        element_kind_of_mesh(mesh).scikit_fem_element_class(),
-        quadrature=(np.zeros((2, 1)), np.ones(1)),
-    )
+    basis = nodal_basis_of_mesh(mesh)
     line = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
     off, word = shoe.off(line, radius), shoe.surface.word
     most, deep = float(np.abs(off).max()), -float(off.min())

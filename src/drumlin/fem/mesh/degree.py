@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-import skfem
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Shoe
@@ -71,6 +70,23 @@ class NodalElement:
             x, y = np.meshgrid(inner, inner, indexing="ij")
             inside = np.column_stack([x.ravel(), y.ravel()])
         return np.concatenate([corners, *on_sides, inside])
+
+    @cached_property
+    def cells_between_nodes(self) -> Ints:
+        """The triangles (3, n) or quadrilaterals (4, n) between neighbouring nodes, for pictures.
+
+        They are given by their corners, numbered within the element.
+        """
+        # Each point of an even lattice stands for the node that is nearest to it.
+        i, j = np.indices((self.degree + 1, self.degree + 1))
+        lattice = np.stack([i, j], axis=-1)[:, :, None] / self.degree
+        at = np.hypot(*np.moveaxis(lattice - self.doflocs, -1, 0)).argmin(axis=-1)
+        a, b, c, d = at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]
+        if self.corners == 4:
+            return np.array([a, b, c, d]).reshape(4, -1)
+        diagonal = (i + j)[:-1, :-1]
+        lower, upper = diagonal < self.degree, diagonal < self.degree - 1
+        return np.hstack([np.array([a, b, d])[:, lower], np.array([b, c, d])[:, upper]])
 
     @cached_property
     def _exponents(self) -> Ints:
@@ -145,16 +161,29 @@ class NodalBasis:
         """The numbers of all nodes on some sides of elements."""
         return np.unique(nodes_along_element_edges(self, facets))
 
+    def gradients_and_determinants(self, at: Floats, elements: Any) -> tuple[Floats, Floats]:
+        """The gradients (nodes, 2, m, points) [1/m] and Jacobian determinants (m, points) [m^2].
+
+        Parameters
+        ----------
+        at : (2, points) points in the reference element
+        elements : numbers (m,) of the elements, or a slice
+        """
+        dofs = self.element_dofs[:, elements]
+        # In long double the slopes of all shape functions at a point add up to zero, so that a soft
+        # shoe keeps its digits.
+        fine = at.astype(np.longdouble)
+        local = np.array([self.elem.lbasis(fine, i)[1] for i in range(len(dofs))]).astype(float)
+        J = np.einsum("caj,adq->cdjq", self.doflocs[:, dofs], local, optimize=True)
+        determinant = J[0, 0] * J[1, 1] - J[0, 1] * J[1, 0]
+        inverse = np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]]) / determinant
+        return np.einsum("adq,dcjq->acjq", local, inverse, optimize=True), determinant
+
     @cached_property
     def _gradients_and_areas(self) -> tuple[Floats, Floats]:
         """The gradients (nodes, 2, elements, points) [1/m], and areas (elements, points) [m^2]."""
-        count = len(self.element_dofs)
-        local = np.array([self.elem.lbasis(self.X, i)[1] for i in range(count)])
-        J = np.einsum("caj,adq->cdjq", self.doflocs[:, self.element_dofs], local, optimize=True)
-        determinant = J[0, 0] * J[1, 1] - J[0, 1] * J[1, 0]
-        inverse = np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]]) / determinant
-        gradients = np.einsum("adq,dcjq->acjq", local, inverse, optimize=True)
-        return gradients, np.abs(determinant) * self.W
+        gradients, determinants = self.gradients_and_determinants(self.X, slice(None))
+        return gradients, np.abs(determinants) * self.W
 
     @property
     def basis(self) -> list[tuple[_Slopes]]:
@@ -202,14 +231,17 @@ def nodal_basis_of_shoe_mesh(mesh: Any, degree: int, shoe: Shoe, radius: float) 
     shoe : the shoe
     radius : radius of the drum [m]; on a plane the length of the pad
     """
-    basis = _nodal_basis_of_mesh(mesh, degree)
+    basis = nodal_basis_of_mesh(mesh, degree)
     # On a plane the sides of the mesh have the right shape already.
     return basis if shoe.flat else _basis_with_sides_on_contact_line(basis, shoe, radius)
 
 
-def _nodal_basis_of_mesh(mesh: Any, degree: int) -> NodalBasis:
-    """The basis of a degree on a mesh, whose elements keep the shape that the mesh gives them."""
-    elem = NodalElement(degree, len(mesh.t))
+def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
+    """The basis of a degree on a mesh, whose elements keep the shape that the mesh gives them.
+
+    Without a degree it is the degree of the mesh itself, 1 or 2.
+    """
+    elem = NodalElement(degree or element_kind_of_mesh(mesh).degree, len(mesh.t))
     # The mapping of the mesh gives the places of the nodes.
     shape = (2, mesh.nelements, len(elem.doflocs))
     places = np.broadcast_to(mesh.mapping().F(elem.doflocs.T), shape)
@@ -238,6 +270,9 @@ def nodal_basis_with_places(mesh: Any, elem: NodalElement, places: Floats) -> No
     element_dofs = np.concatenate(rows)
     doflocs = np.empty((2, number_of_nodes_at_degree(mesh, elem.degree)))
     doflocs[:, element_dofs] = places.transpose(0, 2, 1)
+    # scikit-fem takes long to load, and hp elements do without it.
+    import skfem  # noqa: PLC0415
+
     form = skfem.refdom.RefTri if elem.corners == 3 else skfem.refdom.RefQuad
     X, W = skfem.quadrature.get_quadrature(form, 2 * elem.degree)
     return NodalBasis(
@@ -252,7 +287,7 @@ def _basis_with_sides_on_contact_line(basis: NodalBasis, shoe: Shoe, radius: flo
     """
     mesh = basis.mesh
     facets = mesh.boundaries["contact"]
-    own = skfem.Basis(mesh, element_kind_of_mesh(mesh).scikit_fem_element_class(), intorder=1)
+    own = nodal_basis_of_mesh(mesh)
     given = shoe.off(own.doflocs[:, nodes_along_element_edges(own, facets)], radius)
     at = gauss_lobatto_points(basis.elem.degree)
     target = lagrange_shape_function_values(len(given) - 1, at).T @ given

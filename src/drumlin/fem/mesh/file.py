@@ -19,7 +19,6 @@ from typing import Any
 
 import meshio
 import numpy as np
-import skfem
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput, system_message_of_error
@@ -37,6 +36,7 @@ from drumlin.fem.mesh.contact_surface import (
 )
 from drumlin.fem.mesh.content import read_bytes_of_mesh_file
 from drumlin.fem.mesh.content_of_file import FileContent, largest_rounding_errors_of_coordinates
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import element_edges_between_vertices, nodes_along_element_edges
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.mesh.inp import read_mesh_from_inp_text
@@ -78,7 +78,7 @@ def write_shoe_mesh_to_file(path: Path, mesh: Any, shoe: Shoe) -> None:
         raise BadInput(
             f"--format = {path.suffix[1:]!r}: unknown format of a mesh; allowed: msh, inp, vtu"
         )
-    basis = skfem.Basis(mesh, element_kind_of_mesh(mesh).scikit_fem_element_class(), intorder=1)
+    basis = nodal_basis_of_mesh(mesh)
     cells = basis.element_dofs.T
     edges = {
         name: nodes_along_element_edges(basis, facets) for name, facets in mesh.boundaries.items()

@@ -7,11 +7,13 @@ cannot be seen in the mesh. The difference that arcs instead of chords make is t
 from typing import Any, NamedTuple
 
 import numpy as np
-import skfem
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.fem.mesh.arc import element_kind_of_mesh
-from drumlin.fem.mesh.degree import NodalBasis, moves_of_nodes_that_follow_sides
+from drumlin.fem.mesh.degree import (
+    NodalBasis,
+    moves_of_nodes_that_follow_sides,
+    nodal_basis_of_mesh,
+)
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.resultants import gauss_lobatto_points
 
@@ -131,7 +133,7 @@ def _control_points_of_sides(mesh: Any, facets: Ints) -> Floats:
 
     They are the middles of straight sides.
     """
-    basis = skfem.Basis(mesh, element_kind_of_mesh(mesh).scikit_fem_element_class(), intorder=1)
+    basis = nodal_basis_of_mesh(mesh)
     xy = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
     chord = (xy[:, 0] + xy[:, -1]) / 2
     return 2 * xy[:, 1] - chord if xy.shape[1] == 3 else chord

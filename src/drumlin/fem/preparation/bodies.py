@@ -9,9 +9,15 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Actuation, Bar
+from drumlin.brake.components import Actuation
+from drumlin.brake.further_loads import ForceAtPoint, resultant_of_force_at_point
 from drumlin.brake.heat import HeatedLayer, heated_layers_of_shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
+from drumlin.fem.preparation.load_places import (
+    factors_of_forces_and_mass,
+    has_loads_at_their_places,
+    unit_loads_of_forces_and_mass,
+)
 from drumlin.fem.substructure.body import CondensedBody
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.expansion import Strains, expansion_forces
@@ -21,7 +27,7 @@ from drumlin.fem.substructure.interface import (
     function_for_drum_normals_and_tangents,
     plane_normals_and_tangents,
 )
-from drumlin.fem.substructure.loads import ACTUATION, HEAT, LoadColumns
+from drumlin.fem.substructure.loads import ACTUATION, FURTHER_FORCES, HEAT, LoadColumns
 
 
 class ActuatedBody(Protocol):
@@ -252,19 +258,23 @@ def _free_strains_at_points(
     return np.asarray(heated.free_strains_at_depths(shoe.off(points, radius)))
 
 
-def heat_load_of_shoe(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
-    """The nodal forces (2 nodes, 1) [N] of a heated shoe, as a load by its name; else no load.
+def loads_of_shoe_besides_actuation(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
+    """The nodal forces (2 nodes, l) of all unit loads of a shoe besides its actuation, by name.
+
+    They are the load of a heated shoe and the unit loads of further forces and of forces on its
+    mass. A shoe without such loads has none.
 
     Parameters
     ----------
     basis : scalar basis of the shoe's mesh, or its grid of hp elements
     shoe : the shoe
-    radius : radius of the drum [m]
+    radius : radius of the drum [m]; on a plane the length of phi = 1
     """
+    loads = unit_loads_of_forces_and_mass(basis, shoe, radius)
     strains = free_strains_of_heated_layers(shoe, radius)
-    if not strains:
-        return {}
-    return {HEAT: expansion_forces(basis, elastic_layers_of_shoe(shoe), strains)[:, None]}
+    if strains:
+        loads[HEAT] = expansion_forces(basis, elastic_layers_of_shoe(shoe), strains)[:, None]
+    return loads
 
 
 def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
@@ -287,9 +297,40 @@ def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: fl
 def load_factors_of_further_loads(body: ActuatedBody, shoe: Shoe) -> Floats:
     """The factors (l,) of a body's load columns under the loads besides its actuation.
 
-    These loads act where the actuation acts: on the loaded end of the body, or on its frame.
+    The loads act at their own places if the body has load columns for them. Else the body is rigid,
+    or its model has no such columns, and the loads act where the actuation acts.
     """
-    return load_factors_of_resultant(body, shoe, shoe.further_load)
+    columns = body.unit_load_vectors_by_name
+    if not has_loads_at_their_places(columns):
+        return load_factors_of_resultant(body, shoe, shoe.further_load)
+    return columns.factors_of_all_load_columns(factors_of_forces_and_mass(shoe))
+
+
+def load_factors_of_force_at_point(
+    body: ActuatedBody, shoe: Shoe, index: int, force: ForceAtPoint
+) -> Floats:
+    """The factors (l,) of a body's load columns under the further force with a number `index`.
+
+    `force` is the force with its point in the frame of the brake.
+    """
+    columns = body.unit_load_vectors_by_name
+    at_place = columns.column_slice_of_each_load.get(FURTHER_FORCES)
+    if at_place is None:
+        resultant = resultant_of_force_at_point(np.array(force.force), np.array(force.point))
+        return load_factors_of_resultant(body, shoe, resultant)
+    factors = np.zeros(columns.number_of_load_columns)
+    first = at_place.start + 2 * index
+    factors[first : first + 2] = shoe.frame.convert_to_shoe_frame(np.array(force.force))
+    return factors
+
+
+def force_of_load_factors(body: ActuatedBody, shoe: Shoe, load: Floats) -> Floats:
+    """The sum (2,) [N] of the forces on a shoe under load factors (l,), in the shoe's frame."""
+    columns = body.unit_load_vectors_by_name
+    force = columns.factors_of_load_with_name(ACTUATION, load)[:2]
+    if has_loads_at_their_places(columns):
+        force = force + shoe.frame.convert_to_shoe_frame(shoe.further_load[:2])
+    return np.asarray(force)
 
 
 def load_factors_of_resultant(body: ActuatedBody, shoe: Shoe, resultant: Floats) -> Floats:
@@ -338,12 +379,7 @@ def load_factors_of_push_on_shoe(
     factors, _ = load_factors_and_pin_moment_per_newton(
         body, shoe.model_copy(update={"actuation": push})
     )
-    # A mesh of the shoe's own has its loaded nodes near the point of the actuation.
-    loaded = shoe.convert_points_to_shoe_frame(shoe.actuation.point.xy)
-    if isinstance(shoe.body, Bar) and shoe.mesh is None:
-        loaded = shoe.middle_of_body_end_face(size, loaded=True)
-    at = shoe.convert_points_to_shoe_frame(push.point.xy)
-    on_loaded_end = math.dist(at, loaded) < math.dist(at, shoe.pin_in_shoe_frame)
+    on_loaded_end = shoe.is_nearer_to_loaded_end(push.point, size)
     return push.force * factors if on_loaded_end else np.zeros_like(factors)
 
 
@@ -365,7 +401,7 @@ def actuation_force_and_moments_per_newton(centre: Floats, shoe: Shoe) -> tuple[
 
 
 def support_reaction_of_shoe(
-    body: ShoeSubstructure, p: Floats, drag: float, load: Floats
+    body: ShoeSubstructure, p: Floats, dragging: Floats, drag: float, load: Floats
 ) -> Floats:
     """The support reaction (3,) of a shoe: force x [N], force y [N] and moment about the pin [N m].
 
@@ -373,13 +409,15 @@ def support_reaction_of_shoe(
     ----------
     body : the substructure
     p : (n,) pressure at the contact nodes [Pa]
+    dragging : (n,) pressures that `drag` turns into friction [Pa], see
+        `GroupState.dragging_pressures_of_shoe`
     drag : friction coefficient mu times the sense s of sliding
     load : (l,) factors of the load columns
     """
     reaction = body.reaction_to_pressure @ p + body.reaction_to_load @ load
     if body.reaction_to_friction is None:
         return reaction
-    return reaction + drag * (body.reaction_to_friction @ p)
+    return reaction + drag * (body.reaction_to_friction @ dragging)
 
 
 def penalty_stiffness_of_contact_per_area(shoe: Shoe, penalty: float) -> float:

@@ -9,8 +9,10 @@ import numpy as np
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.fields import Point
+from drumlin.brake.further_loads import NO_LOADS, LoadsOfBrake
 from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.preparation.bodies import ShoeSubstructure
+from drumlin.fem.preparation.load_places import places_of_loads_on_body
 from drumlin.fem.substructure.ring import RingSubstructure
 
 CACHE_BYTES = 200_000_000
@@ -59,6 +61,7 @@ def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         shoe.backing,
         behind,
         mesh,
+        tuple(np.round(places_of_loads_on_body(shoe) / brake.size, 12).ravel().tolist()),
     )
 
 
@@ -133,8 +136,8 @@ def brake_without_loads_and_clearances(brake: Brake) -> Brake:
 def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
     """A copy of a shoe without the data on which its condensed body does not depend.
 
-    These are the force with its direction and, in most shoes, its point, all further loads, the
-    clearance, the misfit and the friction; see `brake_without_loads_and_clearances`.
+    These are the force with its direction and, in most shoes, its point, the sizes of all further
+    loads, the clearance, the misfit and the friction; see `brake_without_loads_and_clearances`.
     """
     actuation: dict[str, Any] = {"force": 1.0, "direction": 0.0}
     # A beam ends at the point of its force, and a guide has its pin there.
@@ -152,4 +155,10 @@ def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
         "forces": (),
         "mass": None,
     }
-    return shoe.model_copy(update=changes).shoe_with_loads_of_brake(np.zeros(3))
+    # The load columns of an elastic body depend on the points of its forces and on its centre of
+    # mass, and not on the forces themselves.
+    if not len(places_of_loads_on_body(shoe)):
+        return shoe.model_copy(update=changes).shoe_with_loads_of_brake(NO_LOADS)
+    changes["mass"] = shoe.mass and shoe.mass.model_copy(update={"mass": 1.0})
+    at_places = [force._replace(force=(0.0, 0.0)) for force in shoe.further_forces_at_points]
+    return shoe.model_copy(update=changes).shoe_with_loads_of_brake(LoadsOfBrake(tuple(at_places)))

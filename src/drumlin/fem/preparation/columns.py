@@ -24,6 +24,7 @@ from drumlin.fem.hp.division import (
     Singularity,
     SingularPoint,
     divide_shoe_into_hp_elements,
+    thickness_of_each_shoe_layer,
 )
 from drumlin.fem.hp.ring import condensed_ring_in_hp_elements
 from drumlin.fem.hp.shoe import condense_shoe_to_contact_nodes
@@ -32,7 +33,7 @@ from drumlin.fem.preparation.bodies import (
     DividedBody,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
-    heat_load_of_shoe,
+    loads_of_shoe_besides_actuation,
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.cache import (
@@ -41,6 +42,7 @@ from drumlin.fem.preparation.cache import (
     memory_of_condensed_body,
     shoe_without_loads_and_clearances,
 )
+from drumlin.fem.preparation.load_places import BODY_PARTS, places_of_loads_on_body
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 
@@ -163,10 +165,27 @@ def _rule_that_divides_shoes_of_one_shape(
     # matters, and the elements become small towards it.
     tip = brake.actuation is not None and brake.actuation.is_cam
     powers = _smallest_pressure_exponents_at_lining_ends(brake, alike, i, points)
+    level = _level_for_loads_at_places(shoe, brake.size, level)
     division = divide_shoe_into_hp_elements(
         shoe, brake.size, level, points, grades_loaded_end=tip, exponents=powers
     )
     return _DivisionRule(shoe, level, points, tip, powers, division)
+
+
+def _level_for_loads_at_places(shoe: Shoe, radius: float, level: Level) -> Level:
+    """The level, with element columns as narrow as the body is thick if forces act on the body.
+
+    A force at a place of the body is spread over about the body's thickness, which wider columns
+    would not resolve.
+    """
+    if not len(places_of_loads_on_body(shoe)):
+        return level
+    body = sum(
+        layer.thickness
+        for layer in thickness_of_each_shoe_layer(shoe, radius)
+        if layer.part in BODY_PARTS
+    )
+    return replace(level, largest=min(level.largest, body / radius))
 
 
 def _cached_or_newly_condensed_body(
@@ -194,8 +213,8 @@ def _condense_and_couple_hp_shoe(
         line = contact_line_of_lining_face_nodes(shoe, radius, division)
         grid = grid_of_all_nodes_of_shoe(shoe, radius, division)
         inner = condensed_shoe_body(shoe, division, found, grid)
-        if heat := heat_load_of_shoe(grid, shoe, radius):
-            inner = inner.body_with_further_loads(heat)
+        if loads := loads_of_shoe_besides_actuation(grid, shoe, radius):
+            inner = inner.body_with_further_loads(loads)
     with add_elapsed_time(seconds, "coupling"):
         divided = DividedBody(grid, grid, line)
         return make_shoe_substructure(

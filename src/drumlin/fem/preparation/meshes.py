@@ -19,13 +19,18 @@ from drumlin.fem.hp.division import (
     grading_point_at_singular_point,
 )
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
+from drumlin.fem.mesh.degree import (
+    nodal_basis_of_mesh,
+    nodal_basis_of_shoe_mesh,
+    number_of_nodes_at_degree,
+)
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.preparation.bodies import (
     BodyNodes,
     DividedBody,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
-    heat_load_of_shoe,
+    loads_of_shoe_besides_actuation,
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.cache import (
@@ -42,7 +47,6 @@ from drumlin.fem.substructure.body import (
     Constraints,
     condense_body_to_contact_and_frame,
     multi_point_constraints_of_body,
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -92,20 +96,24 @@ less than a lining's compression. A higher degree takes longer and changes nothi
 
 
 class RaisedDegree(NamedTuple):
-    """The degree of the displacements on the mesh of a file, instead of the mesh's own degree.
+    """The degree of the displacements on the mesh of a file, and how its elements are split.
 
     Attributes
     ----------
-    degree : the degree
+    degree : the degree; None for the degree of the mesh itself
     smooth : whether straight sides on curved lines become arcs, see `mesh.smooth_outline`
     level : sizes of the elements at singular points; None leaves all elements whole
     points : singular points of the pressure on each shoe; empty for shoes of the shape of another
     """
 
-    degree: int
+    degree: int | None = None
     smooth: bool = False
     level: Level | None = None
     points: tuple[tuple[SingularPoint, ...], ...] = ()
+
+
+OWN_DEGREE = RaisedDegree()
+"""The degree of the mesh itself, on whole elements."""
 
 
 def make_mesh_bodies(
@@ -113,7 +121,7 @@ def make_mesh_bodies(
     elements: int,
     kind: str,
     mesher: Mesher | None,
-    raised: RaisedDegree | None,
+    raised: RaisedDegree,
     cache: Cache,
     seconds: Seconds,
 ) -> DividedBodies:
@@ -127,7 +135,7 @@ def make_mesh_bodies(
     kind : kind of the elements, "quad2", "quad1", "tri2" or "tri1"
     mesher : function that makes the mesh of a shoe without a file, in place of
         `parametric_mesh_of_shoe`; its bodies are not taken from the cache
-    raised : degree of the displacements on the meshes of files; None for the meshes' own degrees
+    raised : degree of the displacements on the meshes of files
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
     seconds : time of each phase [s], which this function adds to
 
@@ -146,7 +154,7 @@ def make_mesh_bodies(
     for i, shoe in enumerate(brake.shoes):
         shape = shape_key_of_shoe(brake, shoe)
         if shape not in made:
-            own = raised and raised._replace(points=raised.points[i : i + 1])
+            own = raised._replace(points=raised.points[i : i + 1])
             key = (
                 shoe_without_loads_and_clearances(shoe),
                 brake.size,
@@ -179,7 +187,7 @@ def _mesh_nodes_of_changed_shoe(
     """
     if shoe.mesh is None:
         mesh = mesher(shoe, radius)
-        basis = scalar_finite_element_basis_of_mesh(mesh)
+        basis = nodal_basis_of_mesh(mesh)
     else:
         mesh, basis = bodies[i].mesh, bodies[i].basis
     if "actuation" not in mesh.boundaries or shoe.has_support_on_back_of_body:
@@ -245,7 +253,7 @@ def mesh_and_assemble_shoe(
     shoe: Shoe,
     mesher: Mesher,
     seconds: Seconds,
-    raised: RaisedDegree | None = None,
+    raised: RaisedDegree = OWN_DEGREE,
     cache: Cache | None = None,
 ) -> AssembledShoe:
     """Mesh a shoe, and assemble its stiffness, its constraints and its unit loads.
@@ -256,7 +264,7 @@ def mesh_and_assemble_shoe(
     shoe : the shoe
     mesher : function that makes the mesh of a shoe without a file
     seconds : time of each phase [s], which this function adds to
-    raised : degree of the displacements on the mesh of a file; None for the mesh's own degree
+    raised : degree of the displacements on the mesh of a file
     cache : keeps the meshes of files
 
     Raises
@@ -267,11 +275,10 @@ def mesh_and_assemble_shoe(
     with add_elapsed_time(seconds, "mesh"):
         of_file = read_mesh_file_of_shoe(brake, shoe, cache or Cache())
         mesh = mesher(shoe, brake.size) if of_file is None else of_file.mesh
-        if of_file is None or raised is None:
-            basis = scalar_finite_element_basis_of_mesh(mesh)
-        else:
-            basis = _basis_of_raised_degree(mesh, raised, shoe, brake.size)
-            mesh = basis.mesh
+        # A parametric mesh has its own degree, and as many elements as it was asked for.
+        degree = OWN_DEGREE if of_file is None else raised
+        basis = _basis_of_raised_degree(mesh, degree, shoe, brake.size)
+        mesh = basis.mesh
     with add_elapsed_time(seconds, "assembly"):
         K = sparse_stiffness_of_body(basis, elastic_layers_of_shoe(shoe))
     with add_elapsed_time(seconds, "ties"):
@@ -290,33 +297,35 @@ def mesh_and_assemble_shoe(
             load_centre = pin
             actuated = np.zeros((constraints.matrix.shape[1], FRAME))
             actuated[-FRAME:] = np.eye(FRAME)
-        heat = heat_load_of_shoe(basis, shoe, brake.size)
+        others = loads_of_shoe_besides_actuation(basis, shoe, brake.size)
     loads = {ACTUATION: actuated} | {
-        name: constraints.matrix.T @ forces for name, forces in heat.items()
+        name: constraints.matrix.T @ forces for name, forces in others.items()
     }
     return AssembledShoe(mesh, basis, line, K, constraints, loads, load_centre, of_file)
 
 
 def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float) -> Any:
-    """The basis of a raised degree on the mesh of a file, whose elements may be split.
+    """The basis of a degree on the mesh of a shoe, whose elements may be split.
 
     `radius` is the radius of the drum [m], on a plane the length of the pad. Raises NoAnswer if the
     basis has too many nodes.
     """
+    if raised.degree is None:
+        return nodal_basis_of_mesh(mesh)
     # The modules load scikit-fem, which takes long.
-    from drumlin.fem.mesh import degree, smooth_outline, splitting  # noqa: PLC0415
+    from drumlin.fem.mesh import smooth_outline, splitting  # noqa: PLC0415
 
-    nodes = degree.number_of_nodes_at_degree(mesh, raised.degree)
+    nodes = number_of_nodes_at_degree(mesh, raised.degree)
     if nodes > MOST_RAISED_NODES:
         raise NoAnswer(
             f"its mesh has {nodes} nodes at degree {raised.degree}; at most {MOST_RAISED_NODES}"
         )
-    basis = degree.nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
+    basis = nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
     if raised.smooth:
         basis = basis.basis_with_moved_nodes(smooth_outline.moves_onto_smooth_outline(basis))
     if raised.level is None:
         return basis
-    shape = degree.nodal_basis_of_shoe_mesh(mesh, SHAPE_DEGREE, shoe, radius)
+    shape = nodal_basis_of_shoe_mesh(mesh, SHAPE_DEGREE, shoe, radius)
     finest = _longest_sides_at_singular_points(mesh, raised, shoe, radius)
     # A triangle of degree p has some p^2 / 2 nodes of its own.
     most = 2 * MOST_RAISED_NODES // raised.degree**2
@@ -382,7 +391,7 @@ def _mesh_condense_and_couple_shoe(
     shoe: Shoe,
     mesher: Mesher,
     seconds: Seconds,
-    raised: RaisedDegree | None,
+    raised: RaisedDegree,
     cache: Cache,
 ) -> ShoeSubstructure:
     """Mesh and condense a shoe, and couple it with the drum or the plane.

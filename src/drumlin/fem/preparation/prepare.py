@@ -9,7 +9,13 @@ from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
 from drumlin.fem.preparation.columns import PointsByShape, make_hp_bodies
-from drumlin.fem.preparation.meshes import ELEMENTS, Mesher, RaisedDegree, make_mesh_bodies
+from drumlin.fem.preparation.meshes import (
+    ELEMENTS,
+    OWN_DEGREE,
+    Mesher,
+    RaisedDegree,
+    make_mesh_bodies,
+)
 from drumlin.fem.preparation.scene import (
     PreparedModel,
     Seconds,
@@ -28,7 +34,7 @@ def make_prepared_model(
     elements: int = ELEMENTS,
     kind: str = DEFAULT_KIND,
     mesher: Mesher | None = None,
-    raised: RaisedDegree | None = None,
+    raised: RaisedDegree = OWN_DEGREE,
     cache: Cache | None = None,
 ) -> PreparedModel:
     """Make the prepared model of a brake, in hp elements or on meshes.
@@ -47,7 +53,7 @@ def make_prepared_model(
     mesher : function that makes the mesh of a shoe without a file, in place of
         `parametric_mesh_of_shoe`; `elements` then divides an elastic ring only, and no body is
         taken from the cache
-    raised : degree of the displacements on the meshes of files; None for the meshes' own degrees
+    raised : degree of the displacements on the meshes of files
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
 
     Raises

@@ -20,7 +20,6 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, solve_lower_triangular_system
 from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
-from drumlin.fem.mesh.arc import element_kind_of_mesh
 from drumlin.fem.substructure.elasticity import (
     isotropic_and_orthotropic_elastic_constants,
     thickness_directions_of_layers,
@@ -263,18 +262,6 @@ class CondensedBody:
         )
 
 
-def scalar_finite_element_basis_of_mesh(mesh: Any) -> Any:
-    """The scikit-fem basis of one displacement component on a mesh.
-
-    The quadrature has order 4, or 2 on linear elements.
-    """
-    # The import of skfem takes time, and bodies of hp elements do without it.
-    import skfem  # noqa: PLC0415
-
-    element = element_kind_of_mesh(mesh).scikit_fem_element_class()
-    return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
-
-
 def sparse_stiffness_of_body(
     basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool = False
 ) -> Any:
@@ -375,6 +362,39 @@ def quadrature_points_of_elements(basis: Any, *, precise: bool = False) -> Any:
     """
     nodes = basis.doflocs[:, basis.element_dofs]
     return np.einsum("cae,aq->ceq", nodes, shape_function_values_at_points(basis, precise=precise))
+
+
+class ElementQuadrature(NamedTuple):
+    """The quadrature of all elements of a body.
+
+    Attributes
+    ----------
+    xy : (2, e, q) quadrature points [m]
+    shapes : (a, q) shape functions
+    areas : (e, q) areas that the points stand for [m^2]
+    nodes : (e, a) numbers of the nodes of each element
+    parts : numbers of the elements of each part of the body, by the name of the part
+    """
+
+    xy: Floats
+    shapes: Floats
+    areas: Floats
+    nodes: Ints
+    parts: Mapping[str, Ints]
+
+
+def quadrature_of_elements(basis: Any) -> ElementQuadrature:
+    """The quadrature of all elements of a basis, or of a grid of hp elements, which has its own."""
+    if hasattr(basis, "element_quadrature"):
+        found: ElementQuadrature = basis.element_quadrature
+        return found
+    return ElementQuadrature(
+        xy=quadrature_points_of_elements(basis),
+        shapes=shape_function_values_at_points(basis),
+        areas=basis.dx,
+        nodes=basis.element_dofs.T,
+        parts=basis.mesh.subdomains,
+    )
 
 
 def _orthotropic_part_of_element_stiffness(

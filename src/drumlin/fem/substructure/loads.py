@@ -19,6 +19,10 @@ ACTUATION = "actuation"
 """Name of the unit loads of a shoe's actuation force on its body: force x, force y and couple."""
 HEAT = "heat"
 """Name of the load of a heated shoe: the nodal forces of its free strains, in one column."""
+FURTHER_FORCES = "further forces"
+"""Name of the unit loads at the points of a shoe's further forces: force x, y at each point."""
+FORCES_ON_MASS = "forces on mass"
+"""Name of the unit loads on a mass of 1 kg: unit acceleration x, y, and unit square of speed."""
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Ring, Section
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.grading import (
     EDGE_SIZE,
@@ -36,7 +37,6 @@ from drumlin.fem.substructure.body import (
     condense_body_to_contact_and_frame,
     multi_point_constraints_of_body,
     rigid_body_displacements_of_nodes,
-    scalar_finite_element_basis_of_mesh,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_ring
@@ -85,17 +85,20 @@ class RingSubstructure:
     held: Ints
     rim_balance: "RimBalance | None"
 
-    def displacement_of_ring_nodes(self, pressures: list[Floats], drags: list[float]) -> Floats:
+    def displacement_of_ring_nodes(
+        self, pressures: list[Floats], dragging: list[Floats], drags: list[float]
+    ) -> Floats:
         """Displacement (2, nodes) [m] of all nodes of the ring under the pressures of the linings.
 
         Parameters
         ----------
         pressures : (n_i,) nodal pressure of each lining [Pa]
+        dragging : (n_i,) nodal pressures of each lining that its drag turns into friction [Pa]
         drags : friction coefficient mu of each lining times the sense s of sliding
         """
         nodal = np.zeros(2 * len(self.line.nodes))
-        for (N, T), p, drag in zip(self.coupling_matrices, pressures, drags, strict=True):
-            nodal += N.T @ p - drag * (T.T @ p)
+        for i, (N, T) in enumerate(self.coupling_matrices):
+            nodal += N.T @ pressures[i] - drags[i] * (T.T @ dragging[i])
         frame = np.zeros(FRAME)
         if self.rim_balance is None:
             return self.condensed.nodal_displacements_in_one_case(
@@ -232,7 +235,7 @@ def condense_meshed_drum_ring_to_contact_nodes(
     ring = brake.ring
     assert ring is not None and ring.section is not None
     mesh = mesh_of_drum_ring(ring.section, brake.size, brake.shoes, elements)
-    basis = scalar_finite_element_basis_of_mesh(mesh)
+    basis = nodal_basis_of_mesh(mesh)
     K = ring_stiffness(basis, ring)
     arcs = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):

@@ -18,6 +18,7 @@ import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
+from drumlin.brake.further_loads import brake_with_loads_at_actuation
 from drumlin.fem.error_control.levels import LEVEL_RULE, LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import Level, ShoeDivision
@@ -146,6 +147,7 @@ def coarse_solutions_with_and_without_widths(
     NoAnswer
         where one of the answers is missing
     """
+    brake = brake_with_loads_at_actuation(brake)
     try:
         section = plane_stress_solution_on_coarse_division(
             brake, response, penalty=penalty, cache=cache

@@ -10,6 +10,7 @@ import numpy as np
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
+from drumlin.brake.friction import reason_if_friction_depends_on_pressure
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.fem.hp.body import (
@@ -91,6 +92,7 @@ def reason_against_width_model(brake: Brake) -> str | None:
         brake.reason_against_several_linings(model)
         or reason_if_any_part_is_orthotropic(brake, model)
         or reason_if_any_shoe_is_heated(brake, model)
+        or reason_if_friction_depends_on_pressure(brake, model)
         or plane_why_not(brake)
     )
 

@@ -5,6 +5,7 @@ changed until no contact force is tensile and no open node penetrates the drum.
 """
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise, product
 from typing import NamedTuple
 
@@ -13,8 +14,22 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.one_sided import (
+    NOT_HELD_TEXT,
+    SupportForce,
+    forces_of_supports_on_shoe,
+    possible_bearings,
+)
 from drumlin.brake.support import Freedoms, displacements_in_rigid_body_motions
+from drumlin.verification.triangles.equations import ContactEquations
 from drumlin.verification.triangles.face import CondensedFace
+from drumlin.verification.triangles.one_sided import (
+    ShoeInEquations,
+    equations_on_bearing_supports,
+    is_bearing_as_assumed,
+    one_sided_supports_of_shoes,
+    support_equations,
+)
 
 MOST_SETS_TRIED = 600
 """Largest number of contact sets that are tried before the solver raises NoAnswer.
@@ -54,46 +69,55 @@ class CondensedRing(NamedTuple):
     of: list[Ints]
 
 
+class ContactAtStart(NamedTuple):
+    """What bears when the contact solver starts, from an earlier solution.
+
+    Attributes
+    ----------
+    nodes : for each shoe, whether each node (n,) of its lining's face is in contact
+    supports : names of the one-sided supports that bear; empty if they are not known
+    """
+
+    nodes: list[Bools]
+    supports: frozenset[str] = frozenset()
+
+    def of_shoes(self, members: Sequence[int]) -> "ContactAtStart":
+        """The start of some shoes alone."""
+        return ContactAtStart([self.nodes[i] for i in members], self.supports)
+
+
 class ContactForces(NamedTuple):
     """Nodal contact forces and rigid-body motions of one shoe, or of several shoes together.
 
     Attributes
     ----------
     force : (n,) nodal contact forces along the normals [N], 0 at open nodes
-    motions : (k,) generalised coordinates of the rigid-body modes of the shoes
+    motions : (k,) generalised coordinates of the rigid-body modes of the shoes; of shoes in one
+        solution also the forces of the supports that bear [N]
     active : (n,) whether a node is in contact
+    supports : forces of the one-sided supports of one shoe
     """
 
     force: Floats
     motions: Floats
     active: Bools
+    supports: tuple[SupportForce, ...] = ()
 
 
-def solve_contact_complementarity(
-    A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats, first: Bools
-) -> ContactForces:
-    """Solve the contact problem w = q + A f + B y >= 0, f >= 0, w f = 0, C f = h for f and y.
+def solve_contact_complementarity(equations: ContactEquations, first: Bools) -> ContactForces:
+    """Solve w = q + A f + B y >= 0, f >= 0, w f = 0, C f + G y = h for f and y.
 
-    Here f are the nodal contact forces, w the gaps at the nodes, and y the coordinates of the
-    rigid-body modes. At each node the gap or the force is zero; C f = h is the equilibrium of the
-    shoes. An active node is one in contact. All nodes with a tensile force or a penetration change
-    at once between open and active. If their number does not fall, they change one by one.
-
-    Parameters
-    ----------
-    A : (n, n) opening of the gaps by nodal forces [m/N]
-    q : (n,) gaps without contact forces [m]
-    B : (n, k) change of the gaps by the rigid-body modes
-    C : (k, n) work of nodal forces on the test modes
-    h : (k,) work of the actuation on the test modes, with opposite sign
-    weight : (n,) area of each node [m^2], which scales gaps to forces
-    first : (n,) whether each node is active at the start
+    At each node the gap or the force is zero; the last equation is the equilibrium of the shoes. An
+    active node is one in contact. All nodes with a tensile force or a penetration change at once
+    between open and active. If their number does not fall, they change one by one. `first` (n,)
+    tells whether each node is active at the start.
 
     Raises
     ------
     NoAnswer
         If no set of active nodes satisfies the inequalities, or if a set is singular.
     """
+    A, q, B, weight = equations.A, equations.q, equations.B, equations.weight
     active = first.copy()
     scale = float(np.median(np.abs(np.diag(A)) * weight))
     fewest, spare, least = len(q) + 1, SETS_WITHOUT_PROGRESS, math.inf
@@ -103,7 +127,7 @@ def solve_contact_complementarity(
         a = np.flatnonzero(active)
         if not len(a):
             raise NoAnswer("no node in contact")
-        f, y = _forces_and_motions_of_contact_set(A, q, B, C, h, weight, a)
+        f, y = _forces_and_motions_of_contact_set(equations, a)
         # The gaps are scaled to forces [N], so that they compare with the contact forces.
         w = (q + A @ f + B @ y) * weight / scale
         size_of = float(np.abs(f).sum())
@@ -129,16 +153,20 @@ def solve_contact_complementarity(
 
 
 def _forces_and_motions_of_contact_set(
-    A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats, a: Ints
+    equations: ContactEquations, a: Ints
 ) -> tuple[Floats, Floats]:
-    """The nodal forces f (n,) and the motions y (k,) if exactly the nodes `a` are in contact.
+    """The nodal forces f (n,) and the unknowns y (k,) if exactly the nodes `a` are in contact.
 
-    The other parameters are those of `solve_contact_complementarity`. Raises NoAnswer if the
-    equations are singular.
+    Raises NoAnswer if the equations are singular.
     """
-    k = len(h)
-    system = np.block([[A[np.ix_(a, a)], B[a]], [C[:, a], np.zeros((k, k))]])
-    size = np.concatenate([np.sqrt(weight[a]), np.ones(k)])
+    A, q, B, C, G, h = equations[:6]
+    system = np.block([[A[np.ix_(a, a)], B[a]], [C[:, a], G]])
+    # Forces and motions are measured in units in which the flexibility of a node is about 1. In SI
+    # units the equations of supports lose five digits more.
+    nodal = 1 / np.sqrt(np.abs(np.diag(A)))
+    typical = float(np.median(nodal))
+    unknown = np.where(equations.is_force, typical, 1 / typical)
+    size = np.concatenate([nodal[a], unknown])
     try:
         x = size * np.linalg.solve(system * np.outer(size, size), size * np.concatenate([-q[a], h]))
     except np.linalg.LinAlgError as error:
@@ -153,7 +181,7 @@ def contact_forces_of_shoes_in_one_system(
     faces: list[CondensedFace],
     shoes: list[Shoe],
     rim: CondensedRing | None,
-    first: list[Bools],
+    first: ContactAtStart,
     senses: tuple[int, ...] | None = None,
 ) -> list[ContactForces]:
     """The contact forces of shoes that are solved in one system, in the order of the shoes.
@@ -164,15 +192,16 @@ def contact_forces_of_shoes_in_one_system(
     faces : the shoes, condensed to the faces of their linings
     shoes : the same shoes, for their hinges or abutments and their actuation
     rim : the elastic ring of the drum, or None for a rigid drum
-    first : for each shoe, whether each node (n,) is in contact at the start
+    first : the nodes and the one-sided supports in contact at the start
     senses : sense (+1, 0, -1) of the friction on the foot of each shoe at its abutment; None: all
         combinations are tried until every foot stays on its abutment
 
     Raises
     ------
     NoAnswer
-        If no contact set solves the equations, if a foot would leave its abutment, or if the
-        friction at an abutment neither opposes the slide of the foot nor holds the foot.
+        If no contact set solves the equations, if a foot would leave its abutment, if the friction
+        at an abutment neither opposes the slide of the foot nor holds the foot, or if no choice of
+        bearing supports holds shoes on anchors.
     """
     failure: NoAnswer | None = None
     # Each combination of the senses of friction at the abutments is tried in turn.
@@ -208,7 +237,7 @@ class _ContactMatrices(NamedTuple):
 
     Attributes
     ----------
-    A, q, B, C, h, weight : the shoe's blocks of the matrices of `solve_contact_complementarity`
+    A, q, B, C, h, weight : the shoe's blocks of the matrices of `ContactEquations`
     normal : (n, 2n) takes the normal component of displacements of the nodes
     pull : (2n, n) turns normal forces into nodal forces on the lining, friction included
     """
@@ -260,7 +289,7 @@ def _solve_for_abutment_friction_senses(
     faces: list[CondensedFace],
     shoes: list[Shoe],
     rim: CondensedRing | None,
-    first: list[Bools],
+    first: ContactAtStart,
     senses: tuple[int, ...],
 ) -> list[ContactForces]:
     """The contact forces of each shoe, for an assumed sense of the friction at each abutment."""
@@ -273,7 +302,7 @@ def _solve_for_abutment_friction_senses(
     begin = np.concatenate([[0], np.cumsum([len(face.theta) for face in faces])])
     rows = np.concatenate([[0], np.cumsum([len(one.h) for one in own])])
     n, k = int(begin[-1]), int(rows[-1])
-    # Each shoe has its own block of the matrices of `solve_contact_complementarity`.
+    # Each shoe has its own block of the matrices.
     A, B, C = np.zeros((n, n)), np.zeros((n, k)), np.zeros((k, n))
     for i, one in enumerate(own):
         part, row = slice(begin[i], begin[i + 1]), slice(rows[i], rows[i + 1])
@@ -289,10 +318,73 @@ def _solve_for_abutment_friction_senses(
             compliance = rim.compliance[np.ix_(under[i], under[j])]
             change = own[i].normal @ compliance @ own[j].pull
             A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= change
-    found = solve_contact_complementarity(A, q, B, C, h, weight, np.concatenate(first))
+    places = [
+        ShoeInEquations(shoe, face, one.normal, one.pull, slice(*nodes), slice(*modes))
+        for shoe, face, one, nodes, modes in zip(
+            shoes, faces, own, pairwise(begin.tolist()), pairwise(rows.tolist()), strict=True
+        )
+    ]
+    is_force = np.zeros(k, dtype=bool)
+    equations = ContactEquations(A, q, B, C, np.zeros((k, k)), h, weight, is_force)
+    return _solve_on_one_sided_supports(brake, places, equations, first)
+
+
+def _solve_on_one_sided_supports(
+    brake: Brake, places: list[ShoeInEquations], equations: ContactEquations, start: ContactAtStart
+) -> list[ContactForces]:
+    """The contact forces of each shoe on those one-sided supports that bear.
+
+    Each choice of bearing supports is tried until none of them pulls and no open support overlaps
+    its shoe; that of an earlier solution comes first. Shoes without such supports have one choice.
+
+    Parameters
+    ----------
+    brake : the brake
+    places : the shoes and their places in the equations
+    equations : the contact equations of the shoes without the forces of one-sided supports
+    start : the nodes and the supports in contact at the start
+
+    Raises
+    ------
+    NoAnswer
+        If no choice holds the shoes, or if no contact set solves the equations.
+    """
+    first, shoes = np.concatenate(start.nodes), [place.shoe for place in places]
+    supports = one_sided_supports_of_shoes(brake, shoes)
+    if not supports:
+        return _contact_forces_of_each_shoe(places, solve_contact_complementarity(equations, first))
+    openings = support_equations(supports, places, brake)
+    failure: NoAnswer | None = None
+    earlier = tuple(support.name in start.supports for support in supports)
+    for bearing in possible_bearings(len(supports), earlier if any(earlier) else ()):
+        on_supports = equations_on_bearing_supports(equations, openings, bearing)
+        if on_supports is None:
+            continue
+        try:
+            found = solve_contact_complementarity(on_supports, first)
+        except NoAnswer as error:
+            failure = failure or error
+            continue
+        y, s = found.motions[: len(equations.h)], np.zeros(len(supports))
+        s[np.array(bearing)] = found.motions[len(equations.h) :]
+        if is_bearing_as_assumed(openings, bearing, found.force, s, y):
+            return [
+                one._replace(supports=forces_of_supports_on_shoe(supports, s, i))
+                for i, one in enumerate(_contact_forces_of_each_shoe(places, found))
+            ]
+    names = ", ".join(repr(shoe.name) for shoe in shoes)
+    raise failure or NoAnswer(f"{names}: {NOT_HELD_TEXT}")
+
+
+def _contact_forces_of_each_shoe(
+    places: list[ShoeInEquations], found: ContactForces
+) -> list[ContactForces]:
+    """The parts of a solution that belong to each shoe, without the forces of its supports."""
     return [
-        ContactForces(found.force[a:b], found.motions[c:d], found.active[a:b])
-        for (a, b), (c, d) in zip(pairwise(begin), pairwise(rows), strict=True)
+        ContactForces(
+            found.force[place.nodes], found.motions[place.modes], found.active[place.nodes]
+        )
+        for place in places
     ]
 
 

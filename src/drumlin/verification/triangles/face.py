@@ -9,9 +9,11 @@ from numpy.polynomial import legendre
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.one_sided import pushes_of_one_sided_supports_on_shoe
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.lagrange import Nodes
 from drumlin.verification.triangles.outline import Outline
+from drumlin.verification.triangles.places import nodal_forces_of_further_loads
 from drumlin.verification.triangles.triangulation import Triangles
 
 FACE_GAUSS, FACE_WEIGHTS = legendre.leggauss(8)
@@ -62,6 +64,11 @@ class CondensedFace:
     loaded : (2n,) displacements of the nodes under the actuation [m]
     elastic_actuation_work : work of the actuation on the elastic displacement due to the actuation
         alone [N m]
+    pushed : (2n, m) displacements of the nodes under a push of 1 N by each of the m one-sided
+        supports of the shoe [m/N]
+    push_travel : (m,) displacement of the body at each of these pushes, along it, under all loads
+        and heat [m]
+    push_compliance : (m, m) the same displacements under a push of 1 N by each support [m/N]
     gap : (n,) gap between lining and drum before loading [m], with the growth of a heated shoe
     degree : polynomial degree of the triangles
     unknowns : number of unknowns of the shoe before its condensation
@@ -75,6 +82,9 @@ class CondensedFace:
     compliance: Floats
     loaded: Floats
     elastic_actuation_work: float
+    pushed: Floats
+    push_travel: Floats
+    push_compliance: Floats
     gap: Floats
     degree: int
     unknowns: int
@@ -156,13 +166,10 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         loads = _nodal_forces_on_loaded_end(
             body, shoe.actuation.force_vector, shoe.actuation.point.xy
         )[:, None]
-        # Two opposite forces on an arm of one metre make the moment of the further loads.
-        fx, fy, moment = shoe.further_load
-        for force, point in (([fx, fy - moment], [0, 0]), ([0, moment], [1, 0])):
-            if shoe.has_further_loads:
-                loads[:, 0] += _nodal_forces_on_loaded_end(body, np.array(force), np.array(point))
+    if shoe.has_further_loads and shape.plates:
+        loads[:, 0] += nodal_forces_of_further_loads(body, shoe)
     heat = lagrange.nodal_forces_of_heated_triangles(body.mesh, nodes, shape.layers, body.degree)
-    loads = np.column_stack([loads, heat])
+    loads = np.column_stack([loads, heat, *_nodal_forces_of_unit_pushes(brake, shoe, body)])
     # The nodes of the face are put in the order of growing theta.
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
@@ -181,10 +188,27 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         compliance=compliance.of,
         loaded=compliance.loaded[:, 0],
         elastic_actuation_work=float(compliance.work[0, 0]),
+        pushed=compliance.loaded[:, 2:],
+        push_travel=compliance.work[2:, :2].sum(axis=1),
+        push_compliance=compliance.work[2:, 2:],
         gap=clearance.unloaded_gap_of_shoe(brake, shoe, theta) - growth,
         degree=body.degree,
         unknowns=2 * len(nodes.xy),
     )
+
+
+def _nodal_forces_of_unit_pushes(brake: Brake, shoe: Shoe, body: MeshedBody) -> list[Floats]:
+    """Nodal forces (2N,) [N] of a push of 1 N by each one-sided support of a shoe.
+
+    They are 0 for a push on the rigid frame at the held end.
+    """
+    loads = []
+    for push in pushes_of_one_sided_supports_on_shoe(brake, shoe.name):
+        load = np.zeros(2 * len(body.nodes.xy))
+        if body.shape.held is not None and shoe.is_nearer_to_loaded_end(push.point, brake.size):
+            load = _nodal_forces_on_loaded_end(body, push.force_vector, push.point.xy)
+        loads.append(load)
+    return loads
 
 
 def _are_nodes_fixed(body: MeshedBody) -> Bools:

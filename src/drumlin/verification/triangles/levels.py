@@ -10,12 +10,15 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import (
     reason_if_shoe_has_further_loads,
     require_springs_of_constant_pull,
 )
+from drumlin.brake.one_sided import groups_of_shoes_on_anchors
 from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
 from drumlin.verification.triangles.contact import (
+    ContactAtStart,
     ContactForces,
     contact_forces_of_shoes_in_one_system,
 )
@@ -122,11 +125,13 @@ def solve_brake_on_one_triangle_mesh(
         If a shoe does not touch the drum or no contact set solves the equations.
     """
     refusal = reason_if_ring_support_is_not_plain(brake, "the verification by triangles")
-    if refusal is None and brake.shares:
+    shared = _are_forces_shared(brake)
+    if refusal is None and shared:
         refusal = reason_if_shoe_has_further_loads(brake, "a cam or strut on triangles")
     if refusal is not None:
         raise BadInput(refusal)
     require_springs_of_constant_pull(brake, "the verification by triangles")
+    require_friction_without_pressure(brake, "the verification by triangles")
     shoes = list(brake.shoes)
     if len(indices_of_shoes_pressed_on_drum(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")
@@ -142,15 +147,17 @@ def solve_brake_on_one_triangle_mesh(
     faces = [
         condense_shoe_to_lining_face(
             brake,
-            shoe.shoe_with_changed_actuation_force(1.0) if brake.shares else shoe,
+            shoe.shoe_with_changed_actuation_force(1.0) if shared else shoe,
             body_with_nodes_and_stiffness(one.shape, mesh, level.degree),
         )
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
-    firsts = [
+    nodes = [
         _is_node_in_contact_at_start(one, its) for one, its in zip(faces, earlier, strict=True)
     ]
-    shoes, found = _contact_forces_of_condensed_shoes(brake, faces, ring, firsts)
+    bore = {force.name for its in before or () for force in its.supports if force.push.force > 0}
+    first = ContactAtStart(nodes, frozenset(bore))
+    shoes, found = _contact_forces_of_condensed_shoes(brake, faces, ring, first)
     return [
         solution_from_contact_forces(brake, shoe, one, its)
         for shoe, one, its in zip(shoes, faces, found, strict=True)
@@ -175,7 +182,7 @@ def _draft_graded_to_corners_and_contact_ends(
 
 
 def _contact_forces_of_condensed_shoes(
-    brake: Brake, faces: list[CondensedFace], ring: MeshedBody | None, first: list[Bools]
+    brake: Brake, faces: list[CondensedFace], ring: MeshedBody | None, first: ContactAtStart
 ) -> tuple[list[Shoe], list[ContactForces]]:
     """The shoes of a brake under their actuation forces, and the contact forces of each.
 
@@ -184,21 +191,38 @@ def _contact_forces_of_condensed_shoes(
     brake : the brake
     faces : the shoes, condensed to the faces of their linings
     ring : the meshed ring of the drum, or None for a rigid drum
-    first : for each shoe, whether each node (n,) is in contact at the start
+    first : the nodes and the one-sided supports in contact at the start
     """
     shoes = list(brake.shoes)
-    if brake.shares:
+    if _are_forces_shared(brake):
         if ring is not None:
             raise BadInput(f"{brake.shares}, on an elastic ring")
         return solve_shoes_that_share_forces(brake, faces, first)
     if ring is not None:
         rim = condense_ring_to_lining_nodes(brake, ring, faces)
         return shoes, contact_forces_of_shoes_in_one_system(brake, faces, shoes, rim, first)
-    # On a rigid drum each shoe is solved by itself.
-    found = []
-    for face, shoe, its in zip(faces, shoes, first, strict=True):
-        found += contact_forces_of_shoes_in_one_system(brake, [face], [shoe], None, [its])
-    return shoes, found
+    # On a rigid drum each shoe is solved by itself, or with the shoe at the other end of its strut.
+    found: dict[int, ContactForces] = {}
+    on_anchors = groups_of_shoes_on_anchors(brake)
+    alone = [(i,) for i, shoe in enumerate(shoes) if not shoe.anchors]
+    for members in [*on_anchors, *alone]:
+        its = contact_forces_of_shoes_in_one_system(
+            brake,
+            [faces[i] for i in members],
+            [shoes[i] for i in members],
+            None,
+            first.of_shoes(members),
+        )
+        found |= dict(zip(members, its, strict=True))
+    return shoes, [found[i] for i in range(len(shoes))]
+
+
+def _are_forces_shared(brake: Brake) -> bool:
+    """Whether a cam or a strut gives the shoes their actuation forces.
+
+    A strut between shoes on anchors gives none: it is a support of both.
+    """
+    return brake.shares is not None and not any(shoe.anchors for shoe in brake.shoes)
 
 
 def _gap_kinks_and_contact_ends(

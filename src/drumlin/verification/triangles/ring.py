@@ -123,7 +123,7 @@ def _ring_mesh_graded_to_linings(
     )
     s, d = _grid_line_coordinates_of_first_ring_mesh(under, section, brake.size, least, level.size)
     shape = _ring_outline(brake, section, s[[0, -1]])
-    ends = np.concatenate([part[[0, -1]] for part in under])
+    ends = np.concatenate([_ring_angles_of_lining_ends(lining, one) for lining, one in pairs])
     sharp = np.concatenate(
         [lining.ring_angles_at_face_coordinates(one.sharp.s) for lining, one in pairs]
     )
@@ -139,6 +139,14 @@ def _ring_mesh_graded_to_linings(
         level.steep,
     )
     return shape, mesh
+
+
+def _ring_angles_of_lining_ends(lining: _LiningOnRing, draft: Draft) -> Floats:
+    """Angles [rad] on the ring of the ends of a shoe's linings, those at slots included."""
+    face = draft.shape.layers[0]
+    return lining.ring_angles_at_face_coordinates(
+        np.concatenate([[face.start, face.end], np.ravel(face.slots)])
+    )
 
 
 def _ring_angles_of_lining_grid_lines(lining: _LiningOnRing, draft: Draft) -> Floats:
@@ -310,16 +318,18 @@ def _ring_nodes_opposite_linings(
 ) -> tuple[Ints, list[Ints]]:
     """The ring's nodes opposite to those of the linings' faces.
 
-    Returned are the numbers (m,) of these ring nodes and, for each lining, the positions (n,) of
-    its opposite nodes among the m.
+    Returned are the numbers (m,) of these ring nodes and, for the face of each shoe, the positions
+    (n,) of its opposite nodes among the m. No node is opposite to a slot between two linings.
     """
     xy = ring.nodes.xy[ring.surface]
     chosen, of, count = [], [], 0
-    for one in faces:
-        middle, half = 0.5 * (one.theta[0] + one.theta[-1]), 0.5 * (one.theta[-1] - one.theta[0])
-        away = np.angle((xy[:, 0] + 1j * xy[:, 1]) * np.exp(-1j * middle))
-        under = np.flatnonzero(np.abs(away) < half + ANGLE_SLACK)
-        under = under[np.argsort(away[under])]
+    for shoe, one in zip(brake.shoes, faces, strict=True):
+        parts = []
+        for start, end in shoe.lining.arcs:
+            away = np.angle((xy[:, 0] + 1j * xy[:, 1]) * np.exp(-0.5j * (start + end)))
+            below = np.flatnonzero(np.abs(away) < 0.5 * (end - start) + ANGLE_SLACK)
+            parts.append(below[np.argsort(away[below])])
+        under = np.concatenate(parts)
         if len(under) != len(one.theta) or np.abs(xy[under] - one.xy).max() > 1e-9 * brake.size:
             raise AssertionError("ring and lining do not match")
         chosen.append(ring.surface[under])

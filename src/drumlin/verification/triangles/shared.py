@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from drumlin.base.arrays import Bools
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles.contact import (
+    ContactAtStart,
     ContactForces,
     contact_forces_of_shoes_in_one_system,
     tip_displacement_along_force,
@@ -37,7 +37,7 @@ class _SolvedShoe(NamedTuple):
 
 
 def solve_shoes_that_share_forces(
-    brake: Brake, faces: list[CondensedFace], first: list[Bools]
+    brake: Brake, faces: list[CondensedFace], first: ContactAtStart
 ) -> tuple[list[Shoe], list[ContactForces]]:
     """Find the forces of a cam or of struts; returns the shoes under them, and the contact forces.
 
@@ -49,7 +49,7 @@ def solve_shoes_that_share_forces(
     ----------
     brake : the brake, with its shoes and the cam or the struts between them
     faces : the shoes, condensed to the faces of their linings, each under an actuation of 1 N
-    first : for each shoe, whether each node (n,) is in contact at the start
+    first : the nodes in contact at the start, of each shoe
 
     Raises
     ------
@@ -60,7 +60,7 @@ def solve_shoes_that_share_forces(
 
     def solve_shoe(i: int, force: float) -> _SolvedShoe:
         """Solve shoe i under a force [N]."""
-        return _solve_shoe_under_force(brake, brake.shoes[i], faces[i], first[i], force)
+        return _solve_shoe_under_force(brake, brake.shoes[i], faces[i], first.of_shoes([i]), force)
 
     # Shoes that no strut pushes have a known force, or share that of the cam.
     behind = {names.index(link.to) for link in brake.links}
@@ -89,7 +89,7 @@ def solve_shoes_that_share_forces(
 
 
 def _solve_shoe_under_force(
-    brake: Brake, shoe: Shoe, face: CondensedFace, first: Bools, force: float
+    brake: Brake, shoe: Shoe, face: CondensedFace, first: ContactAtStart, force: float
 ) -> _SolvedShoe:
     """Solve one shoe under an actuation force.
 
@@ -98,7 +98,7 @@ def _solve_shoe_under_force(
     brake : the brake, for its friction, sense of rotation and drum
     shoe : the shoe
     face : the shoe, condensed to the face of its lining, under an actuation of 1 N
-    first : whether each node (n,) is in contact at the start
+    first : the nodes in contact at the start
     force : the actuation force [N]
 
     Raises
@@ -117,7 +117,7 @@ def _solve_shoe_under_force(
     for sense in shoe.senses_of_abutment_friction_to_try:
         try:
             (found,) = contact_forces_of_shoes_in_one_system(
-                brake, [face], [shoe], None, [first], (sense,)
+                brake, [face], [shoe], None, first, (sense,)
             )
         except NoAnswer as error:
             failure = failure or error

@@ -7,6 +7,7 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.one_sided import SupportForce
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.contact import ContactForces
 from drumlin.verification.triangles.face import (
@@ -35,9 +36,10 @@ class ShoeSolution:
     order : polynomial degree of the pieces of p
     torque : brake torque of the shoe [N m]
     normal_force : magnitude of the resultant of the pressure [N]
-    hinge_reaction : (2,) force of the pin on the shoe [N]
+    hinge_reaction : (2,) force of the pin on the shoe [N]; on anchors the sum of `supports`
     arcs : (k, 2) first and last angle of each part of the lining in contact [rad]
     unknowns : number of unknowns of the shoe's mesh
+    supports : forces of the one-sided supports of a shoe on anchors
     """
 
     theta: Floats
@@ -48,6 +50,7 @@ class ShoeSolution:
     hinge_reaction: Floats
     arcs: Floats
     unknowns: int
+    supports: tuple[SupportForce, ...] = ()
 
     @cached_property
     def _barycentric_interpolation_weights(self) -> Floats:
@@ -100,6 +103,7 @@ def solution_from_contact_forces(
         hinge_reaction=-(on_normal + on_tangent + shoe.force_of_all_loads),
         arcs=_first_and_last_angles_of_contacts(theta, p, active, one.degree),
         unknowns=one.unknowns,
+        supports=found.supports,
     )
 
 

@@ -1,0 +1,215 @@
+"""Friction coefficients that depend on pressure, sliding speed and temperature.
+
+The key `friction` of a brake or of a lining is a number or a table of measured coefficients. The
+sliding speed is that of the brake, and the temperature is that of the lining's face. Both are
+given, so that a table over them alone gives each lining a number. A table over the pressure gives
+each point of the lining a coefficient of its own.
+"""
+
+import math
+from itertools import product
+from typing import TYPE_CHECKING, Annotated, NamedTuple, Self
+
+import numpy as np
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
+from drumlin.brake.fields import (
+    PURE_NUMBER,
+    Part,
+    PressureOfTable,
+    SpeedOfTable,
+    TemperatureRise,
+)
+from drumlin.brake.units import SMALLEST
+
+if TYPE_CHECKING:
+    from drumlin.brake.brake import Brake
+
+Friction = Annotated[
+    float,
+    Field(ge=0, le=1e6, strict=True),
+    AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0),
+    PURE_NUMBER,
+]
+"""The type of a friction coefficient. A value below SMALLEST is set to 0, as for all quantities."""
+
+MeasuredFriction = Annotated[float, Field(ge=1e-6, le=1e6, strict=True), PURE_NUMBER]
+"""The type of a friction coefficient of a table, which must be greater than 0."""
+
+COLUMN_TEXTS = {"pressure": "pressures", "speed": "speeds", "temperature_rise": "temperatures"}
+"""Keys of the columns of a table of friction, and the words for their values."""
+
+
+class FrictionCurve(NamedTuple):
+    """The friction coefficient over the pressure, at a given speed and temperature.
+
+    Between two pressures the coefficient is linear. Beyond the first and the last it is constant.
+
+    Attributes
+    ----------
+    pressure : (m,) [Pa], growing pressures
+    mu : (m,), friction coefficients
+    """
+
+    pressure: Floats
+    mu: Floats
+
+    def coefficient(self, p: Floats) -> Floats:
+        """The friction coefficient at pressures p [Pa], same shape."""
+        return np.interp(p, self.pressure, self.mu)
+
+    def slope(self, p: Floats) -> Floats:
+        """The slope of the friction coefficient over the pressure [1/Pa] at p [Pa], same shape.
+
+        At a pressure of the table it is the slope on the side of higher pressures.
+        """
+        slopes = np.concatenate([[0.0], np.diff(self.mu) / np.diff(self.pressure), [0.0]])
+        return np.asarray(slopes[np.searchsorted(self.pressure, p, side="right")])
+
+
+class FrictionTable(Part):
+    """A table of friction coefficients over pressure [Pa], sliding speed [m/s] and temperature [K].
+
+    Each key is a column, with a value in each row of the table. The rows are in any order. They
+    hold each pressure at each speed and each temperature once. Between the rows the coefficient is
+    linear in each of the three, and beyond the first and the last it is constant.
+    """
+
+    mu: tuple[MeasuredFriction, ...]
+    pressure: tuple[PressureOfTable, ...] = ()
+    speed: tuple[SpeedOfTable, ...] = ()
+    temperature_rise: tuple[TemperatureRise, ...] = ()
+
+    @property
+    def columns(self) -> dict[str, tuple[float, ...]]:
+        """The columns of the table that are given, without that of the coefficients."""
+        return {key: values for key in COLUMN_TEXTS if (values := getattr(self, key))}
+
+    @model_validator(mode="after")
+    def _check_rows_are_a_grid(self) -> Self:
+        """Raise ValueError unless the rows have each combination of the columns' values once."""
+        if not self.columns:
+            raise ValueError(f"mu: give a column beside it: {', '.join(COLUMN_TEXTS)}")
+        for key, values in self.columns.items():
+            if len(values) != len(self.mu):
+                raise ValueError(
+                    f"{key}: has {len(values)} values; must have {len(self.mu)}, one for each of mu"
+                )
+            if len(set(values)) == 1:
+                raise ValueError(
+                    f"{key}: has the same value in all rows; leave it out, or give another"
+                )
+        rows = list(zip(*self.columns.values(), strict=True))
+        grid = math.prod(len(set(values)) for values in self.columns.values())
+        if len(set(rows)) != len(rows) or len(rows) != grid:
+            words = " at each of the ".join(COLUMN_TEXTS[key] for key in self.columns)
+            raise ValueError(
+                f"mu: has {len(rows)} rows, of which {len(set(rows))} differ; must have {grid}: "
+                f"each of the {words} once"
+            )
+        return self
+
+    def curve(self, speed: float, temperature_rise: float) -> FrictionCurve:
+        """The coefficient over the pressure, at a sliding speed [m/s] and a temperature rise [K].
+
+        If the table has no pressures, the curve has one point, at the pressure 0.
+        """
+        places = [sorted(set(values)) for values in self.columns.values()]
+        rows = dict(zip(zip(*self.columns.values(), strict=True), self.mu, strict=True))
+        grid = np.array([rows[row] for row in product(*places)]).reshape(list(map(len, places)))
+        at = {"speed": speed, "temperature_rise": temperature_rise}
+        # The last column is interpolated first, so that only the pressure is left.
+        for key, values in reversed(list(zip(self.columns, places, strict=True))):
+            if key in at:
+                grid = _interpolate_last_axis(grid, np.array(values), at[key])
+        pressure = np.array(places[0]) if self.pressure else np.zeros(1)
+        return FrictionCurve(pressure, grid.reshape(len(pressure)))
+
+
+def _interpolate_last_axis(values: Floats, places: Floats, at: float) -> Floats:
+    """Interpolate values (..., m) given at growing places (m,) linearly at the place `at`."""
+    inside = float(np.clip(at, places[0], places[-1]))
+    k = min(int(np.searchsorted(places, inside, side="right")) - 1, len(places) - 2)
+    part = (inside - places[k]) / (places[k + 1] - places[k])
+    return np.asarray((1 - part) * values[..., k] + part * values[..., k + 1])
+
+
+def _kind_of_friction_data(data: object) -> str:
+    """Whether data of a friction coefficient are a table or a number."""
+    return "friction table" if isinstance(data, dict | FrictionTable) else "friction number"
+
+
+FrictionOrTable = Annotated[
+    Annotated[Friction, Tag("friction number")] | Annotated[FrictionTable, Tag("friction table")],
+    Discriminator(_kind_of_friction_data),
+]
+"""The type of the key `friction`: a friction coefficient, or a table of coefficients."""
+
+
+def friction_curve_of_lining(
+    written: float | FrictionTable, speed: float, temperature_rise: float
+) -> FrictionCurve:
+    """The friction coefficient of a lining over its pressure; a single point if it is constant.
+
+    Parameters
+    ----------
+    written : value of the key `friction` that holds for the lining
+    speed : sliding speed [m/s]
+    temperature_rise : rise of the temperature at the face of the lining [K]
+    """
+    if isinstance(written, FrictionTable):
+        return written.curve(speed, temperature_rise)
+    return FrictionCurve(np.zeros(1), np.array([written]))
+
+
+def text_of_friction(curve: FrictionCurve) -> str:
+    """A friction coefficient as a text such as "0.3", or "0.42 to 0.36 over the pressure"."""
+    if len(curve.mu) == 1:
+        return f"{curve.mu[0]:g}"
+    return f"{curve.mu[0]:g} to {curve.mu[-1]:g} over the pressure"
+
+
+def keys_of_friction_tables(brake: "Brake") -> dict[str, FrictionTable]:
+    """The tables of friction of a brake and of its linings by their keys in the brake file."""
+    written = {"friction": brake.friction_as_written}
+    for i, shoe in enumerate(brake.shoes):
+        written[f"shoe[{i}].lining.friction"] = shoe.lining.friction or 0.0
+    return {key: table for key, table in written.items() if isinstance(table, FrictionTable)}
+
+
+def key_of_friction_over_pressure(brake: "Brake") -> str | None:
+    """The first key by which friction depends on the pressure; None if it does not."""
+    for key, table in keys_of_friction_tables(brake).items():
+        if table.pressure:
+            return f"{key}.pressure"
+    return None
+
+
+def reason_if_friction_depends_on_pressure(brake: "Brake", what: str) -> str | None:
+    """Why a computation that takes numbers for friction does not apply; None if it applies.
+
+    `what` names the computation in the text.
+    """
+    key = key_of_friction_over_pressure(brake)
+    return None if key is None else f"{key}: {what} takes no friction that depends on the pressure"
+
+
+def require_friction_without_pressure(brake: "Brake", what: str) -> None:
+    """Raise BadInput if friction depends on the pressure; `what` names the computation."""
+    reason = reason_if_friction_depends_on_pressure(brake, what)
+    if reason is not None:
+        raise BadInput(reason)
+
+
+def check_speed_of_friction_tables(brake: "Brake", key: str, given: bool) -> None:
+    """Raise ValueError if a table of friction needs a sliding speed, or no table needs that given.
+
+    `key` is the key of the speed in the brake file, and `given` whether the brake has it.
+    """
+    over_speed = [name for name, table in keys_of_friction_tables(brake).items() if table.speed]
+    if over_speed and brake.sliding_speed is None:
+        raise ValueError(f"{over_speed[0]}.speed: needs the sliding speed; give {key}")
+    if given and not over_speed:
+        raise ValueError(f"{key}: has no effect without a table friction.speed; leave it out")

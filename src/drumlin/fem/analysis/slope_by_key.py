@@ -1,0 +1,98 @@
+"""The exact slope of the torque by a key of the brake file, from the sensitivities of the brake.
+
+The slopes that the adjoint method gives (fem.analysis.sensitivity) belong to physical quantities.
+This module finds the quantity to which a key belongs: friction, a force, a modulus, a clearance or
+a coordinate of a hinge.
+"""
+
+import math
+
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.fields import Material, Part, Point
+from drumlin.brake.file import parts_and_field_of_key
+from drumlin.fem.analysis.sensitivity import Sensitivity, ShoeSensitivity
+
+
+def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> float | None:
+    """The change of the torque per value of a key, or None where no exact slope belongs to the key.
+
+    Parameters
+    ----------
+    brake : the brake
+    key : the key, written as for `vary`
+    slopes : the sensitivities of this brake
+
+    Returns
+    -------
+    slope [N m per SI unit of the key], on a plane [N per SI unit of the key]
+
+    Raises
+    ------
+    BadInput
+        for an unknown key
+    """
+    parts, name = parts_and_field_of_key(brake, key)
+    if parts == [brake]:
+        # Frictions of linings do not change with the key of the brake, but the slope includes them.
+        is_exact = name == "friction" and brake.key_of_first_own_friction() is None
+        return slopes.friction if is_exact else None
+    found = [
+        _torque_slope_by_field_of_shoe(shoe, own, part, name)
+        for shoe, own in zip(brake.shoes, slopes.shoes, strict=True)
+        for part in parts
+        if _is_part_of_shoe(shoe, part)
+    ]
+    known = [slope for slope in found if slope is not None]
+    return math.fsum(known) if known and len(known) == len(parts) == len(found) else None
+
+
+def _parts_with_exact_slopes(shoe: Shoe) -> list[Part | None]:
+    """The parts of a shoe whose keys may have exact slopes; None for a part that it has not."""
+    body = None if shoe.body is None else shoe.body.material
+    return [shoe.actuation, shoe.hinge, shoe.lining, shoe.lining.material, body]
+
+
+def _is_part_of_shoe(shoe: Shoe, part: Part) -> bool:
+    """Whether a part, as an object, belongs to a shoe."""
+    return any(part is own for own in _parts_with_exact_slopes(shoe))
+
+
+def _torque_slope_by_field_of_shoe(
+    shoe: Shoe, slopes: ShoeSensitivity, part: Part, name: str
+) -> float | None:
+    """The change of the brake's torque per field of a part of a shoe; None if it is not known.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    slopes : its sensitivities
+    part : the actuation, the hinge, the lining, or a material of the shoe
+    name : name of the field in Python
+    """
+    if part is shoe.actuation:
+        return slopes.force if name == "force" else None
+    if part is shoe.lining:
+        return slopes.clearance if name == "clearance" else None
+    if part is shoe.hinge and isinstance(part, Point):
+        return _torque_slope_by_coordinate_of_hinge(part, slopes, name)
+    if name != "E" or not isinstance(part, Material):
+        return None
+    of_modulus = slopes.moduli.get("lining" if part is shoe.lining.material else "shoe")
+    return None if of_modulus is None else of_modulus / part.E
+
+
+def _torque_slope_by_coordinate_of_hinge(
+    hinge: Point, slopes: ShoeSensitivity, name: str
+) -> float | None:
+    """The change of the torque per "x", "y", "radius" or "angle" of a hinge; None if not given."""
+    if "hinge" not in slopes.held:
+        return None
+    by_x, by_y = map(float, slopes.held["hinge"])
+    along_radius = (by_x * hinge.x + by_y * hinge.y) / hinge.radius if hinge.radius else None
+    values = {
+        "x": by_x,
+        "y": by_y,
+        "radius": along_radius,
+        "angle": by_y * hinge.x - by_x * hinge.y,
+    }
+    return values.get(name)

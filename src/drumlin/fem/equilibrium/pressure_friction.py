@@ -1,0 +1,108 @@
+"""The contact of a group of shoes whose friction depends on the pressure."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from drumlin.base.arrays import Bools, Floats
+from drumlin.base.errors import NoAnswer
+from drumlin.brake.friction import FrictionCurve
+from drumlin.contact.active_set import Contact
+from drumlin.contact.pressure_friction import (
+    FRICTION_TOLERANCE,
+    NodalFriction,
+    solve_contact_with_friction_over_pressure,
+)
+from drumlin.fem.equilibrium.group import ShoeGroup, SolvedGroup
+
+MOST_CHANGES_OF_SUPPORT = 5
+"""Largest number of times that supports are sought again while friction follows the pressure.
+
+Which supports bear, and the senses of friction at abutments, may differ between two estimates of
+the friction. Brakes need one or two trials. If more are needed, the brake is refused.
+"""
+
+
+def solve_group_with_its_friction(group: ShoeGroup, first: Bools | None = None) -> SolvedGroup:
+    """Solve the contact of a group at the friction of its linings, be it a number or a table.
+
+    The result has the friction coefficient of each node if friction depends on the pressure.
+    `first` (n,) is a contact set to start from. Raises NoAnswer as
+    `ShoeGroup.solve_contact_and_abutment_friction` does, and if no friction agrees with the
+    pressure to FRICTION_TOLERANCE.
+    """
+    curves = [group.brake.friction_curve_of_shoe(shoe) for shoe in group.shoes]
+    if all(len(curve.mu) == 1 for curve in curves):
+        return group.solve_contact_and_abutment_friction(first)
+    start, settled = _solve_at_bound_of_friction(group, curves, first)
+    for _ in range(MOST_CHANGES_OF_SUPPORT):
+        contact = _contact_on_known_supports(settled, curves, start)
+        friction = _friction_at_nodes(settled.group, curves, contact.p).coefficient
+        # The contact is solved once more at this friction, as that of any brake is. It must be the
+        # solution that growing friction reaches.
+        settled = _solve_at_friction(settled.group, friction, contact.active)
+        reached = _friction_at_nodes(settled.group, curves, settled.contact.p).coefficient
+        if np.abs(reached - friction).max() <= FRICTION_TOLERANCE * friction.max():
+            return settled
+    raise NoAnswer(f"{group.names_of_shoes}: friction and pressure do not agree, not converged")
+
+
+def _solve_at_bound_of_friction(
+    group: ShoeGroup, curves: list[FrictionCurve], first: Bools | None
+) -> tuple[Floats, SolvedGroup]:
+    """Solve a group at the least friction of each curve, or else at the largest.
+
+    Returns the friction coefficients (n,) of the nodes, and the solution. A brake that locks itself
+    at its least friction has no solution; one that needs friction to press may have none there
+    either, but one at its largest friction.
+    """
+    counts = [len(body.line.nodes) for body in group.substructures_of_shoes]
+    least = np.repeat([curve.mu.min() for curve in curves], counts)
+    largest = np.repeat([curve.mu.max() for curve in curves], counts)
+    try:
+        return least, _solve_at_friction(group, least, first)
+    except NoAnswer as error:
+        try:
+            return largest, _solve_at_friction(group, largest, first)
+        except NoAnswer:
+            raise error from None
+
+
+def _solve_at_friction(group: ShoeGroup, friction: Floats, first: Bools | None) -> SolvedGroup:
+    """Solve a group at friction coefficients (n,) of its nodes, from a contact set (n,)."""
+    return _group_with_friction(group, friction).solve_contact_and_abutment_friction(first)
+
+
+def _group_with_friction(group: ShoeGroup, friction: Floats) -> ShoeGroup:
+    """A copy of a group with a friction coefficient (n,) for each of its contact nodes."""
+    return replace(group, friction_at_nodes=friction / group.brake.friction)
+
+
+def _friction_at_nodes(group: ShoeGroup, curves: list[FrictionCurve], p: Floats) -> NodalFriction:
+    """The friction at nodal pressures p (n,), which are per newton of the largest force."""
+    size, parts = group.largest_actuation_force, []
+    for curve, nodes in zip(curves, group.contact_node_slices_of_shoes, strict=True):
+        pressure = size * p[nodes]
+        parts.append(NodalFriction(curve.coefficient(pressure), size * curve.slope(pressure)))
+    return NodalFriction(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+
+
+def _contact_on_known_supports(
+    settled: SolvedGroup, curves: list[FrictionCurve], start: Floats
+) -> Contact:
+    """The contact at the friction of its pressures, on the supports of a settled group.
+
+    `start` (n,) are the friction coefficients from which friction is brought to its values.
+    """
+    group = settled.group
+    # With the coefficient 1 at every node the problem shows what friction at each node does.
+    unit = replace(group, friction_at_nodes=np.ones(len(start)))
+    try:
+        return solve_contact_with_friction_over_pressure(
+            unit.contact_problem_as_function_of_friction,
+            lambda p: _friction_at_nodes(group, curves, p),
+            settled.contact,
+            start,
+        )
+    except NoAnswer as error:
+        raise NoAnswer(f"{group.names_of_shoes}: {error}") from error

@@ -1,0 +1,248 @@
+"""Forces at places of an elastic shoe, and forces on its mass, as load columns of its body.
+
+A force acts on the section of the body at the point of the force. It is spread evenly over the
+thickness of the body there, and along the body by the normal distribution with a standard deviation
+of SPREAD times the thickness. A traction that grows linearly from the centre of this area adds the
+couple by which the force acts at its own point, as on the end face on which the actuation acts. A
+point beyond an end of the body counts as one at this end.
+
+The mass of a shoe has one density in lining, backing and body. Weight and centrifugal force act on
+it everywhere. The centre of mass in the brake file may be another point than that of this mass. The
+difference of the resultants then acts on the section at the centre of mass.
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats, Ints
+from drumlin.brake.brake import Shoe
+from drumlin.brake.elasticity import ElasticLayer
+from drumlin.fem.substructure.body import quadrature_of_elements
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
+from drumlin.fem.substructure.loads import FORCES_ON_MASS, FURTHER_FORCES, LoadColumns
+
+SPREAD = 0.5
+"""Standard deviation of the length over which a force is spread, relative to the body's thickness.
+
+Two thirds of the force then act within one thickness of the body. A body bends by the resultant of
+a force alone, and farther than about one thickness from the force it does not matter how the force
+is spread (Saint-Venant's principle). A smaller value needs smaller elements and raises the pressure
+of the lining in front of the force; a larger value makes the place of the force less sharp. The
+value is a judgement.
+"""
+BODY_PARTS = ("table", "shoe")
+"""Names of the layers that make up the body of a shoe, on which forces at places act."""
+
+
+LOADS_AT_PLACES = (FURTHER_FORCES, FORCES_ON_MASS)
+"""Names of the load columns of `unit_loads_of_forces_and_mass`."""
+
+
+def places_of_loads_on_body(shoe: Shoe) -> Floats:
+    """The points (k, 2) [m] at which an elastic shoe is loaded, in the shoe's own frame.
+
+    They are the points of its further forces, then the centre of its mass, if it has one. A rigid
+    shoe has no such points: only the resultant of its forces matters.
+    """
+    if shoe.body is None or shoe.has_loads_at_actuation:
+        return np.zeros((0, 2))
+    points = [each.point for each in shoe.further_forces_at_points]
+    if shoe.mass is not None:
+        points.append((shoe.mass.point.x, shoe.mass.point.y))
+    return shoe.convert_points_to_shoe_frame(np.reshape(points, (-1, 2)))
+
+
+class _LoadedArea(NamedTuple):
+    """The elements of a body on which forces act, at their quadrature points.
+
+    Attributes
+    ----------
+    xy : (2, e, q) quadrature points [m]
+    shapes : (a, q) shape functions
+    areas : (e, q) areas that the points stand for [m^2]
+    nodes : (e, a) numbers of the nodes
+    node_places : (2, N) places of all nodes of the mesh [m]
+    """
+
+    xy: Floats
+    shapes: Floats
+    areas: Floats
+    nodes: Ints
+    node_places: Floats
+
+    def nodal_values(self, density: Floats) -> Floats:
+        """The nodal values (N,) that do the work of a density (e, q) at the quadrature points."""
+        values = (density * self.areas) @ self.shapes.T
+        count = self.node_places.shape[1]
+        found = np.bincount(self.nodes.ravel(), values.ravel(), minlength=count)
+        return np.asarray(found, dtype=float)
+
+    def resultant(self, forces: Floats) -> Floats:
+        """Force x, force y [N] and moment about the origin [N m] of nodal forces (2, N)."""
+        x, y = self.node_places
+        return np.array([*forces.sum(axis=1), float(x @ forces[1] - y @ forces[0])])
+
+
+class _UnitLoadsAtPlace(NamedTuple):
+    """Unit loads on the section of a body at a place, as nodal forces on all nodes.
+
+    `forces` (3, 2, N) are those of force x, force y and couple, and `centre` (2,) [m] is the point
+    about which the couple acts.
+    """
+
+    forces: Floats
+    centre: Floats
+
+    def forces_of_load_at_point(self, force: Floats, point: Floats, couple: float = 0.0) -> Floats:
+        """Nodal forces (2, N) of a force (2,) at a point (2,) [m], with a further couple."""
+        x, y = point - self.centre
+        factors = [*force, x * force[1] - y * force[0] + couple]
+        return np.einsum("l,lcn->cn", factors, self.forces)
+
+
+def unit_loads_of_forces_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
+    """The nodal forces (2 nodes, l) of unit loads at places of a shoe, by the name of the load.
+
+    Parameters
+    ----------
+    basis : scalar basis of the shoe's mesh, or its grid of hp elements
+    shoe : the shoe
+    radius : radius of the drum [m]; on a plane the length of phi = 1
+
+    Returns
+    -------
+    FURTHER_FORCES : unit force x and unit force y at the point of each further force
+    FORCES_ON_MASS : unit acceleration x, unit acceleration y and unit square of the angular speed,
+        each on a mass of 1 kg, in the axes of the shoe's frame
+
+    A shoe without such loads or without a body has none of these names, nor has a mesh file without
+    elements of a body.
+    """
+    places = places_of_loads_on_body(shoe)
+    if not len(places):
+        return {}
+    elements = quadrature_of_elements(basis)
+    members = [elements.parts[name] for name in BODY_PARTS if name in elements.parts]
+    if not members:
+        return {}
+    on_body = np.concatenate(members)
+    layers = elastic_layers_of_shoe(shoe)
+    body = _LoadedArea(
+        elements.xy[:, on_body],
+        elements.shapes,
+        elements.areas[on_body],
+        elements.nodes[on_body],
+        basis.doflocs,
+    )
+    at_places = [_unit_loads_at_place(body, shoe, layers, radius, place) for place in places]
+    found: dict[str, Floats] = {}
+    forces = len(shoe.further_forces_at_points)
+    if forces:
+        columns = []
+        for at_place, place in zip(at_places[:forces], places, strict=False):
+            columns += [at_place.forces_of_load_at_point(unit, place) for unit in np.eye(2)]
+        found[FURTHER_FORCES] = _as_columns(columns)
+    if shoe.mass is not None:
+        volume = np.zeros_like(elements.areas)
+        for name, own in elements.parts.items():
+            volume[own] = layers[name].width
+        whole = _LoadedArea(*elements[:4], basis.doflocs)
+        centre = shoe.convert_points_to_shoe_frame(np.zeros(2))
+        found[FORCES_ON_MASS] = _as_columns(
+            _unit_loads_on_mass(whole, volume, at_places[-1], places[-1], centre)
+        )
+    return found
+
+
+def _as_columns(loads: list[Floats]) -> Floats:
+    """Nodal forces (2 nodes, k) from a list of k nodal forces (2, nodes)."""
+    return np.array(loads).transpose(2, 1, 0).reshape(-1, len(loads))
+
+
+def _unit_loads_at_place(
+    body: _LoadedArea,
+    shoe: Shoe,
+    layers: Mapping[str, ElasticLayer],
+    radius: float,
+    place: Floats,
+) -> _UnitLoadsAtPlace:
+    """The unit loads on the section of a body at a place (2,) [m] in the shoe's frame."""
+    along = layers["shoe"].along
+
+    def position_along_body(xy: Floats) -> Floats:
+        """The position (...) of points (2, ...) along the body: an angle, or a length [m]."""
+        if along is None:
+            return shoe.phi_of_points_in_shoe_frame(xy, radius)
+        return np.asarray(np.tensordot(along, xy, axes=1))
+
+    area = float(body.areas.sum())
+    mean_radius = float((np.hypot(*body.xy) * body.areas).sum()) / area
+    unit = mean_radius if along is None else 1.0
+    ends = position_along_body(body.node_places[:, np.unique(body.nodes)])
+    first, last = float(ends.min()), float(ends.max())
+    thickness = area / (unit * (last - first))
+    at = np.clip(float(position_along_body(place)), first, last)
+    distance = (position_along_body(body.xy) - at) * unit / (SPREAD * thickness)
+    density = np.exp(-0.5 * distance**2)
+    total = float((density * body.areas).sum())
+    even = body.nodal_values(density / total)
+    centre = body.node_places @ even
+    x, y = (body.nodal_values(density / total * own) for own in body.xy)
+    couple = np.array([centre[1] * even - y, x - centre[0] * even])
+    couple /= body.resultant(couple)[2]
+    zero = np.zeros_like(even)
+    return _UnitLoadsAtPlace(np.array([[even, zero], [zero, even], couple]), centre)
+
+
+def _unit_loads_on_mass(
+    whole: _LoadedArea,
+    volume: Floats,
+    at_place: _UnitLoadsAtPlace,
+    place: Floats,
+    centre: Floats,
+) -> list[Floats]:
+    """The nodal forces (2, N) on a mass of 1 kg of two unit accelerations and of unit rotation.
+
+    Parameters
+    ----------
+    whole : all elements of the shoe
+    volume : (e, q) volume of each element per area in the plane [m]
+    at_place : the unit loads on the section at the centre of mass of the brake file
+    place : (2,) this centre of mass [m]
+    centre : (2,) point about which the shoe rotates [m]
+    """
+    density = volume / float((volume * whole.areas).sum())
+    even = whole.nodal_values(density)
+    arms = whole.xy - centre[:, None, None]
+    zero = np.zeros_like(even)
+    # The loads of one density have these resultants; those of the file act at `place`.
+    loads = [np.array([even, zero]), np.array([zero, even])]
+    loads.append(np.array([whole.nodal_values(density * arm) for arm in arms]))
+    corrected = []
+    for load, wanted in zip(loads, [*np.eye(2), place - centre], strict=True):
+        fx, fy, moment = whole.resultant(load)
+        rest = wanted - [fx, fy]
+        turned = place[0] * fy - place[1] * fx
+        corrected.append(load + at_place.forces_of_load_at_point(rest, place, turned - moment))
+    return corrected
+
+
+def factors_of_forces_and_mass(shoe: Shoe) -> dict[str, Floats]:
+    """The factors of the `unit_loads_of_forces_and_mass` under the loads of a shoe, by name."""
+    found = {}
+    forces = shoe.further_forces_at_points
+    if forces:
+        in_brake = np.array([each.force for each in forces])
+        found[FURTHER_FORCES] = shoe.frame.convert_to_shoe_frame(in_brake).ravel()
+    if shoe.mass is not None:
+        loads = shoe.loads_of_brake
+        gravity = shoe.frame.convert_to_shoe_frame(np.array(loads.gravity))
+        found[FORCES_ON_MASS] = shoe.mass.mass * np.append(gravity, loads.square_of_speed)
+    return found
+
+
+def has_loads_at_their_places(columns: LoadColumns) -> bool:
+    """Whether a body has load columns for forces at their places, or for forces on its mass."""
+    return any(name in columns.column_slice_of_each_load for name in LOADS_AT_PLACES)

@@ -1,0 +1,115 @@
+"""Laws of an even pressure, solved with a friction coefficient mu(p) that depends on the pressure.
+
+A law whose pressure p is the same everywhere on the lining has one coefficient mu(p) on a shoe. The
+law gives the pressure P(mu) of the shoe in closed form. The pressure is then the zero of
+p - P(mu(p)).
+"""
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+
+from drumlin.base.errors import NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.brake.friction import (
+    FrictionCurve,
+    key_of_friction_over_pressure,
+    reason_if_friction_depends_on_pressure,
+)
+from drumlin.response.response import Response
+
+EVEN_PRESSURE_LAWS = frozenset({"uniform", "short"})
+"""Names of the laws whose pressure is the same everywhere on the lining."""
+
+PRESSURE_ROUND_OFF = 4 * float(np.finfo(float).eps)
+"""Relative accuracy to which the pressure of a shoe is found, the least that `brentq` takes."""
+
+LawSolver = Callable[[Brake], Response]
+"""A function that solves a brake by a law."""
+
+
+def reason_if_law_has_uneven_pressure(name: str, brake: Brake) -> str | None:
+    """Why a law does not apply to friction that depends on the pressure; None if it applies.
+
+    `name` is the name of the law.
+    """
+    if name in EVEN_PRESSURE_LAWS:
+        return None
+    return reason_if_friction_depends_on_pressure(
+        brake, f"the law {name!r}, whose pressure varies,"
+    )
+
+
+def solve_brake_by_law_of_even_pressure(solve: LawSolver, brake: Brake) -> Response:
+    """Solve a brake by a law, with the friction coefficient of each shoe's even pressure.
+
+    Raises NoAnswer if a shoe has no equilibrium.
+    """
+    if key_of_friction_over_pressure(brake) is None:
+        return solve(brake)
+    count = len(brake.shoes)
+    # The other shoes get no friction, so that they cannot lock themselves.
+    frictions = []
+    for i, shoe in enumerate(brake.shoes):
+        curve = brake.friction_curve_of_shoe(shoe)
+
+        def pressure(mu: float, index: int = i) -> float:
+            """The pressure [Pa] of the shoe at a friction coefficient; inf if it locks itself."""
+            alone = [mu if k == index else 0.0 for k in range(count)]
+            try:
+                return solve(_brake_with_friction_of_shoes(brake, alone)).shoes[index].peak_pressure
+            except NoAnswer:
+                return np.inf
+
+        frictions.append(_friction_at_equilibrium(curve, pressure, shoe.name))
+    return solve(_brake_with_friction_of_shoes(brake, frictions))
+
+
+def _brake_with_friction_of_shoes(brake: Brake, frictions: list[float]) -> Brake:
+    """A copy of a brake with a friction coefficient for the lining of each shoe."""
+    shoes = []
+    for shoe, friction in zip(brake.shoes, frictions, strict=True):
+        lining = shoe.lining.copy_with({"friction": friction})
+        shoes.append(shoe.model_copy(update={"lining": lining}))
+    changes = {"friction_as_written": brake.friction, "shoes": tuple(shoes)}
+    return brake.model_copy(update=changes)
+
+
+def _friction_at_equilibrium(
+    curve: FrictionCurve, pressure: Callable[[float], float], name: str
+) -> float:
+    """The friction coefficient of the least pressure at which a shoe is in equilibrium.
+
+    It is the equilibrium that a growing force reaches.
+
+    Parameters
+    ----------
+    curve : friction coefficient over the pressure
+    pressure : function that returns the pressure [Pa] at a friction coefficient
+    name : name of the shoe
+
+    Raises
+    ------
+    NoAnswer
+        if the shoe locks itself
+    """
+    # The import of scipy takes time, and few brakes come here.
+    from scipy.optimize import brentq  # noqa: PLC0415
+
+    def excess(p: float) -> float:
+        """The pressure p less the pressure that its friction leads to."""
+        # A shoe that locks itself has an infinite pressure; any finite one is too small.
+        reached = pressure(float(curve.coefficient(np.array(p))))
+        return p - reached if np.isfinite(reached) else -max(p, 1.0)
+
+    # Between two pressures of the table the coefficient is linear, so that a zero is found there.
+    for low, high in pairwise([0.0, *curve.pressure.tolist()]):
+        if low < high and excess(low) <= 0 <= excess(high):
+            p = brentq(excess, low, high, xtol=PRESSURE_ROUND_OFF * high, rtol=PRESSURE_ROUND_OFF)
+            return float(curve.coefficient(np.array(p)))
+    # Beyond the table the coefficient is constant.
+    last = float(curve.mu[-1])
+    if not np.isfinite(pressure(last)):
+        raise NoAnswer(f"shoe {name!r}: self-locking, with friction that depends on the pressure")
+    return last

@@ -1,0 +1,166 @@
+"""One-sided supports in the contact equations: anchors, abutments and struts that only push.
+
+A support with the force s opens by v = v_0 + D f + E s + V y under nodal contact forces f and in
+rigid-body motions y. A support that bears has v = 0, an open one s = 0. The forces of the supports
+that bear are further unknowns beside the motions, and their openings further equations.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.one_sided import (
+    LARGEST_PULL,
+    Bearing,
+    OneSidedSupport,
+    are_motions_resisted,
+    divide_motions_by_supports,
+    one_sided_supports_of_brake,
+    work_of_push_in_motions,
+)
+from drumlin.verification.triangles.equations import ContactEquations
+from drumlin.verification.triangles.face import CondensedFace
+
+
+class SupportEquations(NamedTuple):
+    """The openings v = v_0 + D f + E s + V y of m one-sided supports of some shoes.
+
+    Attributes
+    ----------
+    supports : the supports, with the positions of their shoes among these shoes
+    opening : (m,) v_0, by clearances, loads and heat [m]
+    by_contact : (m, n) D, opening by nodal contact forces [m/N]
+    by_force : (m, m) E, opening by the forces of the supports [m/N]
+    by_motion : (m, k) V, opening by the rigid-body modes
+    gap : (n, m) opening of the gaps at the nodes by the forces of the supports [m/N]
+    sizes : (k,) amount of each mode that displaces points of the brake by about 1 m
+    """
+
+    supports: tuple[OneSidedSupport, ...]
+    opening: Floats
+    by_contact: Floats
+    by_force: Floats
+    by_motion: Floats
+    gap: Floats
+    sizes: Floats
+
+
+def one_sided_supports_of_shoes(brake: Brake, shoes: list[Shoe]) -> tuple[OneSidedSupport, ...]:
+    """The one-sided supports of some shoes of a brake, with the positions of these shoes."""
+    names, found = [shoe.name for shoe in shoes], []
+    for support in one_sided_supports_of_brake(brake):
+        ends = [brake.shoes[side.shoe].name for side in support.sides]
+        if ends[0] in names:
+            sides = [
+                side._replace(shoe=names.index(end))
+                for side, end in zip(support.sides, ends, strict=True)
+            ]
+            found.append(support._replace(sides=tuple(sides)))
+    return tuple(found)
+
+
+class ShoeInEquations(NamedTuple):
+    """A shoe with its condensed face and its places in the contact equations.
+
+    Attributes
+    ----------
+    shoe, face : the shoe, and the shoe condensed to the face of its lining
+    normal : (n, 2n) takes the normal component of displacements of its n nodes
+    pull : (2n, n) turns normal forces into nodal forces on the lining, friction included
+    nodes, modes : places of its nodes and of its rigid-body modes
+    """
+
+    shoe: Shoe
+    face: CondensedFace
+    normal: Floats
+    pull: Floats
+    nodes: slice
+    modes: slice
+
+
+def support_equations(
+    supports: tuple[OneSidedSupport, ...], shoes: list[ShoeInEquations], brake: Brake
+) -> SupportEquations:
+    """The openings of the one-sided supports of shoes on a brake."""
+    m, n, k = len(supports), shoes[-1].nodes.stop, shoes[-1].modes.stop
+    opening = np.array([support.clearance for support in supports])
+    by_contact, gap = np.zeros((m, n)), np.zeros((n, m))
+    by_force, by_motion = np.zeros((m, m)), np.zeros((m, k))
+    for i, one in enumerate(shoes):
+        face = one.face
+        # The columns of the face are the supports that push this shoe, in the same order.
+        own = [
+            (j, side.push)
+            for j, support in enumerate(supports)
+            for side in support.sides
+            if side.shoe == i
+        ]
+        for column, (j, push) in enumerate(own):
+            opening[j] += face.push_travel[column]
+            by_contact[j, one.nodes] = face.pushed[:, column] @ one.pull
+            by_motion[j, one.modes] = work_of_push_in_motions(one.shoe, push)
+            gap[one.nodes, j] = -one.normal @ face.pushed[:, column]
+        at = [j for j, _ in own]
+        by_force[np.ix_(at, at)] += face.push_compliance
+    sizes = np.concatenate(
+        [
+            np.where(np.isin(one.shoe.freedoms().names, ["turn", "tilt"]), 1 / brake.size, 1.0)
+            for one in shoes
+        ]
+    )
+    return SupportEquations(supports, opening, by_contact, by_force, by_motion, gap, sizes)
+
+
+def equations_on_bearing_supports(
+    equations: ContactEquations, supports: SupportEquations, bearing: Bearing
+) -> ContactEquations | None:
+    """The contact equations with the forces of the supports that bear as further unknowns.
+
+    The result is None if these supports are redundant, or leave a motion free that the linings do
+    not resist.
+    """
+    A, q, B, C, _, h, weight, is_force = equations
+    on = np.flatnonzero(bearing)
+    motions = divide_motions_by_supports(supports.by_motion[on], supports.sizes)
+    if motions is None:
+        return None
+    scale = float(np.linalg.norm(B * supports.sizes, axis=0).max())
+    if not are_motions_resisted(B @ motions.free, scale):
+        return None
+    V, E = supports.by_motion[on], supports.by_force[np.ix_(on, on)]
+    return ContactEquations(
+        A,
+        q,
+        np.column_stack([B, supports.gap[:, on]]),
+        np.concatenate([C, supports.by_contact[on]]),
+        np.block([[np.zeros((len(h), len(h))), V.T], [V, E]]),
+        np.concatenate([h, -supports.opening[on]]),
+        weight,
+        np.concatenate([is_force, np.ones(len(on), dtype=bool)]),
+    )
+
+
+def is_bearing_as_assumed(
+    supports: SupportEquations, bearing: Bearing, f: Floats, s: Floats, y: Floats
+) -> bool:
+    """Whether no support that bears pulls, and no open support overlaps its shoe.
+
+    Parameters
+    ----------
+    supports : the openings of the m supports
+    bearing : whether each support bears
+    f, s, y : nodal contact forces (n,) [N], forces (m,) of the supports [N], and motions (k,)
+    """
+    parts = [
+        supports.opening,
+        supports.by_contact @ f,
+        supports.by_force @ s,
+        supports.by_motion @ y,
+    ]
+    opening, on = np.sum(parts, axis=0), np.array(bearing)
+    largest = max(float(np.abs(s).max()), float(f.sum()))
+    pulls = s[on] < -LARGEST_PULL * largest
+    overlaps = opening[~on] < -LARGEST_PULL * float(np.abs(parts).max())
+    return not (pulls.any() or overlaps.any())

@@ -1,0 +1,130 @@
+"""Forces at places of a shoe's body and on its mass, as nodal forces on triangles.
+
+The rule by which a force is spread over the body is that of `drumlin.fem.preparation.load_places`.
+The places along the body, its thickness and all integrals come from the outline and the triangles.
+"""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Bools, Floats
+from drumlin.brake.brake import Shoe
+from drumlin.brake.further_loads import ForceAtPoint
+from drumlin.verification.triangles import lagrange
+
+if TYPE_CHECKING:
+    from drumlin.verification.triangles.face import MeshedBody
+
+SPREAD_OVER_THICKNESS = 0.5
+"""Standard deviation of the length over which a force is spread, over the body's thickness.
+
+It is that of the finite elements that are verified, `load_places.SPREAD`. Another value would load
+another shoe.
+"""
+
+
+class _Points(NamedTuple):
+    """The quadrature points of all triangles of a shoe.
+
+    Attributes
+    ----------
+    xy : (m, q, 2) points in the brake's frame [m]
+    s : (m, q) coordinate of each point along the shoe, as in its outline
+    area : (m, q) areas that the points stand for [m^2]
+    width : (m,) width of the layer of each triangle [m]
+    in_body : (m,) whether each triangle belongs to the shoe's body
+    """
+
+    xy: Floats
+    s: Floats
+    area: Floats
+    width: Floats
+    in_body: Bools
+
+
+def nodal_forces_of_further_loads(body: "MeshedBody", shoe: Shoe) -> Floats:
+    """Nodal forces (2N,) [N] of all loads on an elastic shoe besides its actuation."""
+    points = _quadrature_points_of_triangles(body)
+    density = np.zeros_like(points.xy)
+    for force in shoe.further_forces_at_points:
+        density += _force_density_at_place(body, points, shoe, force, np.zeros(3))
+    if shoe.mass is not None:
+        density += _force_density_on_mass(body, points, shoe)
+    values, _, _ = lagrange.triangle_shape_functions(body.degree)
+    forces = np.zeros_like(body.nodes.xy)
+    np.add.at(forces, body.nodes.of, np.einsum("nq,mqc,mq->mnc", values, density, points.area))
+    return forces.ravel()
+
+
+def _quadrature_points_of_triangles(body: "MeshedBody") -> _Points:
+    """The quadrature points of all triangles of a meshed shoe."""
+    values, slopes, weights = lagrange.triangle_shape_functions(body.degree)
+    x = body.nodes.xy[body.nodes.of]
+    J = np.einsum("mnc,ndq->mqcd", x, slopes)
+    widths = np.array([layer.elastic.width for layer in body.shape.layers])
+    return _Points(
+        xy=np.einsum("mnc,nq->mqc", x, values),
+        s=np.einsum("mn,nq->mq", body.nodes.at[body.nodes.of, 0], values),
+        area=np.abs(np.linalg.det(J)) * weights,
+        width=widths[body.mesh.layer],
+        in_body=body.mesh.layer >= body.shape.first_layer_of_body,
+    )
+
+
+def _force_density_at_place(
+    body: "MeshedBody", points: _Points, shoe: Shoe, force: ForceAtPoint, more: Floats
+) -> Floats:
+    """The force density (m, q, 2) [N/m^2] of a force at a point of the body.
+
+    The density is a normal distribution along the body times a rigid-body displacement. The three
+    factors of this displacement are those that give the force and its moment.
+
+    Parameters
+    ----------
+    body, points : the meshed shoe and its quadrature points
+    shoe : the shoe
+    force : the force with its point
+    more : (3,) a further force x, y [N] and moment about the drum's centre [N m] at this place
+    """
+    at = np.array(force.point)
+    along = body.shape.layers[-1].elastic.along
+    on, area = points.in_body, points.area[points.in_body]
+    if along is None:
+        # The coordinate s of an arc is the angle theta.
+        place, s = np.arctan2(at[1], at[0]), points.s
+        place += 2 * np.pi * np.round((shoe.lining.middle - place) / (2 * np.pi))
+        length = float((np.hypot(*points.xy[on].T).T * area).sum() / area.sum())
+    else:
+        place, s, length = at @ along, points.xy @ along, 1.0
+        place, s = float(place), np.asarray(s)
+    nodes = body.nodes.of[on]
+    ends = body.nodes.at[nodes, 0] if along is None else body.nodes.xy[nodes] @ along
+    span = float(np.ptp(ends)) * length
+    sigma = SPREAD_OVER_THICKNESS * float(area.sum()) / span
+    off = (s - np.clip(place, ends.min(), ends.max())) * length / sigma
+    bell = np.exp(-(off**2) / 2) * on[:, None]
+    x, y = points.xy[..., 0], points.xy[..., 1]
+    motions = np.array([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
+    work = np.einsum("icmq,jcmq,mq->ij", motions, motions, bell * points.area)
+    fx, fy = force.force
+    wanted = np.array([fx, fy, at[0] * fy - at[1] * fx]) + more
+    factors = np.linalg.solve(work, wanted)
+    return np.einsum("i,icmq,mq->mqc", factors, motions, bell)
+
+
+def _force_density_on_mass(body: "MeshedBody", points: _Points, shoe: Shoe) -> Floats:
+    """The force density (m, q, 2) [N/m^2] of gravity and rotation on the mass of a shoe."""
+    assert shoe.mass is not None
+    loads, mass, centre = shoe.loads_of_brake, shoe.mass.mass, shoe.mass.point.xy
+    volume = float((points.width[:, None] * points.area).sum())
+    thickness = mass / volume * points.width[:, None, None]
+    density = thickness * (np.array(loads.gravity) + loads.square_of_speed * points.xy)
+    force = np.einsum("mqc,mq->c", density, points.area)
+    lever = points.xy[..., 0] * density[..., 1] - points.xy[..., 1] * density[..., 0]
+    moment = float((lever * points.area).sum())
+    whole = mass * (np.array(loads.gravity) + loads.square_of_speed * centre)
+    about = centre[0] * whole[1] - centre[1] * whole[0]
+    rest = np.array([*(whole - force), about - moment])
+    at_centre = ForceAtPoint((0.0, 0.0), (float(centre[0]), float(centre[1])))
+    return density + _force_density_at_place(body, points, shoe, at_centre, rest)

@@ -1,0 +1,121 @@
+"""The processor time and the true error of a solve on a mesh file, beside those of the peers.
+
+    make mesh_cost             a mesh of some 10 000 nodes
+    make mesh_cost ARGS=4.4    elements of 4.4 mm, some 2 500 nodes
+
+Gmsh meshes a shoe of the main example with quadratic triangles of one size. drumlin solves the file
+to a tolerance of 0.5 % with stated errors, and once on the elements of the file's own degree. The
+peers GetFEM and CalculiX solve the elements of the same file. The true errors are differences from
+the shoe itself in hp elements. The command prints a row for each. All times are processor times on
+one thread in one run. Those of drumlin include reading the file. Those of the peers do not: drumlin
+reads the file for them.
+"""
+
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import vary
+from drumlin.door import example
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.solve import solve
+from drumlin.peers import PEERS, solve_brake_by_calculix_or_getfem
+from drumlin.response.response import Response
+from drumlin_studies.mesh_degrees import FINE, MeshForm, write_gmsh_mesh_of_shoe
+from drumlin_studies.stated_true import true_errors_of_response
+
+SIZE = 2.25
+"""Size of the elements [mm] without a word on the command line: some 10 000 nodes."""
+TOLERANCE = 5e-3
+"""Tolerance to which drumlin solves the file."""
+SOLVES_OF_MESH_FILE = 3
+"""Number of solves by drumlin, of which the fastest counts; others have to load modules."""
+
+
+class CostOfSolve(NamedTuple):
+    """The cost and the errors of one way to solve a mesh file.
+
+    Attributes
+    ----------
+    way : name of the way
+    seconds : processor time [s]
+    pressure, torque : true relative errors of p (L2) and of the torque
+    stated : stated relative error of p; None where no error is stated
+    """
+
+    way: str
+    seconds: float
+    pressure: float
+    torque: float
+    stated: float | None = None
+
+
+def write_mesh_of_main_example(path: Path, size: float) -> tuple[Brake, Brake]:
+    """Mesh the first shoe of the main example; return the brake of this shoe, and on its mesh.
+
+    `size` is the size of the elements [m].
+    """
+    shoes = example("double_shoe").shoes
+    brake = vary(example("double_shoe"), {"shoe": [shoes[0].model_dump()]})
+    form = MeshForm(2, straight=False, recombined=False)
+    write_gmsh_mesh_of_shoe(brake, form, size, path)
+    return brake, vary(brake, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"})
+
+
+def costs_on_mesh_file(brake: Brake, filed: Brake) -> Iterator[CostOfSolve]:
+    """Yield the cost of each way to solve a brake on mesh files, `filed`; see the module.
+
+    `brake` is the brake without mesh files.
+    """
+    known = solve(brake, tolerance=FINE)
+
+    def cost(way: str, response: Response, seconds: float) -> CostOfSolve:
+        """The cost of a way with the true errors of its response."""
+        true = true_errors_of_response(filed, response.shoes, known.shoes)
+        stated = response.error["pressure"] if response.error else None
+        return CostOfSolve(way, seconds, true["pressure"], true["torque"], stated)
+
+    ways: dict[str, Callable[[], Response]] = {
+        "drumlin, stated error": lambda: solve(filed, tolerance=TOLERANCE),
+        "drumlin, file's degree": lambda: solve_prepared_model(make_prepared_model(filed), filed),
+    }
+    for way, respond in ways.items():
+        seconds = []
+        for _ in range(SOLVES_OF_MESH_FILE):
+            start = time.process_time()
+            response = respond()
+            seconds.append(time.process_time() - start)
+        yield cost(way, response, min(seconds))
+    for name, written in PEERS.items():
+        try:
+            peer = solve_brake_by_calculix_or_getfem(name, filed)
+        except (BadInput, NoAnswer) as error:
+            print(f"{written}: {error}", file=sys.stderr)  # noqa: T201
+            continue
+        yield cost(written, peer.response, peer.process_seconds)
+
+
+def main(words: Sequence[str]) -> int:
+    """Print the rows for elements of the size [mm] in the first word."""
+    size = float(words[0]) if words else SIZE
+    with tempfile.TemporaryDirectory() as folder:
+        brake, filed = write_mesh_of_main_example(Path(folder) / "shoe.msh", 1e-3 * size)
+        print("way                     seconds  error of p  stated  error of the torque")  # noqa: T201
+        for row in costs_on_mesh_file(brake, filed):
+            stated = "none" if row.stated is None else f"{100 * row.stated:.2g} %"
+            print(  # noqa: T201
+                f"{row.way:22s}  {row.seconds:7.2f}  {100 * row.pressure:8.2g} %  {stated:>6s}  "
+                f"{100 * row.torque:.2g} %",
+                flush=True,
+            )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,428 @@
+"""Friction that depends on pressure, speed and temperature: closed forms, equilibria, refusals."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+
+import drumlin
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake import read_any
+from drumlin.brake.file import make_drum_brake_from_data, make_validated_part, vary
+from drumlin.brake.plane_brake import FlatBrake
+from drumlin.brake.writing import brake_file_text
+from drumlin.contact.active_set import solve_contact_problem
+from drumlin.contact.pressure_friction import (
+    NodalFriction,
+    solve_contact_with_friction_over_pressure,
+)
+from drumlin.contact.self_locking import FrictionDependentProblem
+from drumlin.explore.answers import Explorer
+from drumlin.fem.solve import solve
+from drumlin.peers.peer import meshes_of_shoes_for_peer_program
+from drumlin.response.balance import relative_imbalance_of_shoe
+from drumlin.response.resultants import integral_of_piecewise_polynomial
+from drumlin_studies.random_brake import draw_random_brake
+from flat_pads import pad
+from shared_forces import cam_brake, servo
+from winkler_lining import FORCE, PIN, RADIUS, WIDTH, K, winkler
+
+FALLING = {"pressure": ["0 MPa", "1 MPa"], "mu": [0.45, 0.3]}
+KINKED = {"pressure": ["0 MPa", "0.3 MPa", "1 MPa"], "mu": [0.4, 0.42, 0.25]}
+EVEN = {"pressure": ["0 MPa", "1 MPa"], "mu": [0.35, 0.35]}
+
+
+def over_pressure(brake, table=FALLING, **changes):
+    return vary(brake, {"friction": table} | changes)
+
+
+def on_mesh(brake):
+    return solve(brake, elements=12)
+
+
+# Closed forms.
+
+
+def test_a_winkler_lining_under_friction_linear_in_pressure_has_its_closed_form():
+    """p = k sin phi, and the moment about the hinge is a quadratic function of k."""
+    mu, slope = 0.35, -8e-7
+    interface, phi = winkler(lambda phi: 0 * phi, elements=96, mu=1.0)
+    whole = interface.problem
+    without = winkler(lambda phi: 0 * phi, elements=96, mu=0.0)[0].problem
+    problem = FrictionDependentProblem.friction_dependent_problem_from_two_frictions(without, whole)
+    steps = []
+
+    def friction(p):
+        steps.append(p)
+        return NodalFriction(mu + slope * p, np.full(len(p), slope))
+
+    start = solve_contact_problem(without)
+    found = solve_contact_with_friction_over_pressure(problem, friction, start, 0 * phi)
+
+    def moment(power, lever):
+        value, _ = quad(lambda x: math.sin(x) ** power * lever(x), 0.3, 2.2)
+        return WIDTH * RADIUS * value
+
+    def arm(x):
+        return RADIUS - PIN * math.cos(x)
+
+    # The moment about the hinge: FORCE = a k^2 + b k.
+    sign = -math.copysign(1.0, float(problem.C_per_friction[0].sum() * without.C[0].sum()))
+    a = -sign * slope * moment(2, arm)
+    b = moment(2, lambda x: 1.0) * PIN - sign * mu * moment(1, arm)
+    k = (-b + math.sqrt(b * b + 4 * a * FORCE)) / (2 * a)
+    assert_allclose(found.p, k * np.sin(phi), rtol=1e-5)
+    # On the nodes of the lining the pressure is as exact as is stated.
+    shape = solve_contact_problem(without).p
+    shape = shape / shape.max()
+    c, d = whole.C[0] - without.C[0], without.C[0]
+    poly = [slope * float(c @ shape**2), float((d + mu * c) @ shape), -float(whole.h[0])]
+    top = min(root for root in np.roots(poly).real if root > 0)
+    assert_allclose(found.p, top * shape, rtol=1e-11)
+    # Newton's method squares the error in each step.
+    assert len(steps) <= 6 and K > 0
+
+
+def short_pad(mu, **changes):
+    brake = pad("hinge")
+    return vary(
+        brake, {"friction": mu, "shoe.lining.start": 0.119, "shoe.lining.end": 0.121} | changes
+    )
+
+
+@pytest.mark.parametrize("sliding", ["+x", "-x"])
+def test_a_short_shoe_under_friction_linear_in_pressure_has_its_closed_form(sliding):
+    """N (x + s mu(N/A) h) = M is a quadratic equation for N."""
+    mu, slope, high = 0.45, -0.15e-6, 60e6
+    table = {"pressure": [0.0, high], "mu": [mu, mu + slope * 1e6]}
+    table["mu"][1] = mu + slope * 1e6 * 0.9
+    brake = short_pad(table, **{"plane.sliding": sliding})
+    of_table = (table["mu"][1] - mu) / high
+    shoe = brake.shoes[0]
+    area = shoe.lining.width * (shoe.lining.end - shoe.lining.start)
+    x, h, M = shoe.lining.middle, shoe.pin.y, 500.0 * 0.25
+    s = brake.sign_of_motion
+    roots = np.roots([s * h * of_table / area, x + s * mu * h, -M]).real
+    N = min(root for root in roots if root > 0)
+    found = drumlin.solve(brake, "short")
+    assert found.shoes[0].normal_force == pytest.approx(N, rel=1e-13)
+    assert found.effect == pytest.approx((mu + of_table * N / area) * N, rel=1e-13)
+    assert max(found.balance.force, found.balance.moment) < 1e-12
+
+
+def test_each_shoe_has_the_friction_of_its_own_even_pressure(brake):
+    table = over_pressure(brake)
+    for model in ("uniform", "short"):
+        found = drumlin.solve(table, model)
+        for shoe in found.shoes:
+            mu = 0.45 - 0.15e-6 * min(shoe.peak_pressure, 1e6)
+            i = found.shoes.index(shoe)
+            alone = drumlin.solve(vary(brake, {"friction": mu}), model).shoes[i]
+            assert alone.torque == pytest.approx(shoe.torque, rel=1e-12)
+            assert alone.peak_pressure == pytest.approx(shoe.peak_pressure, rel=1e-12)
+
+
+@pytest.mark.slow
+def test_a_thin_lining_on_a_rigid_shoe_is_that_of_springs():
+    """The sine pressure of a hinged rigid shoe, with the moment of mu(p) p integrated by hand."""
+    mu, slope = 0.5, -0.2 / 4e5
+    stiff_in_shear = {
+        "E_along": 1e5,
+        "E_through": 1e7,
+        "G_along_through": 1e10,
+        "nu_along_through": 0.0,
+    }
+    lining = {
+        "start": 0.6,
+        "end": 2.3,
+        "thickness": 1e-4,
+        "width": WIDTH,
+        "material": stiff_in_shear,
+    }
+    force = {"force": 900.0, "direction": 0.0, "point": {"x": 0.0, "y": 0.12}}
+    data = {
+        "title": "springs",
+        "rotation": "clockwise",
+        "friction": {"pressure": [0.0, 4e5], "mu": [mu, mu + slope * 4e5]},
+        "drum": {"radius": RADIUS},
+        "shoe": [
+            {
+                "name": "shoe",
+                "side": "internal",
+                "hinge": {"x": PIN, "y": 0.0},
+                "lining": lining,
+                "actuation": force | {"direction": math.pi / 2, "point": {"x": -0.12, "y": 0.0}},
+            }
+        ],
+    }
+    brake = make_drum_brake_from_data(data)
+    found = drumlin.solve(brake, model_error=False).shoes[0]
+
+    def integral(power, lever):
+        value, _ = quad(lambda x: math.sin(x) ** power * lever(x), 0.6, 2.3)
+        return WIDTH * RADIUS * value
+
+    def arm(x):
+        return RADIUS - PIN * math.cos(x)
+
+    sense = 1 if found.self_energising else -1
+    a = -sense * slope * integral(2, arm)
+    b = PIN * integral(2, lambda x: 1.0) - sense * mu * integral(1, arm)
+    M = 900.0 * (PIN + 0.12)
+    k = (-b + math.sqrt(b * b + 4 * a * M)) / (2 * a)
+    torque = RADIUS * (
+        mu * k * integral(1, lambda x: 1.0) + slope * k**2 * integral(2, lambda x: 1.0)
+    )
+    assert found.torque == pytest.approx(torque, rel=2e-3)
+    # The edges of the lining have peaks of their own, away from which the pressure is the sine.
+    places = np.linspace(0.9, 2.0, 7)
+    assert_allclose(found.pressure_at(places), k * np.sin(places), rtol=5e-3)
+
+
+# Equilibria of finite elements.
+
+
+BRAKES = {
+    "hinged": lambda brake: brake,
+    "servo": lambda brake: servo(),
+    "cam": lambda brake: cam_brake(),
+    "pad on a guide": lambda brake: pad("guide"),
+    "pad on a rough abutment": lambda brake: pad("abutment", "-x"),
+}
+
+
+@pytest.mark.parametrize("name", BRAKES)
+def test_friction_agrees_with_the_pressure_and_every_shoe_balances(brake, name):
+    table = over_pressure(BRAKES[name](brake), KINKED)
+    found = on_mesh(table)
+    assert max(found.balance.force, found.balance.moment) < 1e-9
+    for shoe, given in zip(found.shoes, table.shoes, strict=True):
+        curve = table.friction_curve_of_shoe(given)
+        stress = curve.coefficient(shoe.pressure) * shoe.pressure
+        assert_allclose(shoe.friction_stress, stress, atol=2e-10 * stress.max())
+        # The torque is that of the friction stress, integrated by hand.
+        force = integral_of_piecewise_polynomial(shoe.theta, stress, shoe.order)
+        area = given.lining.width * table.scale_factor**2
+        i = found.shoes.index(shoe)
+        assert found.effects[i] == pytest.approx(area * force, rel=1e-4)
+
+
+def test_the_curve_of_hp_elements_balances_with_friction_over_pressure(brake):
+    table = over_pressure(brake, KINKED)
+    found = solve(table, tolerance=1e-2)
+    for i, shoe in enumerate(found.shoes):
+        off = relative_imbalance_of_shoe(table, i, shoe)
+        assert max(off.force, off.moment) < 1e-9
+        assert "friction_stress" in shoe.as_dict()
+    # The energy that friction turns into heat is the work of the drum on the brake's bearings.
+    force = [
+        table.shoes[i].lining.width
+        * table.size**2
+        * integral_of_piecewise_polynomial(shoe.theta, shoe.friction_stress, shoe.order)
+        for i, shoe in enumerate(found.shoes)
+    ]
+    assert math.fsum(force) == pytest.approx(found.torque, rel=1e-9)
+
+
+def test_a_table_of_equal_coefficients_is_a_number(brake):
+    plain, table = on_mesh(vary(brake, {"friction": 0.35})), on_mesh(over_pressure(brake, EVEN))
+    for one, other in zip(plain.shoes, table.shoes, strict=True):
+        assert other.torque == pytest.approx(one.torque, rel=1e-12)
+        assert_allclose(other.pressure, one.pressure, rtol=1e-12, atol=1e-12 * one.peak_pressure)
+
+
+def test_the_mirror_image_has_the_same_answer(brake):
+    table = over_pressure(brake, KINKED)
+    mirrored = table.model_copy(update={"rotation": "clockwise"})
+    found, other = on_mesh(table), on_mesh(mirrored)
+    # The two shoes of this brake are mirror images of each other.
+    ways = zip(found.shoes, reversed(other.shoes), strict=True)
+    for one, two in ways:
+        assert two.torque == pytest.approx(one.torque, rel=1e-9)
+
+
+def test_units_and_the_order_of_rows_change_nothing(brake):
+    turned = {"pressure": ["1000 kPa", "0 bar"], "mu": ["30 %", 0.45]}
+    one, other = on_mesh(over_pressure(brake)), on_mesh(over_pressure(brake, turned))
+    assert other.torque == pytest.approx(one.torque, rel=1e-12)
+
+
+def test_a_refined_system_has_the_friction_of_each_node(brake):
+    """A stiff lining loses digits, and the refinement of the full system finds the same answer."""
+    changes = {"shoe.lining.material.E": "3000 GPa"}
+    found = on_mesh(over_pressure(brake, EVEN, **changes))
+    plain = on_mesh(vary(brake, {"friction": 0.35} | changes))
+    assert found.torque == pytest.approx(plain.torque, rel=1e-9)
+
+
+def test_the_brake_that_rising_friction_locks_has_no_answer(brake):
+    rising = {"pressure": ["0 MPa", "0.2 MPa", "2 MPa"], "mu": [0.3, 0.5, 3.0]}
+    with pytest.raises(NoAnswer, match=r"right|left"):
+        on_mesh(over_pressure(brake, rising, **{"shoe.actuation.force": "40 kN"}))
+    with pytest.raises(NoAnswer, match="self-locking"):
+        drumlin.solve(over_pressure(brake, rising, **{"shoe.actuation.force": "40 kN"}), "short")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_stated_errors_hold_for_tables_with_kinks(seed):
+    brake = draw_random_brake(seed)
+    friction = brake.friction or 0.3
+    peak = max(shoe.peak_pressure for shoe in solve(brake, tolerance=1e-2).shoes)
+    table = {
+        "pressure": [0.0, 0.35 * peak, 0.8 * peak],
+        "mu": [friction, 1.1 * friction, 0.6 * friction],
+    }
+    brake = over_pressure(brake, table)
+    found, fine = solve(brake, tolerance=1e-2), solve(brake, tolerance=5e-4)
+    off = abs(found.torque / fine.torque - 1)
+    assert off <= found.error["torque"] + fine.error["torque"]
+
+
+# Speed and temperature.
+
+GRID = {
+    "pressure": ["0 MPa", "1 MPa"] * 2,
+    "speed": ["5 m/s"] * 2 + ["15 m/s"] * 2,
+    "mu": [0.4, 0.3, 0.36, 0.28],
+}
+
+
+def test_a_grid_is_linear_in_pressure_and_speed(brake):
+    # 150 mm at 50 rad/s slide at 7.5 m/s, a quarter of the way from 5 to 15 m/s.
+    table = over_pressure(brake, GRID, **{"drum.speed": 50.0})
+    curve = table.friction_curve_of_shoe(table.shoes[0])
+    assert table.sliding_speed == pytest.approx(0.150 * 50)
+    assert_allclose(curve.coefficient(np.array([0, 5e5, 9e9])), [0.39, 0.3425, 0.295], rtol=1e-12)
+    assert_allclose(curve.slope(np.array([0, 5e5, 9e9])), [-9.5e-8, -9.5e-8, 0], rtol=1e-9)
+    reduced = {"pressure": [0, 1e6], "mu": [0.39, 0.295]}
+    expected = on_mesh(over_pressure(brake, reduced)).torque
+    assert on_mesh(table).torque == pytest.approx(expected, rel=1e-12)
+
+
+def test_speed_and_temperature_alone_give_each_lining_a_number(brake):
+    table = {
+        "temperature_rise": ["0 K", "200 K"] * 2,
+        "speed": ["0 m/s"] * 2 + ["15 m/s"] * 2,
+        "mu": [0.4, 0.3, 0.36, 0.28],
+    }
+    hot = {"shoe[0].lining.temperature_rise": 100.0, "shoe.lining.material.expansion": 0.0}
+    varied = over_pressure(brake, table, **{"drum.speed": 50.0} | hot)
+    assert [varied.friction_of_shoe(shoe) for shoe in varied.shoes] == pytest.approx([0.335, 0.38])
+    plain = {"friction": 0.38, "shoe[0].lining.friction": 0.335}
+    for model in ("fem", "sine"):
+        options = {"elements": 12, "model_error": False} if model == "fem" else {}
+        one = drumlin.solve(vary(brake, plain | hot), model, **options)
+        other = drumlin.solve(varied, model, **options)
+        assert other.torque == pytest.approx(one.torque, rel=1e-12)
+    slopes = [drumlin.sensitivity(each, elements=4) for each in (vary(brake, plain),)]
+    assert slopes[0].friction > 0
+
+
+def test_the_shoes_of_a_clutch_slide_at_the_difference_of_both_speeds():
+    clutch = drumlin.example("centrifugal_clutch")
+    table = {"speed": ["0 m/s", "100 m/s"], "mu": [0.2, 0.4]}
+    still, turning = (
+        vary(clutch, {"friction": table, "drum.speed": speed}) for speed in (None, "600 rpm")
+    )
+    omega = clutch.shoe_speed
+    assert still.sliding_speed == pytest.approx(omega * clutch.drum.radius)
+    slower = abs(omega - 20 * math.pi) * clutch.drum.radius
+    assert turning.sliding_speed == pytest.approx(slower)
+    assert turning.friction == pytest.approx(0.2 + 0.2 * slower / 100)
+
+
+def test_a_brake_with_a_table_is_written_and_read_again(brake, tmp_path):
+    table = over_pressure(
+        brake, GRID, **{"drum.speed": "477 rpm", "shoe[0].lining.friction": FALLING}
+    )
+    path = tmp_path / "brake.toml"
+    path.write_text(brake_file_text(table), encoding="utf-8")
+    assert read_any(path) == table
+    assert vary(table, {"friction": 0.3, "shoe.lining.friction": None, "drum.speed": None}) == vary(
+        brake, {"friction": 0.3}
+    )
+
+
+# Refusals.
+
+WRONG = {
+    "no column": ({"mu": [0.4, 0.3]}, "mu: give a column beside it: pressure, speed"),
+    "length": ({"mu": [0.4], "pressure": [0.0, 1.0]}, "has 2 values; must have 1"),
+    "equal": ({"mu": [0.4, 0.3], "pressure": [1.0, 1.0]}, "has the same value in all rows"),
+    "grid": (
+        {"mu": [0.4, 0.3, 0.2], "pressure": [0.0, 1.0, 2.0], "temperature_rise": [0.0, 0.0, 1.0]},
+        "must have 6: each of the pressures at each of the temperatures once",
+    ),
+    "zero": ({"mu": [0.0, 0.3], "pressure": [0.0, 1.0]}, "mu[0] = 0.0: must be greater"),
+    "negative": (
+        {"mu": [0.4, 0.3], "pressure": [-1.0, 1.0]},
+        "pressure[0] = -1.0: must be greater",
+    ),
+    "unit": (
+        {"mu": [0.4, 0.3], "pressure": ["0 m", "1 m"]},
+        "pressure[0] = '0 m': must be a stress",
+    ),
+    "key": ({"mu": [0.4, 0.3], "pressures": [0.0, 1.0]}, "did you mean 'pressure'?"),
+    "speed": ({"mu": [0.4, 0.3], "speed": [0.0, 1.0]}, "needs the sliding speed; give drum.speed"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_table_is_refused_by_its_key(brake, name):
+    table, words = WRONG[name]
+    with pytest.raises(BadInput) as refused:
+        over_pressure(brake, table)
+    assert "friction" in str(refused.value) and words in str(refused.value)
+
+
+def test_a_speed_without_a_table_over_speed_is_refused(brake):
+    with pytest.raises(BadInput, match=r"drum\.speed: has no effect"):
+        vary(brake, {"drum.speed": "300 rpm"})
+    with pytest.raises(BadInput, match=r"needs the sliding speed; give plane\.speed"):
+        vary(pad("guide"), {"friction": {"mu": [0.4, 0.3], "speed": [0.0, 1.0]}})
+    moved = vary(
+        pad("guide"), {"friction": {"mu": [0.4, 0.3], "speed": [0.0, 1.0]}, "plane.speed": 0.5}
+    )
+    assert make_validated_part(FlatBrake, moved.model_dump(by_alias=True)).friction == 0.35
+
+
+REFUSED = {
+    "hold": drumlin.hold,
+    "sensitivity": drumlin.sensitivity,
+    "self_locking": drumlin.self_locking,
+    "wear": drumlin.wear,
+    "reference": drumlin.reference,
+    "explore": Explorer,
+    "worn in": lambda brake: drumlin.solve(brake, worn_in=True),
+    "finite width": lambda brake: drumlin.solve(brake, finite_width=True),
+    "solid": lambda brake: drumlin.solve(brake, "solid"),
+    "sine": lambda brake: drumlin.solve(brake, "sine"),
+    "cosine": lambda brake: drumlin.solve(brake, "cosine"),
+    "block": lambda brake: drumlin.solve(brake, "block"),
+    "peers": meshes_of_shoes_for_peer_program,
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_takes_no_friction_over_pressure_names_the_key(brake, name):
+    with pytest.raises(BadInput, match=r"friction\.pressure: .* takes no friction") as refused:
+        REFUSED[name](over_pressure(brake))
+    assert "\n" not in str(refused.value)
+
+
+def test_solve_compare_and_size_say_what_they_leave_out(brake):
+    table = over_pressure(brake)
+    found = drumlin.solve(table, elements=12)
+    assert any("friction.pressure: the distance from self-locking" in note for note in found.notes)
+    assert found.self_locking is None and found.plane_stress_error.unknown
+    assert [o.model for o in drumlin.compare(table, elements=12).outcomes] == [
+        "fem",
+        "uniform",
+        "short",
+    ]
+    sized = drumlin.size(table, "shoe.actuation.force", torque=700.0, model="short")
+    again = drumlin.solve(vary(table, {"shoe.actuation.force": sized.value}), "short")
+    assert again.torque == pytest.approx(700.0, rel=1e-6)
