@@ -188,7 +188,7 @@ def compare_models_and_write_html_page(
         columns=comparison_columns_for_brake(brake),
         drawn=drawn,
         not_drawn=not_drawn,
-        notes=notes + _sentences_on_effects_that_models_neglect(comparison),
+        notes=notes + _sentences_about_effects_that_models_neglect(comparison),
         source_text=source,
     )
     return WrittenComparison(table, notes, page, comparison_columns_for_brake(brake))
@@ -210,7 +210,7 @@ def _model_notes_and_reasons_against_other_models(
     return notes
 
 
-def _sentences_on_effects_that_models_neglect(comparison: Comparison[Any]) -> list[str]:
+def _sentences_about_effects_that_models_neglect(comparison: Comparison[Any]) -> list[str]:
     """A line of text for each effect that a model of the comparison neglects."""
     lines = []
     for model, response in comparison.responses.items():

@@ -92,7 +92,7 @@ def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
 # The functions below write text about the meshes that will be solved.
 
 
-def lines_on_what_will_be_solved(brake: Brake, checked: CheckedShoe) -> Iterator[str]:
+def text_lines_about_mesh_to_be_solved(brake: Brake, checked: CheckedShoe) -> Iterator[str]:
     """Yield three lines of text on a shoe's mesh: elements, contact line, and support with force.
 
     Further lines say what drumlin changed in the mesh when it read the file.
@@ -106,13 +106,13 @@ def lines_on_what_will_be_solved(brake: Brake, checked: CheckedShoe) -> Iterator
         f"shoe {shoe.name!r}: {mesh.nelements} {degree} {form} ({parts}), "
         f"{mesh.doflocs.shape[1]} nodes, in plane stress"
     )
-    yield f"shoe {shoe.name!r}: {_text_on_contact_line(brake, checked)}"
-    yield f"shoe {shoe.name!r}: {_text_on_support_and_force(shoe, mesh)}"
+    yield f"shoe {shoe.name!r}: {_text_about_contact_line(brake, checked)}"
+    yield f"shoe {shoe.name!r}: {_text_about_support_and_force(shoe, mesh)}"
     for note in checked.read.notes:
         yield f"shoe {shoe.name!r}: {note}"
 
 
-def _text_on_contact_line(brake: Brake, checked: CheckedShoe) -> str:
+def _text_about_contact_line(brake: Brake, checked: CheckedShoe) -> str:
     """A text about a contact line: its ends, and its distance from the drum or the plane."""
     shoe, contact = checked.shoe, checked.read.contact
     offsets = _offsets_of_contact_nodes(brake, checked)
@@ -137,7 +137,7 @@ def _text_in_micrometres(lengths: Floats | float) -> str:
     return f"{largest:.3g} um" if largest > 1e-4 else "0 um"
 
 
-def _text_on_support_and_force(shoe: Shoe, mesh: Any) -> str:
+def _text_about_support_and_force(shoe: Shoe, mesh: Any) -> str:
     """A text about the edges of a mesh that are held and loaded, and about the force."""
     held = len(mesh.boundaries["hinge"])
     x, y = shoe.pin.xy.tolist()

@@ -364,7 +364,7 @@ def _require_brake_that_allows_each_value(
     medians = {key: spec.at(half)[0] for key, spec in specs.items() if key not in plan.listed}
     vary(brake, medians)
     lengths = list(map(len, plan.listed.values()))
-    steps = _case_count_until_next_value_of_key(combine, lengths, plan.repeats)
+    steps = _numbers_of_cases_until_next_value_of_each_key(combine, lengths, plan.repeats)
     for (key, values), step in zip(plan.listed.items(), steps, strict=True):
         _check_listed_values_of_key(brake, _ListedKey(key, values, changes[::step]), medians, done)
 
@@ -780,7 +780,7 @@ def _combinations_of_listed_values(
         yield dict(zip(listed, row, strict=True))
 
 
-def _case_count_until_next_value_of_key(
+def _numbers_of_cases_until_next_value_of_each_key(
     combine: str, lengths: Sequence[int], repeats: int
 ) -> list[int]:
     """For each listed key, the number m of cases after which its next value comes.

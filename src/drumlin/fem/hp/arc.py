@@ -111,11 +111,11 @@ def nodal_functions_along_element_column(p: int) -> NodalFunctions:
         sign.reshape(2, -1),
         place,
         fold,
-        *_positions_of_element_stiffness_blocks(p),
+        *_index_arrays_of_element_stiffness_blocks(p),
     )
 
 
-def _positions_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]:
+def _index_arrays_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]:
     """Index arrays that pick three blocks out of the stiffness of an element of degree p.
 
     The blocks are boundary by boundary, inner by boundary and inner by inner unknowns: the
@@ -131,7 +131,7 @@ def _positions_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]:
     outer = outer_along, outer_across
     inner = np.tile(further, p - 1), np.repeat(np.arange(1, p), p - 1)
 
-    def positions_of_stiffness_block(rows: tuple[Ints, Ints], columns: tuple[Ints, Ints]) -> Ints:
+    def index_array_of_stiffness_block(rows: tuple[Ints, Ints], columns: tuple[Ints, Ints]) -> Ints:
         """Indices (rows, columns) of a block's entries in an element's flattened stiffness.
 
         The block's rows and columns are unknowns, given by their numbers along and across the
@@ -141,9 +141,9 @@ def _positions_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]:
         return np.asarray(((along * n + columns[0]) * n + across) * n + columns[1])
 
     return (
-        positions_of_stiffness_block(outer, outer),
-        positions_of_stiffness_block(inner, outer),
-        positions_of_stiffness_block(inner, inner),
+        index_array_of_stiffness_block(outer, outer),
+        index_array_of_stiffness_block(inner, outer),
+        index_array_of_stiffness_block(inner, inner),
     )
 
 

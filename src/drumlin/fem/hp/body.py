@@ -58,7 +58,7 @@ def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> C
     )
     exists = np.ones((len(depth), len(along)), dtype=bool)
     for start, end in div.slots:
-        exists[: _rows_before_body(div), start * p + 1 : end * p] = False
+        exists[: _number_of_node_rows_outside_body(div), start * p + 1 : end * p] = False
     under = np.where(exists, np.cumsum(exists).reshape(exists.shape) - 1, -1)
     blocks = _element_blocks_under_linings_and_in_slots(div, depth, along, under)
     count = int(exists.sum())
@@ -83,7 +83,7 @@ def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> C
     )
 
 
-def _rows_before_body(div: ShoeDivision) -> int:
+def _number_of_node_rows_outside_body(div: ShoeDivision) -> int:
     """The number of node rows along the lining that do not belong to the shoe's body."""
     rigid = div.index_of_first_body_layer == div.number_of_element_layers
     return div.index_of_first_body_layer * div.degree + rigid

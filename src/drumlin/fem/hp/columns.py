@@ -195,7 +195,7 @@ class ColumnSubstructure(NamedTuple):
     right: int
 
 
-def assemble_two_element_columns(
+def join_and_condense_neighbouring_substructures(
     A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
 ) -> ColumnSubstructure:
     """The stiffness of two neighbouring stretches of element columns, joined to one stretch.
@@ -257,7 +257,11 @@ def assemble_row_of_element_columns(
         pair = row[k], row[k + 1]
         if pair not in made_of:
             made_of[pair] = len(made)
-            made.append(assemble_two_element_columns(made[pair[0]], made[pair[1]], shared, extra))
+            made.append(
+                join_and_condense_neighbouring_substructures(
+                    made[pair[0]], made[pair[1]], shared, extra
+                )
+            )
         row[k : k + 2] = [made_of[pair]]
         # The numbers of unknowns change only for the pairs with the new substructure.
         near = max(k - 1, 0)

@@ -333,7 +333,9 @@ def polynomial_error_of_power_function(exponent: float, degree: int) -> float:
     return math.prod(abs(exponent - k) / (exponent + k + 1) for k in range(degree + 1))
 
 
-def element_column_size_for_gap_tip_error(length: float, degree: int, error: float) -> float:
+def element_column_size_for_error_at_pointed_gap_kink(
+    length: float, degree: int, error: float
+) -> float:
     """The size [rad] of the element columns beside a tip of the gap, for a given error of p.
 
     A tip is a kink of the gap that points to the drum. There the pressure p goes as c ln(1/x). The
@@ -572,7 +574,7 @@ def pressure_error_left_at_lining_corners(
         response.theta, response.pressure, response.order
     )
     squares = np.sum(weight * p**2, axis=1)
-    if _presses_unbounded_at_slot(brake, index, response):
+    if _is_unbounded_pressure_at_slot_in_stated_error(brake, index, response):
         return 1.0
     for corner in corners_with_unbounded_pressure(brake, index, response):
         if corner.exponent <= -0.5:
@@ -584,7 +586,9 @@ def pressure_error_left_at_lining_corners(
     return error
 
 
-def _presses_unbounded_at_slot(brake: Brake, index: int, response: NodalPressure) -> bool:
+def _is_unbounded_pressure_at_slot_in_stated_error(
+    brake: Brake, index: int, response: NodalPressure
+) -> bool:
     """Whether p is unbounded beside a slot of shoe `index`, and the stated error includes this."""
     lining = brake.shoes[index].lining
     edges = [int(np.abs(response.theta - edge).argmin()) for edge in np.ravel(lining.slots)]
@@ -612,7 +616,9 @@ class LogarithmicPressure(NamedTuple):
     factor: float
 
 
-def logarithmic_pressures_at_gap_tips(shoe: Shoe, scale_factor: float) -> list[LogarithmicPressure]:
+def logarithmic_pressures_at_pointed_gap_kinks(
+    shoe: Shoe, scale_factor: float
+) -> list[LogarithmicPressure]:
     """The logarithmic pressure c ln(1/x) under each tip of a lining's gap.
 
     A tip is a kink of the gap that points to the drum; x is the distance from it. For a half-plane
@@ -627,7 +633,7 @@ def logarithmic_pressures_at_gap_tips(shoe: Shoe, scale_factor: float) -> list[L
     return [LogarithmicPressure(theta, half_plane * slope) for theta, slope in tips]
 
 
-def pressure_error_left_at_gap_tips(
+def pressure_error_left_at_pointed_gap_kinks(
     shoe: Shoe, scale_factor: float, response: ShoeResponse
 ) -> float:
     """The relative error in L2 of a shoe's pressure p due to kinks that point to the drum.
@@ -640,7 +646,7 @@ def pressure_error_left_at_gap_tips(
     theta, p, order = response.theta, response.pressure, response.order
     column_ends, pressed = theta[::order], p[::order] > 0
     squared_error = 0.0
-    for tip in logarithmic_pressures_at_gap_tips(shoe, scale_factor):
+    for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, scale_factor):
         # A tip causes an error if the lining is in contact there, and if two element columns meet
         # at the tip.
         k = int(np.abs(column_ends - tip.theta).argmin())

@@ -20,7 +20,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.fem.hp.corner import element_column_size_for_gap_tip_error
+from drumlin.fem.hp.corner import element_column_size_for_error_at_pointed_gap_kink
 from drumlin.response.response import EDGE_ZONE
 
 SMALLEST_COLUMN = 1e-7
@@ -440,14 +440,14 @@ def _division_of_one_lining(
 
     The other parameters are those of `divide_shoe_into_hp_elements`.
     """
-    own = [point for point in points if _is_position_nearest_to_lining(shoe, arc, point.at)]
+    own = [point for point in points if _is_lining_on_arc_nearest_to_position(shoe, arc, point.at)]
     contact = _extent_of_lining_contacts(shoe, radius, level, own, arc)
     corner_sizes = _element_column_sizes_at_corners(contact, exponents)
     end_sizes = _element_column_sizes_at_lining_ends(level, contact, corner_sizes)
     grading_points = _grading_points_along_lining(shoe, radius, level, own, contact, end_sizes)
     # At a point with unbounded pressure the layer of elements at the lining's face is as thick as
     # the columns are wide.
-    tip_sizes = _element_column_sizes_at_gap_tips(level, contact, own)
+    tip_sizes = _element_column_sizes_at_pointed_gap_kinks(level, contact, own)
     return _LiningDivision(
         contact=contact,
         angles=_element_column_ends_between_grading_points(grading_points, level),
@@ -457,7 +457,7 @@ def _division_of_one_lining(
     )
 
 
-def _is_position_nearest_to_lining(shoe: Shoe, arc: tuple[float, float], phi: float) -> bool:
+def _is_lining_on_arc_nearest_to_position(shoe: Shoe, arc: tuple[float, float], phi: float) -> bool:
     """Whether no other lining of the shoe is nearer to the position phi [rad] than that on `arc`.
 
     `arc` (start, end) are positions [rad].
@@ -494,7 +494,7 @@ def _element_column_ends_under_linings_and_slots(
     return np.concatenate(angles), tuple(slots)
 
 
-def _element_column_sizes_at_gap_tips(
+def _element_column_sizes_at_pointed_gap_kinks(
     level: Level, contact: "_ContactExtent", points: Sequence[SingularPoint]
 ) -> list[float]:
     """The sizes [rad] of the element columns at all kinks of the gap that point to the drum.
@@ -502,7 +502,10 @@ def _element_column_sizes_at_gap_tips(
     Among the singular `points` these kinks have the kind TIP.
     """
     tips = [point for point in points if point.kind == Singularity.TIP]
-    return [_element_column_size_at_gap_tip(level, contact.thickness, tip.length) for tip in tips]
+    return [
+        _element_column_size_at_pointed_gap_kink(level, contact.thickness, tip.length)
+        for tip in tips
+    ]
 
 
 def _element_column_ends_between_grading_points(points: list[GradingPoint], level: Level) -> Floats:
@@ -782,7 +785,7 @@ def grading_point_at_singular_point(
     if point.kind == Singularity.STEP:
         return GradingPoint(point.at, point.length * math.sqrt(level.end), level.ratio)
     if point.kind == Singularity.TIP:
-        size = _element_column_size_at_gap_tip(level, thickness, point.length)
+        size = _element_column_size_at_pointed_gap_kink(level, thickness, point.length)
         return GradingPoint(point.at, size, level.ratio)
     # The size at an end of the contact or at a kink is rounded to a power of two, so that similar
     # brakes have equal meshes.
@@ -805,7 +808,9 @@ def _element_column_size_at_contact_end(level: Level, thickness: float, length: 
     return level.end * min(length, math.sqrt(thickness * length))
 
 
-def _element_column_size_at_gap_tip(level: Level, thickness: float, length: float) -> float:
+def _element_column_size_at_pointed_gap_kink(
+    level: Level, thickness: float, length: float
+) -> float:
     """The size [rad] of element columns at a kink of the gap that points to the drum.
 
     At such a kink, a tip of the gap, the pressure is unbounded. The size is a power of two.
@@ -817,7 +822,7 @@ def _element_column_size_at_gap_tip(level: Level, thickness: float, length: floa
     length : the length (N/c)^2 [rad], where N is the L2 norm of the pressure and c ln(1/x) the
         pressure at the distance x from the kink
     """
-    size = element_column_size_for_gap_tip_error(length, level.degree, level.end)
+    size = element_column_size_for_error_at_pointed_gap_kink(length, level.degree, level.end)
     return 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
 
 

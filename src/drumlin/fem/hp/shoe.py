@@ -668,7 +668,7 @@ def condensed_shoe_with_balanced_loads(
     )
 
 
-def _contact_stiffness_of_held_lining(
+def _contact_stiffness_of_gripped_lining(
     row: list[ColumnSubstructure],
     div: ShoeDivision,
     left: Floats | None = None,
@@ -773,7 +773,7 @@ def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns, div: ShoeDivision)
         if after
         else None
     )
-    return _contact_stiffness_of_held_lining(row, div, body_before, body_after)
+    return _contact_stiffness_of_gripped_lining(row, div, body_before, body_after)
 
 
 def _join_first_column_to_body_at_hinge(
