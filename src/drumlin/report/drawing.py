@@ -464,7 +464,7 @@ def _draw_rigid_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float) -> None:
 
 
 def _vector_of_force_arrow(actuation: Actuation, unit: float) -> Floats:
-    """The vector (2,) [mm] from tail to tip of a force's arrow, which is always 4 `unit` long."""
+    """The vector (2,) [mm] from tail to tip of a force's arrow, with the length 4 * unit."""
     sense = -1.0 if actuation.force < 0 else 1.0
     return 4 * unit * sense * _unit_vector_at_angle(actuation.direction)
 
@@ -568,7 +568,7 @@ def _extreme_points_of_force_arrow(actuation: Actuation, tip: Floats, unit: floa
 def draw_arrow_from_tail_to_tip(
     axes: Axes, tail: Floats, tip: Floats, color: str, width: float
 ) -> None:
-    """Draw an arrow from tail (2,) to tip (2,) [mm], with a line 20 `width` points wide."""
+    """Draw an arrow from tail (2,) to tip (2,) [mm]; `width` is its line's width in 20 points."""
     arrow = FancyArrowPatch(
         tuple(tail),
         tuple(tip),

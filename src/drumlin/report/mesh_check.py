@@ -306,7 +306,7 @@ def _draw_force_at_loaded_sides(
     place = tail - 0.4 * unit * along
     align = "right" if along[0] > 0.3 else "left" if along[0] < -0.3 else "center"
     axes.text(place[0], place[1], text, color=PURPLE, ha=align, va="center", fontsize=10, zorder=7)
-    # The text is some 4 `unit` long.
+    # The text is about 4 * unit long.
     reach = {"right": -4.0, "left": 4.0, "center": 0.0}[align] * unit
     return np.array([tip, tail, place + np.array([reach, 0.0])])
 

@@ -167,7 +167,8 @@ def circle_points_and_slopes_at_gauss_points(
 
     Parameters
     ----------
-    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; lengths on a plane
+    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; on a plane distances,
+        divided by the length [m] that makes positions on the plane dimensionless
     p : degree of the elements
     flat : whether the columns are on a plane
 
@@ -195,7 +196,8 @@ def angular_factors_of_column_stiffness(
 
     Parameters
     ----------
-    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; lengths on a plane
+    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; on a plane distances,
+        divided by the length [m] that makes positions on the plane dimensionless
     p : degree of the elements
     flat : whether the columns are on a plane
     directed : whether the factors A''_kl and A'''_kl for orthotropic layers are appended; the
@@ -235,7 +237,8 @@ def _strains_times_root_of_gauss_weights(
 
     Parameters
     ----------
-    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; lengths on a plane
+    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; on a plane distances,
+        divided by the length [m] that makes positions on the plane dimensionless
     at, by : (2, c, q) points of the unit circle (or the plane), and their derivatives by xi
     p : degree of the elements
     flat : whether the columns are on a plane

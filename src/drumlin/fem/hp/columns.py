@@ -141,7 +141,8 @@ def condensed_element_column_stiffness(
     elements : (layers, c, m, m) stiffness of each element on its boundary nodes
     unknowns : the kept and the eliminated unknowns of a column
     loads : (c, k, l) unit loads on the k unknowns of the edge farthest from the contact; the
-        factors of the l loads become extra unknowns. With loads the columns have one side.
+        factors of the l loads become extra unknowns. With loads, `elements` and `unknowns` must be
+        of symmetric or antisymmetric halves of columns.
     """
     count = elements.shape[1]
     extra = 0 if loads is None else loads.shape[2]

@@ -2,11 +2,11 @@
 
 A lining ends with a face square to the drum. Near this corner the lining is an elastic wedge of 90
 degrees that slides on a half-plane, and the pressure p goes as x^a, where x is the distance from
-the corner. If the exponent a is negative, p is unbounded. Under a tip of the gap (a kink of the gap
-that points to the drum) p goes as ln(1/x) (Johnson, Contact Mechanics, ch. 5).
+the corner. If the exponent a is negative, p is unbounded. Under a kink of the gap that points to
+the drum p goes as ln(1/x) at the distance x from the kink (Johnson, Contact Mechanics, ch. 5).
 
 This module computes the exponents a, and replaces the computed p near the corners by the power law.
-It also estimates the errors of p at corners and under tips, where elements of finite size cannot
+It also estimates the errors of p at corners and under kinks, where elements of finite size cannot
 follow the unbounded pressure.
 """
 
@@ -37,7 +37,7 @@ SMALLEST_ROOT = 1e-3
 
 The pressure p goes as x^a at the distance x from a pressed corner of a lining. With l below 1/2 the
 pressure is not square-integrable; on a rigid drum this needs a friction coefficient of at least
-0.57 to 0.61, by Poisson's ratio.
+0.57 to 0.61, depending on Poisson's ratio.
 """
 BOUNDED_EXPONENT = 1e-6
 """If |a| is smaller than this, the pressure p ~ x^a at a corner counts as bounded.
@@ -78,9 +78,9 @@ a larger ratio more pieces are needed.
 """
 
 TIP_TOLERANCE = 1e-9
-"""Distance [rad] from a tip of the gap below which an element column counts as ending at the tip.
+"""Distance [rad] from a gap kink, below which an element column counts as ending at the kink.
 
-A tip is a kink of the gap that points to the drum. Such a small distance is round-off.
+Such a kink points to the drum, and p is unbounded there. A smaller distance is round-off.
 """
 
 
@@ -336,11 +336,12 @@ def polynomial_error_of_power_function(exponent: float, degree: int) -> float:
 def element_column_size_for_error_at_pointed_gap_kink(
     length: float, degree: int, error: float
 ) -> float:
-    """The size [rad] of the element columns beside a tip of the gap, for a given error of p.
+    """The size [rad] of element columns beside a gap kink that points to the drum.
 
-    A tip is a kink of the gap that points to the drum. There the pressure p goes as c ln(1/x). The
-    best polynomial for ln x on [0, 1] has the error 1/(degree + 1) in L2, by the sum of the
-    Legendre coefficients.
+    With this size the pressure p has the given error at the kink.
+
+    The pressure p goes as c ln(1/x) at the distance x from such a kink. The best polynomial for ln
+    x on [0, 1] has the error 1/(degree + 1) in L2, by the sum of the Legendre coefficients.
 
     Parameters
     ----------
@@ -589,7 +590,7 @@ def pressure_error_left_at_lining_corners(
 def _is_unbounded_pressure_at_slot_in_stated_error(
     brake: Brake, index: int, response: NodalPressure
 ) -> bool:
-    """Whether p is unbounded beside a slot of shoe `index`, and the stated error includes this."""
+    """Whether p is unbounded beside a slot between linings, and its stated error includes this."""
     lining = brake.shoes[index].lining
     edges = [int(np.abs(response.theta - edge).argmin()) for edge in np.ravel(lining.slots)]
     if not np.any(response.pressure[edges] > 0):
@@ -602,13 +603,13 @@ def _is_unbounded_pressure_at_slot_in_stated_error(
 
 
 class LogarithmicPressure(NamedTuple):
-    """The pressure p = c ln(1/x) at the distance x from a tip of the gap, for small x.
+    """The pressure p = c ln(1/x) near a kink of the gap that points to the drum.
 
-    A tip is a kink of the gap that points to the drum.
+    The distance x from the kink is small.
 
     Attributes
     ----------
-    theta : position of the tip [rad]
+    theta : position of the kink [rad]
     factor : the factor c [Pa]
     """
 
@@ -619,13 +620,14 @@ class LogarithmicPressure(NamedTuple):
 def logarithmic_pressures_at_pointed_gap_kinks(
     shoe: Shoe, scale_factor: float
 ) -> list[LogarithmicPressure]:
-    """The logarithmic pressure c ln(1/x) under each tip of a lining's gap.
+    """The logarithmic pressure c ln(1/x) under each kink of the gap that points to the drum.
 
-    A tip is a kink of the gap that points to the drum; x is the distance from it. For a half-plane
+    The distance from the kink is x. For a half-plane
     of modulus E and a change of slope s at the kink, c = E s/(2 pi) (Johnson, Contact Mechanics,
     ch. 5). `scale_factor` is the length per unit of the surface's coordinate [m/rad, on a plane 1].
     """
-    # The factor c of a tip whose slope changes by 1 per unit of the surface's coordinate.
+    # The factor c of a kink at which the slope of the gap changes by 1 per unit of the surface's
+    # coordinate.
     half_plane = shoe.lining.material.young_modulus_of_equivalent_half_plane / (
         2 * math.pi * scale_factor
     )
@@ -638,8 +640,8 @@ def pressure_error_left_at_pointed_gap_kinks(
 ) -> float:
     """The relative error in L2 of a shoe's pressure p due to kinks that point to the drum.
 
-    At such a kink in the contact (a tip of the gap) p goes as ln(1/x) at the distance x. The error
-    arises in the element columns on both sides of each tip, because a polynomial cannot follow the
+    If such a kink is in contact, p goes as ln(1/x) at the distance x from it. The error arises in
+    the element columns on both sides of each kink, because a polynomial cannot follow the
     logarithm. `scale_factor` is the length per unit of the surface's coordinate [m/rad, on a plane
     1].
     """
@@ -647,8 +649,8 @@ def pressure_error_left_at_pointed_gap_kinks(
     column_ends, pressed = theta[::order], p[::order] > 0
     squared_error = 0.0
     for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, scale_factor):
-        # A tip causes an error if the lining is in contact there, and if two element columns meet
-        # at the tip.
+        # A kink counts if the lining is in contact there, and if two element columns meet at the
+        # kink.
         k = int(np.abs(column_ends - tip.theta).argmin())
         has_two_columns = 0 < k < len(column_ends) - 1
         at_tip = abs(column_ends[k] - tip.theta) < TIP_TOLERANCE * shoe.frame.unit

@@ -28,10 +28,10 @@ SMALLEST_COLUMN = 1e-7
 
 The limit is set by round-off. In a column of width w in a lining of thickness t, round-off changes
 the pressure p by about 1e-16 (t/w)^2, relative to p. At w = 2e-7 t this is 2.5e-3 in the column,
-and some 1e-6 of p in L2, because the column is narrow. In smaller columns p would lose all digits.
-Columns a hundred times larger would leave an error of 1e-3 of p in L2 at a kink of the gap that
-points to the drum, where the error falls as the root of w. Sizes are rounded down to a power of two
-after this limit, so that columns can be half as wide.
+and some 1e-6 of p in L2, because the column is narrow. In much smaller columns no digit of p would
+be right. Columns a hundred times larger would leave an error of 1e-3 of p in L2 at a kink of the
+gap that points to the drum, where the error falls as the root of w. After this limit is applied,
+sizes are rounded down to a power of two, so that some columns are up to half as wide.
 """
 UNRESOLVED_LENGTH = 0.02
 """Length of details of the contact that are not resolved, relative to the contact's length.
@@ -194,8 +194,9 @@ class ShoeDivision:
     depths : (l + 1,) distances of the faces of the layers from the lining's face [m]. For a
         straight beam the depth grows by 1 through each layer of the shoe.
     part : (l,) name of the part of the shoe that each layer of elements belongs to
-    singular_layer_size : size [m] of the layer of elements at the lining's face, if an unbounded
-        pressure (at a corner or under a tip) makes it thinner than the contact does; inf otherwise
+    singular_layer_size : size [m] of the layer of elements at the lining's face, if this layer is
+        thin because the pressure is unbounded (at a corner of the lining, or at a gap kink that
+        points to the drum); inf otherwise
     slots : for each slot between two linings, the number of its first column, and of the first
         column behind the slot
     """
@@ -469,7 +470,7 @@ def _is_lining_on_arc_nearest_to_position(shoe: Shoe, arc: tuple[float, float], 
 def _element_column_ends_under_linings_and_slots(
     shoe: Shoe, radius: float, level: Level, linings: Sequence[_LiningDivision]
 ) -> tuple[Floats, tuple[tuple[int, int], ...]]:
-    """The ends (m + 1,) [rad] of all columns under linings and in slots, and the slots' columns.
+    """The ends (m + 1,) [rad] of the m columns under linings and in slots, and each slot's columns.
 
     In a slot between two linings the columns grow from both linings towards the slot's middle. A
     slot is given by the number of its first column, and of the first column behind it.
@@ -813,7 +814,7 @@ def _element_column_size_at_pointed_gap_kink(
 ) -> float:
     """The size [rad] of element columns at a kink of the gap that points to the drum.
 
-    At such a kink, a tip of the gap, the pressure is unbounded. The size is a power of two.
+    At such a kink the pressure is unbounded. The size is a power of two.
 
     Parameters
     ----------
@@ -879,8 +880,8 @@ def _grading_points_without_close_ones(
 def _positions_of_shoe_body_ends(shoe: Shoe, radius: float) -> tuple[float, float]:
     """The positions phi at which the body of a shoe begins and ends [rad], the hinge's end first.
 
-    Beyond the lining of a straight beam, a position changes by the distance along the beam divided
-    by the radius of the lining's back.
+    A straight beam reaches beyond its lining. There a position is the lining's end plus the
+    distance along the beam divided by the radius of the lining's back.
     """
     start, end = shoe.arc
     if isinstance(shoe.body, Beam):

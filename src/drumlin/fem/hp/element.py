@@ -24,9 +24,10 @@ from drumlin.fem.substructure.elasticity import (
 from drumlin.response.resultants import gauss_lobatto_points
 
 SLOPES_PER_BATCH = 32_000
-"""Size of a batch of elements whose stiffness is computed together, in slopes of shape functions.
+"""Number of derivatives of shape functions in a batch of elements computed together.
 
-The data of a batch of this size stay in the processor's cache. Larger and smaller batches give the
+An element has (p + 1)^2 functions with two derivatives at each of its (p + 1)^2 Gauss points. The
+data of a batch of this size stay in the processor's cache. Larger and smaller batches give the
 same stiffness, but take more time.
 """
 SINGULAR_ELEMENT = (
@@ -230,7 +231,7 @@ class _ElementIntegrals(NamedTuple):
         """
 
         def integrals_of_products_of_two_strains(strain: Any) -> Any:
-            """The integrals of a strain by a node in `rows` times one by a node in `columns`."""
+            """The integrals of strains due to nodes `rows` times strains due to nodes `columns`."""
             left, right = strain[:, rows], strain[:, columns]
             count, points = len(strain), strain.shape[-1]
             flat_right = right.reshape(count, -1, points).transpose(0, 2, 1)

@@ -224,7 +224,7 @@ class ColumnGrid:
 
     @property
     def element_quadrature(self) -> ElementQuadrature:
-        """The Gauss points of all elements."""
+        """The Gauss points of all elements, with the shape functions and the areas there."""
         xy = self.node_coordinates_of_each_element
         _, areas = shape_function_gradients_and_gauss_areas(xy, self.degree)
         return ElementQuadrature(
@@ -414,7 +414,7 @@ class GridUnknowns:
         layers: Mapping[str, ElasticLayer],
         whole_system: WholeSystem,
     ) -> "GridUnknowns":
-        """The eliminated displacements of a body that has only the unit loads of its system."""
+        """The eliminated displacements of a body that has only the unit loads in its equations."""
         return cls(grid, layers, whole_system, np.zeros((2 * grid.N, 0)))
 
     def equations_of_body_before_condensation(self) -> InnerSystem:
