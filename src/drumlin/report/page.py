@@ -68,7 +68,7 @@ def is_text_column(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
 
 
 _PERCENT = re.compile(r"(?<=[0-9]) %")
-"""The pattern of the space and percent sign after a number, between which no line may break."""
+"""The pattern of a space and a percent sign after a number; the line must not break there."""
 
 
 def write_html_page(template: Path, page: Path, **values: Any) -> Path:

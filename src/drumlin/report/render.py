@@ -33,7 +33,7 @@ STRESS_TITLE = "von Mises stress [MPa]"
 """The title of the colour bar, and the name of the stresses [MPa] in the grid of pyvista."""
 
 COLOUR_BAR_ENDS = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
-"""Allowed upper ends of the colour bar, up to a power of ten; a quarter of each is round."""
+"""Allowed upper ends of the colour bar, times any power of ten; a quarter of each is round."""
 
 ARROW_LENGTH = 0.28
 """Length of each force's arrow, relative to the drum's radius, on a plane half a brake's length."""

@@ -159,7 +159,8 @@ def _answer_of_failed_case(case: SweepCase, error: Exception) -> CaseAnswer:
 
 def _is_failure_of_memory_or_system(error: BaseException | None) -> bool:
     """Whether a lack of memory, or the operating system, caused an error, and not the case."""
-    # A model may turn an error of the system into a refusal. Follow the chain of causes.
+    # A model may turn an error of the system into a refusal, so that the causes of the error are
+    # looked at, too.
     while error is not None:
         if isinstance(error, MemoryError | OSError):
             return True

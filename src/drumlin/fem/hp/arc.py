@@ -379,27 +379,27 @@ class _ColumnBlocks(NamedTuple):
 
     @property
     def number_of_unknowns(self) -> int:
-        """Number of all unknowns of the column."""
+        """Number of all unknowns of an element column: loads, both sides and contact."""
         return self.extra + 2 * self.line + self.contact
 
     @property
     def unknowns_of_left_side(self) -> slice:
-        """The unknowns of the left side."""
+        """The positions of the left side's unknowns among all unknowns of an element column."""
         return slice(self.extra, self.extra + self.line)
 
     @property
     def unknowns_of_loads_and_left_side(self) -> slice:
-        """The unknowns of the loads and the left side."""
+        """The positions of the unknowns of loads and left side among those of an element column."""
         return slice(self.extra + self.line)
 
     @property
     def unknowns_of_contact(self) -> slice:
-        """The unknowns of the contact nodes."""
+        """The positions of the contact's unknowns among all unknowns of an element column."""
         return slice(self.extra + self.line, self.extra + self.line + self.contact)
 
     @property
     def unknowns_of_right_side(self) -> slice:
-        """The unknowns of the right side."""
+        """The positions of the right side's unknowns among all unknowns of an element column."""
         return slice(self.extra + self.line + self.contact, None)
 
     @property

@@ -84,7 +84,7 @@ def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> C
 
 
 def _number_of_node_rows_outside_body(div: ShoeDivision) -> int:
-    """The number of node rows along the lining that do not belong to the shoe's body."""
+    """The number of rows of nodes, through the thickness, that the shoe's body does not have."""
     rigid = div.index_of_first_body_layer == div.number_of_element_layers
     return div.index_of_first_body_layer * div.degree + rigid
 

@@ -156,8 +156,8 @@ def condensed_element_column_stiffness(
         _add_element_stiffness_to_columns(part, (inside,), kept, coupling)
         _add_element_stiffness_to_columns(part, (inside,), (inside,), inner)
     if loads is not None:
-        # The loads act on the edge farthest from the contact. The first node of this edge ends the
-        # side line of the column; the unknowns of the other nodes are eliminated.
+        # The loads act on the edge farthest from the contact. The first node of this edge is the
+        # last node on the column's side; the unknowns of the edge's other nodes are eliminated.
         at = slice(extra + unknowns.line - 2, extra + unknowns.line)
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)

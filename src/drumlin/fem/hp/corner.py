@@ -135,7 +135,7 @@ def pressure_exponent_at_lining_corner(
         return SMALLEST_ROOT - 1
     if residual_of_exponent_equation(1 - BOUNDED_EXPONENT) >= 0:
         return 0.0
-    # scipy.optimize is loaded here, since only few brakes press with a corner.
+    # scipy.optimize takes time to load, and only the few brakes with a pressed corner need it.
     from scipy.optimize import brentq  # noqa: PLC0415
 
     return float(brentq(residual_of_exponent_equation, SMALLEST_ROOT, 1 - BOUNDED_EXPONENT)) - 1
@@ -181,7 +181,7 @@ def pressure_exponent_at_orthotropic_corner(
         below_smallest = signs[0] != np.sign(determinant(SMALLEST_ROOT, 0.0))
         return SMALLEST_ROOT - 1 if below_smallest else 0.0
     first = int(changes[0])
-    # scipy.optimize is loaded here, since only few brakes press with a corner.
+    # scipy.optimize takes time to load, and only the few brakes with a pressed corner need it.
     from scipy.optimize import brentq  # noqa: PLC0415
 
     root = brentq(determinant, roots[first], roots[first + 1], args=(inward_friction,))
@@ -622,9 +622,9 @@ def logarithmic_pressures_at_pointed_gap_kinks(
 ) -> list[LogarithmicPressure]:
     """The logarithmic pressure c ln(1/x) under each kink of the gap that points to the drum.
 
-    The distance from the kink is x. For a half-plane
-    of modulus E and a change of slope s at the kink, c = E s/(2 pi) (Johnson, Contact Mechanics,
-    ch. 5). `scale_factor` is the length per unit of the surface's coordinate [m/rad, on a plane 1].
+    The distance from the kink is x. For a half-plane of modulus E and a change of slope s at the
+    kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is the length per unit
+    of the surface's coordinate [m/rad, on a plane 1].
     """
     # The factor c of a kink at which the slope of the gap changes by 1 per unit of the surface's
     # coordinate.

@@ -105,7 +105,7 @@ class SingularPoint(NamedTuple):
 
 
 class GradingPoint(NamedTuple):
-    """A position along the lining at which two element columns meet, which are smaller than others.
+    """A position along the lining at which two element columns meet, with small columns around it.
 
     The sizes of the columns grow geometrically away from the point in both directions.
 
@@ -212,7 +212,7 @@ class ShoeDivision:
 
     @property
     def columns_of_linings(self) -> list[tuple[int, int]]:
-        """The number of the first column under each lining, and of the first column behind it."""
+        """For each lining, the number of its first column and of the first column behind it."""
         ends = [0, *(column for slot in self.slots for column in slot), len(self.angles) - 1]
         return list(zip(ends[::2], ends[1::2], strict=True))
 
@@ -439,7 +439,7 @@ def _division_of_one_lining(
 ) -> _LiningDivision:
     """The division into element columns of the lining that covers `arc` (phi_1, phi_2) [rad].
 
-    The other parameters are those of `divide_shoe_into_hp_elements`.
+    The other parameters are as in `divide_shoe_into_hp_elements`.
     """
     own = [point for point in points if _is_lining_on_arc_nearest_to_position(shoe, arc, point.at)]
     contact = _extent_of_lining_contacts(shoe, radius, level, own, arc)

@@ -131,7 +131,7 @@ class ColumnGrid:
     @cached_property
     def boundary_nodes_around_each_element(self) -> Ints:
         """The nodes (4 p, elements) on the boundary of each element, in order around it."""
-        # The nodes along the first edge, the right side, the last edge and the left side.
+        # Take the nodes along the first edge, the right side, the last edge and the left side.
         at = self._node_numbers_within_element
         around = np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
         return self.element_dofs[around]
@@ -154,7 +154,7 @@ class ColumnGrid:
     def element_nodes_boundary_nodes_first(self) -> Ints:
         """The numbers of the nodes of each element (elements, a), boundary nodes first.
 
-        The order is that of `element.ReferenceElement`.
+        They are in the order of `element.ReferenceElement`.
         """
         return np.ascontiguousarray(
             self.element_dofs[reference_element_of_degree(self.degree).order].T
@@ -281,7 +281,7 @@ class Skeleton:
 
     @property
     def dofs(self) -> Ints:
-        """The numbers (2 N,) of the skeleton's displacements among those of the whole grid.
+        """The positions (2 N,) of the skeleton's displacements in those of the whole grid.
 
         The displacements x and y of a node are next to each other.
         """
@@ -428,7 +428,8 @@ class GridUnknowns:
     def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The unit loads and the stiffness, condensed to the contact nodes and the hinge's frame.
 
-        The inner nodes of elements are eliminated first, and then the rest of the skeleton.
+        The inner nodes of elements are eliminated first, and then the skeleton's nodes outside
+        contact and hinge.
         """
         sides = self.grid.grid_without_inner_element_nodes
         on_sides, inner_work = sides.condense_forces_to_element_boundaries(

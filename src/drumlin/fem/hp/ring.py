@@ -378,7 +378,7 @@ def _unit_rim_loads_on_element_columns(radius: float, along: Floats, p: int) -> 
     Three unit loads are spread over the whole rim like the displacements of the ring's rigid-body
     modes: translation in x and y, and rotation. The forces are the part of each load on each
     column, in the frame of the column, whose x axis runs through the column's middle. `along` (c, p
-    + 1) are the angles of the nodes from the middle [rad], `radius` is that of the rim [m], and p
+    + 1) are the angles of the nodes from the middle [rad], `radius` is the rim's radius [m], and p
     the degree.
     """
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)

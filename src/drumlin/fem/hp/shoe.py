@@ -350,7 +350,7 @@ def _condensed_hp_columns_of_shoe(
     """The element columns of a shoe, each condensed to its two sides and its contact nodes.
 
     `div` divides the shoe into columns and layers of elements. `layers` has the elasticity of the
-    layers by name, and `radius` [m] is that of the drum.
+    layers by name, and `radius` [m] is the drum's radius.
     """
     elasticity = elasticity_times_width_of_layers(layers, div.part)
     directed = bool(is_elasticity_matrix_orthotropic(elasticity).any())
@@ -606,7 +606,7 @@ def _modes_at_hinge_and_loads_at_end(
     """The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face.
 
     Modes and nodal forces are measured in the axes of the element columns. `div` divides the shoe
-    into columns and layers of elements, and `radius` [m] is that of the drum.
+    into columns and layers of elements, and `radius` [m] is the drum's radius.
     """
     place = function_from_depth_and_angle_to_point(shoe, radius)
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
@@ -652,7 +652,7 @@ def condensed_shoe_with_balanced_loads(
     load = -forces_in_frame(A[loads, contact]).T
     on_frame = -A[frame, loads]
 
-    # Small forces on the contact nodes are added, which bring the condensed loads into equilibrium.
+    # Add small forces on the contact nodes, so that loads and reactions are in equilibrium.
     imbalance = end.force_and_moment_about_pin(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
     corrected = stiffness_without_forces_by_rigid_motion(S, R, forces_in_frame(A[frame, contact]).T)
@@ -872,12 +872,12 @@ def stiffness_without_forces_by_rigid_motion(
     R : (2n, 3) rigid-body modes of the contact nodes
     held : (2n, 3) forces on the contact nodes due to motions of the frame
     """
-    # The first correction, in the 2 x 2 block of each node.
+    # The first correction changes the 2 x 2 block of each node.
     S, own = S.copy(), np.arange(len(S)).reshape(-1, 2)
     before = S @ R + held
     node = before[:, :2].reshape(-1, 2, 2)
     S[own[:, :, None], own[:, None]] -= 0.5 * (node + node.swapaxes(1, 2))
-    # The second correction, a symmetric change of the whole matrix.
+    # The second correction is a symmetric change of the whole matrix.
     after = S @ R + held
     back = R @ np.linalg.inv(R.T @ R)
     change, moment = back @ after.T, R.T @ after
