@@ -466,7 +466,7 @@ class _DaskPool(Executor):
             self._waiting.clear()
 
     def _pass_result_to_sweep(self, future: "Future[Any]", inner: "Future[Any]") -> None:
-        """Pass the result or error of Dask's future `inner` on to the sweep's future `future`."""
+        """Copy result or error of Dask's future `inner` to `future`, which the sweep waits for."""
         with self._lock:
             if future not in self._waiting:
                 return

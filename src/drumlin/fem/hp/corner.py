@@ -373,7 +373,7 @@ def response_with_power_laws_at_corners(brake: Brake, response: Response) -> Res
 def _shoe_response_with_pressure_power_laws(
     brake: Brake, index: int, response: ShoeResponse
 ) -> ShoeResponse:
-    """The response of shoe `index` with a power law for p near each corner where p is unbounded."""
+    """The response of shoe `index`, with a power law near each corner of unbounded pressure."""
     for corner in corners_with_unbounded_pressure(brake, index, response):
         response = _shoe_response_with_one_corner_power_law(response, corner, brake.unit)
     return response
@@ -626,8 +626,8 @@ def logarithmic_pressures_at_pointed_gap_kinks(
     kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is the length per unit
     of the surface's coordinate [m/rad, on a plane 1].
     """
-    # The factor c of a kink at which the slope of the gap changes by 1 per unit of the surface's
-    # coordinate.
+    # The factor c in p = c ln(1/x), if the slope of the gap at the kink changes by 1 per unit of
+    # the surface's coordinate.
     half_plane = shoe.lining.material.young_modulus_of_equivalent_half_plane / (
         2 * math.pi * scale_factor
     )

@@ -102,9 +102,9 @@ def points_of_square_grid(x: Floats) -> Floats:
 
 
 def shape_function_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]:
-    """The values (a, q) and slopes (a, 2, q) of an element's a shape functions at points x (2, q).
+    """The values (a, q) and slopes (a, 2, q) of an element's shape functions at points x (2, q).
 
-    The element of degree p is the unit square [0, 1]^2. Each shape function is 1 at its node and 0
+    The element of degree p is the unit square [0, 1]^2 and has a = (p + 1)^2 nodes. Each function is 1 at its node and 0
     at the others. The nodes form a grid and are numbered row by row.
     """
     # scikit-fem takes long to load, and the pressure laws do not need it.
@@ -187,7 +187,9 @@ def plane_stress_stiffness_of_elements(xy: Any, elasticity: Any, p: int, along: 
 
 
 class _ElementIntegrals(NamedTuple):
-    """The integrals and constants from which the stiffness of e elements with a nodes is computed.
+    """The integrals and constants from which the stiffness of elements is computed.
+
+    There are e elements. The number of nodes of an element is called a, as in the shapes below.
 
     Attributes
     ----------

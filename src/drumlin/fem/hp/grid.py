@@ -281,7 +281,7 @@ class Skeleton:
 
     @property
     def dofs(self) -> Ints:
-        """The positions (2 N,) of the skeleton's displacements in those of the whole grid.
+        """The positions (2 N,) of the skeleton's displacements among all displacements of the grid.
 
         The displacements x and y of a node are next to each other.
         """
