@@ -104,8 +104,8 @@ def points_of_square_grid(x: Floats) -> Floats:
 def shape_function_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]:
     """The values (a, q) and slopes (a, 2, q) of an element's shape functions at points x (2, q).
 
-    The element of degree p is the unit square [0, 1]^2 and has a = (p + 1)^2 nodes. Each function is 1 at its node and 0
-    at the others. The nodes form a grid and are numbered row by row.
+    The element of degree p is the unit square [0, 1]^2 and has a = (p + 1)^2 nodes. Each function
+    is 1 at its node and 0 at the others. The nodes form a grid and are numbered row by row.
     """
     # scikit-fem takes long to load, and the pressure laws do not need it.
     import skfem  # noqa: PLC0415
