@@ -13,10 +13,10 @@ from drumlin.fem.hp.corner import (
     POWER_LAW_PART,
     UnboundedCorner,
     corners_with_unbounded_pressure,
-    element_column_size_for_gap_tip_error,
+    element_column_size_for_error_at_pointed_gap_kink,
     polynomial_error_of_power_function,
-    pressure_error_left_at_gap_tips,
     pressure_error_left_at_lining_corners,
+    pressure_error_left_at_pointed_gap_kinks,
     pressure_exponent_at_lining_corner,
     pressure_exponents_at_both_lining_corners,
     pressure_with_power_law_at_corner,
@@ -71,7 +71,7 @@ def test_columns_at_a_tip_leave_the_error_that_they_are_made_for():
     A least-squares fit on many points, on both sides of the tip, gives the error.
     """
     degree, error, length = 4, 1e-2, 3.0
-    size = element_column_size_for_gap_tip_error(length, degree, error)
+    size = element_column_size_for_error_at_pointed_gap_kink(length, degree, error)
     x, weight = np.polynomial.legendre.leggauss(400)
     x, weight = 0.5 + 0.5 * x, 0.5 * weight
     basis = np.polynomial.legendre.legvander(2 * x - 1, degree) * np.sqrt(weight)[:, None]
@@ -181,7 +181,7 @@ def test_what_is_left_of_p_is_known_where_it_has_no_bound():
     stored = read_stored_fine_solution(TRUTHS / "tip_short.json")
     *_, last = islice(solve_on_finer_and_finer_levels(stored.brake, solve_prepared_model), 4)
     (shoe,), (found,) = stored.brake.shoes, last.response.shoes
-    left = pressure_error_left_at_gap_tips(shoe, stored.brake.size, found)
+    left = pressure_error_left_at_pointed_gap_kinks(shoe, stored.brake.size, found)
     assert left == pytest.approx(
         true_errors_of_response(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
     )

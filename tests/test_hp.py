@@ -38,9 +38,9 @@ from drumlin.fem.hp.arc import (
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
     assemble_row_of_element_columns,
-    assemble_two_element_columns,
     condensed_element_column_stiffness,
     eliminate_nodes_on_column_side,
+    join_and_condense_neighbouring_substructures,
     numbering_of_element_column_unknowns,
     rotate_node_axes_of_matrix,
 )
@@ -201,7 +201,7 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
     # Columns are joined from left to right, in place of pairs of pairs.
     one_by_one = parts[0]
     for part in parts[1:]:
-        one_by_one = assemble_two_element_columns(one_by_one, part, 2)
+        one_by_one = join_and_condense_neighbouring_substructures(one_by_one, part, 2)
     size = np.abs(whole.K).max()
     np.testing.assert_allclose(whole.K, one_by_one.K, atol=1e-11 * size)
     assert len(whole.K) == 2 * of.line + 2 * (m * p + 1)

@@ -14,9 +14,9 @@ from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.report.mesh_check import (
     GROUP_COLORS,
     draw_checked_meshes,
-    lines_on_what_will_be_solved,
     mean_compression_under_actuation_force,
     read_meshes_of_brake,
+    text_lines_about_mesh_to_be_solved,
 )
 
 ELEMENTS = 12
@@ -60,7 +60,7 @@ def test_the_picture_shows_groups_and_the_contact_line(standing_off):
 
 def test_three_lines_say_what_will_be_solved(standing_off):
     (checked,) = read_meshes_of_brake(standing_off)
-    elements, contact, held = lines_on_what_will_be_solved(standing_off, checked)
+    elements, contact, held = text_lines_about_mesh_to_be_solved(standing_off, checked)
     mesh = checked.read.mesh
     assert f"{mesh.nelements} linear triangles (lining {len(mesh.subdomains['lining'])}" in elements
     sides = len(mesh.boundaries["contact"])

@@ -121,8 +121,8 @@ def _draw_mesh_files_of_brake(brake: "Brake", brake_file: Path, output: Path | N
     from drumlin.report.figures import save_figure
     from drumlin.report.mesh_check import (
         draw_checked_meshes,
-        lines_on_what_will_be_solved,
         read_meshes_of_brake,
+        text_lines_about_mesh_to_be_solved,
     )
 
     picture = output or brake_file.with_name(f"{brake_file.stem}_mesh.png")
@@ -135,7 +135,7 @@ def _draw_mesh_files_of_brake(brake: "Brake", brake_file: Path, output: Path | N
         checked = read_meshes_of_brake(brake)
         save_figure(draw_checked_meshes(brake, checked), picture)
     for one in checked:
-        for line in lines_on_what_will_be_solved(brake, one):
+        for line in text_lines_about_mesh_to_be_solved(brake, one):
             print_folded_line(line)
     print_folded_line(f"picture: {picture}")
 

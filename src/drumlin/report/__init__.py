@@ -1,4 +1,4 @@
 """Figures, pictures of stress fields, and HTML pages.
 
-Libraries that take long to load, such as matplotlib and pyvista, are imported here.
+The modules of this package import matplotlib and pyvista, which take long to load.
 """

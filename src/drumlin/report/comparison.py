@@ -1,6 +1,6 @@
 """The report of `drumlin compare`, which shows all models of a brake side by side.
 
-Some parts of this report are used by the reports of studies, too.
+The reports of studies use some functions of this module, too.
 """
 
 import json
@@ -32,8 +32,8 @@ class WrittenComparison(NamedTuple):
 
     Attributes
     ----------
-    table : rows of the table, for each model and shoe
-    notes : lines of text on the models
+    table : rows of the table, one for each shoe and each model
+    notes : lines of text about the models
     page : path of the HTML page
     columns : columns of the table
     """
@@ -56,7 +56,8 @@ def panel_title_and_responses_of_each_shoe(
         verb, responses = "opposes", {}
         for model, response in comparison.responses.items():
             responses[model] = response.shoes[i]
-            # The title says "assists" if the shoe is self-energising by at least one model.
+            # The title says that friction assists if the shoe is self-energising in at least one
+            # model.
             if response.shoes[i].self_energising:
                 verb = "assists"
         made.append((f"{shoe.name}, {brake.sense}: friction {verb}", responses))
@@ -66,9 +67,9 @@ def panel_title_and_responses_of_each_shoe(
 def write_and_draw_stress_fields(
     brake: Brake, response: Response, folder: Path, name: str, **options: Any
 ) -> str | None:
-    """Write displacements, stresses and pressures as name.vtu, and a picture of them as name.png.
+    """Write displacements, stresses and pressures as NAME.vtu, and a picture of them as NAME.png.
 
-    The template of a page shows both files by the macro `fields`.
+    An HTML page can show both files by the macro `fields` of its template.
 
     Parameters
     ----------
@@ -80,7 +81,8 @@ def write_and_draw_stress_fields(
 
     Returns
     -------
-    None, or the reason why there is no picture, such as a machine without off-screen rendering
+    None, or the reason why there is no picture, for example that the machine cannot draw without a
+    window
     """
     # The modules take long to load, and most commands draw no stress fields.
     from drumlin.fem.analysis.fields import (  # noqa: PLC0415
@@ -107,7 +109,8 @@ def write_and_draw_stress_fields(
 def comparisons_as_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
     """All results of some comparisons as JSON text, with the versions of the software.
 
-    The computing time [s] of each model is a median. `more` holds further keys of the JSON object.
+    The computing time [s] of each model is the median of its repeated runs. `more` holds further
+    keys of the JSON object.
     """
     cases = list(map(_comparison_as_plain_data, comparisons))
     return json.dumps({"versions": software_versions(), "cases": cases, **more}, indent=1) + "\n"
@@ -124,7 +127,7 @@ def _comparison_as_plain_data(comparison: Comparison[Any]) -> dict[str, Any]:
 
 
 def _model_answer_as_plain_data(outcome: Outcome) -> dict[str, Any]:
-    """The answer of one model, or its failure, with the computing time, as plain data for JSON."""
+    """The response of one model, or the text of its failure, with the computing time, for JSON."""
     answer = {"model": outcome.model, "failed": outcome.failure}
     if outcome.response:
         answer = outcome.response.as_dict()
@@ -149,7 +152,7 @@ def compare_models_and_write_html_page(
     Raises
     ------
     NoAnswer
-        where no model has an answer; then nothing is written
+        if no model has an answer; then nothing is written
     """
     comparison = compare(brake, repeats=3, **options)
     if not comparison.responses:
@@ -162,15 +165,15 @@ def compare_models_and_write_html_page(
         panel_title_and_responses_of_each_shoe(comparison), surface=brake.surface
     )
     figures.save_figure(pressure_figure, folder / "pressure.svg")
-    # Draw the stress field of the finite elements, if at least one shoe touches.
+    # Draw the stress field of the finite elements, if at least one shoe is in contact.
     fem = comparison.responses.get("fem")
     drawn, not_drawn = False, None
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         drawn = True
         # Only these two options concern the mesh.
         mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
-        # The correction for the widths has no stresses, so that the picture shows those of plane
-        # stress.
+        # The correction for finite widths gives no stress field, so that the picture shows the
+        # stresses of plane stress.
         if options.get("finite_width"):
             plane = {key: value for key, value in options.items() if key != "solid"}
             fem = MODELS["fem"].solve(brake, **{**plane, "finite_width": False})
@@ -185,7 +188,7 @@ def compare_models_and_write_html_page(
         columns=comparison_columns_for_brake(brake),
         drawn=drawn,
         not_drawn=not_drawn,
-        notes=notes + _sentences_on_effects_that_models_neglect(comparison),
+        notes=notes + _sentences_about_effects_that_models_neglect(comparison),
         source_text=source,
     )
     return WrittenComparison(table, notes, page, comparison_columns_for_brake(brake))
@@ -207,7 +210,7 @@ def _model_notes_and_reasons_against_other_models(
     return notes
 
 
-def _sentences_on_effects_that_models_neglect(comparison: Comparison[Any]) -> list[str]:
+def _sentences_about_effects_that_models_neglect(comparison: Comparison[Any]) -> list[str]:
     """A line of text for each effect that a model of the comparison neglects."""
     lines = []
     for model, response in comparison.responses.items():

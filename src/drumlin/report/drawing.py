@@ -1,7 +1,7 @@
 """A brake as a drawing by matplotlib: drum, shoes, pins and forces to scale, axes in mm.
 
-Parts whose size a brake file does not give are drawn as signs, not to scale: a rigid shoe as a grey
-line, a force as an arrow of fixed length.
+Parts whose size a brake file does not give are drawn as symbols, not to scale: a rigid shoe as a
+grey line, a force as an arrow of fixed length.
 """
 
 import math
@@ -49,12 +49,12 @@ def _unit_vector_at_angle(angle: float) -> Floats:
     return np.array([math.cos(angle), math.sin(angle)])
 
 
-# The functions below draw brakes on a drum. R is the drum's radius [mm], `unit` is the size of the
-# signs [mm].
+# The functions below draw brakes on a drum. R is the drum's radius [mm], and `unit` [mm] the size
+# of symbols that are not to scale.
 
 
 def _names_of_shoes_whose_abutment_is_a_strut(brake: Brake) -> set[str]:
-    """The names of the shoes that bear on the end of a strut in place of a fixed abutment."""
+    """The names of the shoes whose abutment is the end of a strut, not a fixed face."""
     ends = {link.to for link in brake.links} - brake.names_of_shoes_pushed_by_struts
     return ends | {link.source for link in brake.links}
 
@@ -83,7 +83,7 @@ def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
 
 
 def _outer_radius_of_brake(brake: Brake) -> float:
-    """The radius [mm] of the smallest circle around the drum, its ring and the external shoes."""
+    """The radius [mm] of the circle that just encloses drum, ring and external shoes."""
     ring = _thickness_of_drum_ring(brake)
     outside = any(shoe.side == "internal" for shoe in brake.shoes) and ring
     depth = max((shoe.depth for shoe in brake.shoes if shoe.side == "external"), default=0.0)
@@ -91,13 +91,13 @@ def _outer_radius_of_brake(brake: Brake) -> float:
 
 
 def _thickness_of_drum_ring(brake: Brake) -> float:
-    """The thickness [m] of the drum's ring; a tenth of the drum's radius where it is not given."""
+    """The thickness [m] of the drum's ring; a tenth of the drum's radius if it is not given."""
     ring = brake.ring
     return ring.thickness if ring and ring.thickness else 0.1 * brake.size
 
 
 def _draw_drum_with_rotation_arrow(axes: Axes, brake: Brake, R: float, unit: float) -> None:
-    """Draw the drum: ring, centre, a line with the radius, and the arrow of the rotation."""
+    """Draw the drum: ring, centre, a line labelled with the radius, and the rotation's arrow."""
     ring = _thickness_of_drum_ring(brake) * MM_PER_M
     look = {"facecolor": DRUM_COLOR, "edgecolor": "none"}
     if brake.shoes[0].side == "internal":
@@ -140,7 +140,7 @@ def _draw_rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
 
 
 def _free_angle_for_radius_line(brake: Brake, R: float, unit: float) -> float:
-    """The angle [rad] at which the line of the radius is farthest from shoes, names and forces."""
+    """The angle [rad] at which the radius line is farthest from shoes' ends, names and forces."""
     taken = []
     for shoe in brake.shoes:
         tip = _point_where_force_is_drawn(shoe, R)
@@ -163,7 +163,7 @@ def _draw_shoe_on_drum(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_stru
     axes : axes of the drawing
     shoe : the shoe
     R : radius of the drum [mm]
-    unit : size of the signs [mm]
+    unit : size of symbols that are not drawn to scale [mm]
     on_strut : whether the shoe's abutment is the end of a strut
     """
     if shoe.body is None:
@@ -192,7 +192,8 @@ def _draw_shoe_on_drum(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_stru
                 depth += thickness
     draw_support_of_shoe(axes, shoe, unit, on_strut=on_strut)
     draw_rigid_arms_of_shoe(axes, shoe, R / MM_PER_M, _point_where_force_is_drawn(shoe, R), unit)
-    # The name is written inside the drum, on the inner side of an internal shoe.
+    # The name is written inside the drum; for an internal shoe, between the shoe and the drum's
+    # centre.
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     inside = R - 1.8 * unit - (shoe.depth * MM_PER_M if shoe.sign > 0 else 0.0)
     _write_text_on_pale_box(axes, inside * _unit_vector_at_angle(middle), shoe.name)
@@ -270,8 +271,8 @@ def _radius_of_rigid_shoe_back(shoe: Shoe, R: float) -> float:
 def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     """The lines (n, 2) [mm] that stand for a rigid shoe on a drum.
 
-    The first line is an arc behind the lining. The others join this arc to the hinge and to the
-    force, or are the shoe's lever and its joint to the arc.
+    The first line is an arc behind the lining. The other lines join this arc to the hinge and to
+    the force, or are the shoe's lever and the line that joins the lever to the arc.
     """
     angles = np.linspace(shoe.lining.start, shoe.lining.end, 80)
     back = _radius_of_rigid_shoe_back(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -280,8 +281,8 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     if shoe.pivot is not None:
         pivot = shoe.pivot.xy * MM_PER_M
         return [back, np.array([middle, pivot]), np.array([hinge, pivot, load])]
-    # If the straight line from hinge to force passes outside the drum, an external shoe has a lever
-    # along this line.
+    # An external shoe has a lever along the straight line from hinge to force, if this line passes
+    # outside the drum.
     clear = np.linalg.norm(np.linspace(hinge, load, 50), axis=1)
     if np.all(clear > R) and shoe.sign < 0:
         foot = _point_of_lever_nearest_to_given_point(hinge, load, middle)
@@ -294,7 +295,7 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
 
 
 def _point_of_lever_nearest_to_given_point(hinge: Floats, load: Floats, point: Floats) -> Floats:
-    """The point (2,) of the line from hinge to load that is nearest to a point (2,), all in mm."""
+    """The point (2,) [mm] of the lever from `hinge` to `load` that is nearest to a point (2,)."""
     lever = load - hinge
     along = 0.0
     if lever.any():
@@ -305,9 +306,10 @@ def _point_of_lever_nearest_to_given_point(hinge: Floats, load: Floats, point: F
 def _point_where_force_is_drawn(shoe: Shoe, R: float) -> Floats:
     """The point (2,) [mm] where the force on a shoe is drawn.
 
-    For an external shoe it is the force's point in the brake file, if this point lies outside the
-    drum. Otherwise it lies on the line of action, near the shoe's end away from the pin: for a
-    rigid external shoe on the arc of its back, for other shoes at the point nearest to the end.
+    For an external shoe this is the force's point in the brake file, if it lies outside the drum.
+    Otherwise it is the point of the line of action nearest to the shoe's end away from the pin; for
+    a rigid external shoe, the point where the line of action cuts the arc of its back near this
+    end.
     """
     point = shoe.actuation.point.xy * MM_PER_M
     if shoe.sign < 0 and np.linalg.norm(point) > R:
@@ -332,8 +334,8 @@ def _point_where_force_is_drawn(shoe: Shoe, R: float) -> Floats:
 def _tip_of_force_arrow(shoe: Shoe, R: float, unit: float) -> Floats:
     """The tip (2,) [mm] of the arrow that shows the force on a shoe.
 
-    The tip is where the force acts. If the force on an external shoe points away from the lining,
-    the tail of the arrow is where the force acts.
+    The arrow's tip is at the point where the force acts. If the force on an external shoe points
+    away from the lining, the arrow's tail is at this point instead.
     """
     load, arrow = _point_where_force_is_drawn(shoe, R), _vector_of_force_arrow(shoe.actuation, unit)
     middle = R * _unit_vector_at_angle(shoe.lining.middle)
@@ -341,7 +343,7 @@ def _tip_of_force_arrow(shoe: Shoe, R: float, unit: float) -> Floats:
 
 
 def _corners_of_box_around_pin(shoe: Shoe, unit: float) -> Floats:
-    """Lower left and upper right corner (2, 2) [mm] of a box around the sign of a shoe's pin."""
+    """Lower left and upper right corner (2, 2) [mm] of a box around the symbol of a shoe's pin."""
     return shoe.pin.xy * MM_PER_M + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
 
 
@@ -354,7 +356,8 @@ def _draw_plane_brake(axes: Axes, brake: Brake) -> None:
     for shoe in brake.shoes:
         ends += [shoe.pin.x, shoe.actuation.point.x, shoe.lining.start, shoe.lining.end]
     left, right = min(ends) * MM_PER_M, max(ends) * MM_PER_M
-    # The signs are a twentieth of the brake long; the plane reaches two signs beyond the brake.
+    # Symbols that are not to scale have the size `unit`, a twentieth of the brake's length. The
+    # plane reaches two units beyond the brake.
     unit = (right - left) / 20
     left, right = left - 2 * unit, right + 2 * unit
     _draw_plane_with_motion_arrow(axes, (left, right), brake.sign_of_motion, unit)
@@ -436,7 +439,7 @@ def _draw_layers_of_shoe_on_plane(axes: Axes, shoe: Shoe, body: Bar) -> None:
 
 
 def _draw_rigid_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float) -> None:
-    """Draw a rigid shoe on a plane: its lining, its lever, and a block between both."""
+    """Draw a rigid shoe on a plane: its lining, its lever, and a block between lining and lever."""
     start, end = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
     top = 0.8 * unit
     pin, load = shoe.pin.xy * MM_PER_M, shoe.actuation.point.xy * MM_PER_M
@@ -461,7 +464,7 @@ def _draw_rigid_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float) -> None:
 
 
 def _vector_of_force_arrow(actuation: Actuation, unit: float) -> Floats:
-    """The vector (2,) [mm] from tail to tip of a force's arrow; all arrows are four signs long."""
+    """The vector (2,) [mm] from tail to tip of a force's arrow, with the length 4 * unit."""
     sense = -1.0 if actuation.force < 0 else 1.0
     return 4 * unit * sense * _unit_vector_at_angle(actuation.direction)
 
@@ -483,7 +486,7 @@ def _label_of_force_arrow(
     ----------
     actuation : the force
     tip : tip of the force's arrow (2,) [mm]
-    unit : size of the signs [mm]
+    unit : size of symbols that are not drawn to scale [mm]
     inside : whether the label stands on the arrow's side that faces the drum's centre
     """
     along = _vector_of_force_arrow(actuation, unit)
@@ -502,15 +505,15 @@ def _draw_force_arrows_with_labels(
 ) -> None:
     """Draw an arrow and a label for each actuation force; forces of struts get no arrow.
 
-    A cam has no arrows, but one label with the sum of its forces. Equal forces close to each other
-    share one label.
+    For a cam no arrows are drawn, but one label with the sum of its forces. Equal forces close to
+    each other share one label.
 
     Parameters
     ----------
     axes : axes of the drawing
     brake : the brake
     tips : tip of each force's arrow (2,) [mm], by the name of the shoe
-    unit : size of the signs [mm]
+    unit : size of symbols that are not drawn to scale [mm]
     """
     pushed = [shoe for shoe in brake.shoes if shoe.actuation.force]
     if brake.actuation is not None and brake.actuation.is_cam:
@@ -519,7 +522,8 @@ def _draw_force_arrows_with_labels(
         text = f"{force_as_text_with_unit(force)} in all"
         _write_text_on_pale_box(axes, middle - np.array([0.0, 1.6 * unit]), text, color=FORCE_COLOR)
         return
-    # Labels of internal shoes stand on the inner side of the arrows.
+    # Labels of the forces on internal shoes stand on the side of the arrow that faces the drum's
+    # centre.
     inside = not brake.surface.is_plane_and_not_drum and brake.shoes[0].sign > 0
     labels: list[_ForceLabel] = []
     for shoe in pushed:
@@ -538,8 +542,8 @@ def _draw_force_arrows_with_labels(
 def _add_or_merge_force_label(labels: list[_ForceLabel], new: _ForceLabel, reach: float) -> None:
     """Add a new label to the list of labels.
 
-    If the list has a label with the same text nearer than `reach` [mm], one label that says "each"
-    replaces both, at the middle between them.
+    If the list has a label with the same text nearer than `reach` [mm], one label with the word
+    "each", at the middle between both, replaces both.
     """
     for k, label in enumerate(labels):
         if label.text == new.text and math.dist(label.place, new.place) < reach:
@@ -550,7 +554,7 @@ def _add_or_merge_force_label(labels: list[_ForceLabel], new: _ForceLabel, reach
 
 
 def force_as_text_with_unit(force: float) -> str:
-    """The absolute value of a force [N] as text, in kN from 1 kN on, else in N."""
+    """The absolute value of a force [N] as text, in kN if it is at least 1 kN, else in N."""
     return f"{abs(force) / 1e3:.4g} kN" if abs(force) >= 1e3 else f"{abs(force):.4g} N"
 
 
@@ -564,7 +568,7 @@ def _extreme_points_of_force_arrow(actuation: Actuation, tip: Floats, unit: floa
 def draw_arrow_from_tail_to_tip(
     axes: Axes, tail: Floats, tip: Floats, color: str, width: float
 ) -> None:
-    """Draw an arrow from tail (2,) to tip (2,) [mm]; its line is 20 points times `width` wide."""
+    """Draw an arrow from tail (2,) to tip (2,) [mm]; `width` is its line's width in 20 points."""
     arrow = FancyArrowPatch(
         tuple(tail),
         tuple(tip),

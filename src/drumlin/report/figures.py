@@ -36,7 +36,7 @@ STYLE = {
 }
 """Settings of matplotlib for all figures.
 
-With a fixed hash salt, equal figures become equal SVG files.
+With a fixed hash salt, equal figures give identical SVG files.
 """
 
 MODEL_TITLES = {
@@ -63,14 +63,14 @@ BOX_HALF_HEIGHT = 0.05
 """Half the height of the name written beside a curve, relative to the height of the axes."""
 
 Panel = tuple[str, Mapping[str, ShoeResponse]]
-"""A panel of the pressure figure: its title, and the response of one shoe by each model."""
+"""A panel of the pressure figure: its title, and one shoe's responses by name of the model."""
 
 
 def save_figure(figure: Figure, path: Path) -> Path:
     """Write a figure into a file whole or not at all; returns `path`.
 
-    The ending of the path chooses the format. Equal figures become equal files. A letter that the
-    font lacks is drawn as a box.
+    The ending of the path chooses the format. Equal figures give identical files. A character that
+    the font does not have is drawn as a box.
     """
     # An SVG file gets no date, so that it depends on the figure alone.
     metadata = {"Date": None} if path.suffix == ".svg" else None
@@ -110,14 +110,15 @@ def write_name_beside_curve(
     Parameters
     ----------
     axes : axes in which the curves are drawn
-    x : x (n,) of all curves
-    curves : y (n,) of each curve
-    which : position of the curve to be named
+    x : (n,) x values of all curves
+    curves : (n,) y values of each curve
+    which : index in `curves` of the curve to be named
     words : name of this curve
     color : colour of the name
     """
     low, high = axes.get_ylim()
-    # The curves' y, relative to the height of the axes.
+    # Convert the y values of the curves to heights, from 0 at the lower end of the axes to 1 at the
+    # upper end.
     heights = np.clip((np.array(curves) - low) / (high - low), 0, 1)
     place = _free_place_for_curve_name(heights, which)
     if place is None:
@@ -127,12 +128,12 @@ def write_name_beside_curve(
 
 
 class _FreePlace(NamedTuple):
-    """The middle of a place for a curve's name.
+    """A free place for a curve's name, given by its middle.
 
     Attributes
     ----------
     point : index of the curve's point above or below which the name stands
-    height : height of the name, relative to the axes
+    height : height of the name's middle, from 0 at the lower end of the axes to 1 at the upper end
     """
 
     point: int
@@ -142,8 +143,9 @@ class _FreePlace(NamedTuple):
 def _free_place_for_curve_name(heights: Floats, which: int) -> _FreePlace | None:
     """The place for a curve's name, above or below it, that is farthest from all other curves.
 
-    It is None where every place is crossed by a curve or lies beyond the axes. `heights`
-    (curves, n) are the curves' y, relative to the axes. `which` is the position of the named curve.
+    It is None if every place is crossed by a curve or lies beyond the axes. `heights` (curves, n)
+    are the y values of the curves, relative to the height of the axes. `which` is the index of the
+    named curve.
     """
     n = heights.shape[1]
     half = int(BOX_HALF_WIDTH * n)
@@ -162,9 +164,9 @@ def _free_place_for_curve_name(heights: Floats, which: int) -> _FreePlace | None
 
 
 def mark_where_curve_leaves_axes(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
-    """Draw a triangle at each place where a curve y (n,) over x (n,) leaves the axes at the top.
+    """Draw a triangle at each stretch in which a curve y (n,) over x (n,) lies above the axes.
 
-    A pressure leaves the axes at a sharp edge of the lining, where it grows without bound.
+    A pressure curve does so at a sharp edge of the lining, where the pressure is unbounded.
     """
     top = axes.get_ylim()[1]
     is_beyond = (y > top).astype(int)
@@ -189,7 +191,8 @@ def evenly_spaced_pressure_curve_of_shoe(
 ) -> tuple[Floats, Floats]:
     """The pressure curve of a shoe: angles (n,) [rad; on a plane m] and pressures (n,) [Pa].
 
-    The angles are evenly spread. Near both ends of the lining the nodes of the response are added.
+    The angles are evenly spread. Near both ends of the lining, the response's nodes are added to
+    them.
     """
     even = np.linspace(shoe.theta[0], shoe.theta[-1], points)
     spacing = even[1] - even[0]
@@ -204,9 +207,9 @@ def draw_pressure_along_lining_of_each_shoe(
 ) -> Figure:
     """Draw the contact pressure along the lining, in a panel for each shoe.
 
-    All panels have one scale of pressure. The infinite pressure at a sharp edge is cut off above
-    the largest pressure away from the edges, and marked. In panels of one or two curves the names
-    stand beside the curves. A legend below the figure names all curves.
+    All panels have one scale of pressure. The unbounded pressure at a sharp edge is cut off above
+    the largest pressure away from the edges, and marked by a triangle. If no panel has more than
+    two curves, the names also stand beside the curves. A legend below the figure names all curves.
 
     Parameters
     ----------
@@ -227,7 +230,8 @@ def draw_pressure_along_lining_of_each_shoe(
             axes.tick_params(labelleft=axes in grid[:, 0])
         for axes in grid[:, 0]:
             axes.set_ylabel("pressure p [MPa]")
-        # Panels of a column share the axis below the lowest panel. Unused panels stay empty.
+        # Panels of a column share the labels of the axis below the lowest panel. Unused panels stay
+        # empty.
         used = list(grid.flat)[: len(panels)]
         for column in range(columns):
             _label_only_lowest_panel(used[column::columns])
@@ -241,7 +245,7 @@ def draw_pressure_along_lining_of_each_shoe(
 
 
 def _upper_end_of_pressure_axis(panels: Sequence[Panel]) -> float:
-    """The upper end [MPa] of the pressure axis: 12 % above the largest peak, or 1 if all are 0."""
+    """The upper end [MPa] of the pressure axis: 1.12 times the largest peak, or 1 if it is 0."""
     peaks: list[float] = []
     for _, responses in panels:
         peaks += [shoe.peak_pressure for shoe in responses.values()]
@@ -282,7 +286,7 @@ def _draw_pressure_panel(
 def _label_only_lowest_panel(column: Sequence[Axes]) -> None:
     """Remove the labels of the horizontal axis from all panels of a column but the lowest one.
 
-    All labels stay where the panels show different ranges of this axis.
+    If the panels show different ranges of this axis, no label is removed.
     """
     if len(set(map(Axes.get_xlim, column))) != 1:
         return
@@ -296,13 +300,13 @@ def draw_errors_over_element_numbers(
 ) -> Figure:
     """Draw errors over the number of elements along the lining, both on logarithmic scales.
 
-    `series` holds pairs of a number of elements and an error (a fraction), by the name of a line.
-    `ylabel` says of which quantity the errors are.
+    `series` holds pairs of a number of elements and an error (a fraction), by the name of a curve.
+    `ylabel` names the quantity whose errors are drawn.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
         axes = figure.subplots()
-        # Each line of the figure has its own marker and colour.
+        # Each curve of the figure has its own marker and colour.
         looks = zip("osD^v<>", CATEGORIES, strict=False)
         elements: set[int] = set()
         for values in series.values():

@@ -1,7 +1,7 @@
 """The picture and the text of `drumlin mesh --check`: a shoe's mesh as drumlin read it from a file.
 
 The left panel shows the groups of the mesh, the pin and the force, to scale. The right panel shows
-how far the contact line lies off the drum or the plane, magnified.
+the distance of the contact line from the drum or the plane, magnified.
 """
 
 import math
@@ -41,28 +41,30 @@ GROUP_COLORS = {
     "hinge": BLUE,
     "actuation": GREEN,
 }
-"""The colour of each group of a mesh: of elements in areas, of edges in lines."""
+"""The colour of each group of a mesh: of areas for groups of elements, of lines for groups of
+edges.
+"""
 UM_PER_M = 1e6
 """Micrometres in a metre."""
 LEGEND_DISTANCE = 0.55
-"""Distance [inch] of a legend below its axes, which leaves room for the axis label."""
+"""Distance [inch] of a legend from the axes above it, which leaves room for the axis label."""
 
 
 class CheckedShoe(NamedTuple):
-    """A shoe with the mesh that was read from its file."""
+    """A shoe with the mesh that was read from the shoe's mesh file."""
 
     shoe: Shoe
     read: ShoeMesh
 
 
 class _ContactOffsets(NamedTuple):
-    """The contact nodes (n,) of a mesh, in the order of their place along the lining.
+    """Distances of a mesh's n contact nodes from the drum or plane, in order along the lining.
 
     Attributes
     ----------
-    at : place along the lining, in the surface's coordinate [rad; on a plane m]
-    in_file : distance off the drum or the plane in the file [m]
-    solved : the same distance of the nodes that are solved [m]
+    at : (n,) places of the nodes along the lining, in the surface's coordinate [rad; on a plane m]
+    in_file : (n,) distances of the nodes from the drum or the plane in the mesh file [m]
+    solved : (n,) the same distances after drumlin has put nodes on the surface, as it solves [m]
     """
 
     at: Floats
@@ -73,7 +75,7 @@ class _ContactOffsets(NamedTuple):
 def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
     """Read the mesh of each shoe that has a mesh file.
 
-    Raises BadInput if no shoe has one, and for a file that cannot serve.
+    Raises BadInput if no shoe has a mesh file, and for a mesh file that cannot be used.
     """
     brake.check_shoes_can_be_meshed()
     found = []
@@ -87,13 +89,13 @@ def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
     return found
 
 
-# The functions below write what will be solved.
+# The functions below write text about the meshes that will be solved.
 
 
-def lines_on_what_will_be_solved(brake: Brake, checked: CheckedShoe) -> Iterator[str]:
+def text_lines_about_mesh_to_be_solved(brake: Brake, checked: CheckedShoe) -> Iterator[str]:
     """Yield three lines of text on a shoe's mesh: elements, contact line, and support with force.
 
-    Further lines tell which parts of the mesh file drumlin changed when it read the file.
+    Further lines say what drumlin changed in the mesh when it read the file.
     """
     shoe, mesh = checked.shoe, checked.read.mesh
     kind = element_kind_of_mesh(mesh)
@@ -104,14 +106,14 @@ def lines_on_what_will_be_solved(brake: Brake, checked: CheckedShoe) -> Iterator
         f"shoe {shoe.name!r}: {mesh.nelements} {degree} {form} ({parts}), "
         f"{mesh.doflocs.shape[1]} nodes, in plane stress"
     )
-    yield f"shoe {shoe.name!r}: {_text_on_contact_line(brake, checked)}"
-    yield f"shoe {shoe.name!r}: {_text_on_support_and_force(shoe, mesh)}"
+    yield f"shoe {shoe.name!r}: {_text_about_contact_line(brake, checked)}"
+    yield f"shoe {shoe.name!r}: {_text_about_support_and_force(shoe, mesh)}"
     for note in checked.read.notes:
         yield f"shoe {shoe.name!r}: {note}"
 
 
-def _text_on_contact_line(brake: Brake, checked: CheckedShoe) -> str:
-    """The text on a contact line: its ends, and its distance off the drum or the plane."""
+def _text_about_contact_line(brake: Brake, checked: CheckedShoe) -> str:
+    """A text about a contact line: its ends, and its distance from the drum or the plane."""
     shoe, contact = checked.shoe, checked.read.contact
     offsets = _offsets_of_contact_nodes(brake, checked)
     surface, place = shoe.surface.word, shoe.surface.place
@@ -130,13 +132,13 @@ def _text_on_contact_line(brake: Brake, checked: CheckedShoe) -> str:
 
 
 def _text_in_micrometres(lengths: Floats | float) -> str:
-    """The largest of some lengths [m] as text in micrometres; 0 for round-off."""
+    """The largest absolute value of lengths [m] as text in micrometres; "0 um" for round-off."""
     largest = float(np.abs(lengths).max()) * UM_PER_M
     return f"{largest:.3g} um" if largest > 1e-4 else "0 um"
 
 
-def _text_on_support_and_force(shoe: Shoe, mesh: Any) -> str:
-    """The text on the edges that are held and loaded, and on the force."""
+def _text_about_support_and_force(shoe: Shoe, mesh: Any) -> str:
+    """A text about the edges of a mesh that are held and loaded, and about the force."""
     held = len(mesh.boundaries["hinge"])
     x, y = shoe.pin.xy.tolist()
     text = (
@@ -155,9 +157,9 @@ def _text_on_support_and_force(shoe: Shoe, mesh: Any) -> str:
 
 
 def mean_compression_under_actuation_force(brake: Brake, shoe: Shoe) -> float:
-    """The compression [m] of a lining under its actuation force, spread over the whole lining.
+    """The compression [m] of a lining if the actuation force is spread evenly over its face.
 
-    It shows the size of distances that matter, before anything is solved.
+    Distances of the contact line from the drum matter if they are as large as this compression.
     """
     lining = shoe.lining
     area = lining.width * (lining.end - lining.start) * brake.scale_factor
@@ -165,7 +167,7 @@ def mean_compression_under_actuation_force(brake: Brake, shoe: Shoe) -> float:
 
 
 def _offsets_of_contact_nodes(brake: Brake, checked: CheckedShoe) -> _ContactOffsets:
-    """The distances of a mesh's contact nodes off the drum or the plane."""
+    """The distances of a mesh's contact nodes from the drum or the plane."""
     shoe, mesh = checked.shoe, checked.read.mesh
     nodes = np.unique(_nodes_on_sides(mesh, mesh.boundaries["contact"]))
     solved = nodal_basis_of_mesh(mesh).doflocs[:, nodes]
@@ -180,15 +182,15 @@ def _offsets_of_contact_nodes(brake: Brake, checked: CheckedShoe) -> _ContactOff
 
 
 def _nodes_on_sides(mesh: Any, facets: Ints) -> Ints:
-    """The nodes (order + 1, m) along sides of elements, with the numbers (m,) `facets`."""
+    """The nodes (degree + 1, m) along m sides of elements, which have the numbers `facets` (m,)."""
     return nodes_along_element_edges(nodal_basis_of_mesh(mesh), facets)
 
 
-# The functions below draw.
+# The functions below draw the picture.
 
 
 def draw_checked_meshes(brake: Brake, checked: list[CheckedShoe]) -> Figure:
-    """Draw the meshes that were read, a row of two panels for each shoe."""
+    """Draw the meshes that were read from files, in a row of two panels for each shoe."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(13.0, 6.4 * len(checked)), layout="constrained")
         rows = figure.subplots(
@@ -277,8 +279,8 @@ def _draw_force_at_loaded_sides(
 ) -> Floats:
     """Draw the actuation force where it acts on the mesh; returns points (n, 2) [mm] to show.
 
-    The arrow's tip is the point of the line of action nearest to the loaded sides; without loaded
-    sides it is the force's point in the brake file.
+    The arrow's tip is the point of the line of action nearest to the loaded edges of elements. If
+    the mesh has no loaded edges, it is the force's point in the brake file.
 
     Parameters
     ----------
@@ -286,7 +288,7 @@ def _draw_force_at_loaded_sides(
     checked : the shoe and its mesh
     xy : (nodes, 2) nodes [mm]
     basis : basis of the mesh
-    unit : size of the signs [mm]
+    unit : size of symbols that are not drawn to scale [mm]
     """
     shoe, mesh = checked.shoe, checked.read.mesh
     if not shoe.actuation.force:
@@ -304,15 +306,15 @@ def _draw_force_at_loaded_sides(
     place = tail - 0.4 * unit * along
     align = "right" if along[0] > 0.3 else "left" if along[0] < -0.3 else "center"
     axes.text(place[0], place[1], text, color=PURPLE, ha=align, va="center", fontsize=10, zorder=7)
-    # The text is some four signs long.
+    # The text is about 4 * unit long.
     reach = {"right": -4.0, "left": 4.0, "center": 0.0}[align] * unit
     return np.array([tip, tail, place + np.array([reach, 0.0])])
 
 
 def _draw_rigid_arm(axes: Axes, start: Floats, end: Floats, unit: float) -> None:
-    """Draw the rigid arm from the middle of held or loaded sides to pin or force, (2,) [mm].
+    """Draw a rigid arm from the middle of held or loaded edges to the pin or the force.
 
-    An arm shorter than a sign, whose size is `unit` [mm], is not drawn.
+    `start` and `end` (2,) [mm] are its ends. An arm shorter than `unit` [mm] is not drawn.
     """
     if float(np.hypot(*(end - start))) > unit:
         axes.plot(*np.array([start, end]).T, color=INK, lw=1.2, ls="--", zorder=4.2)
@@ -331,7 +333,7 @@ def _draw_friction_surface(axes: Axes, brake: Brake, shoe: Shoe, low: Floats, hi
 
 
 def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe) -> None:
-    """Draw the distance of the contact nodes off the drum or the plane, in micrometres."""
+    """Draw the distances of the contact nodes from the drum or the plane, in micrometres."""
     shoe = checked.shoe
     offsets = _offsets_of_contact_nodes(brake, checked)
     at = offsets.at * shoe.surface.shown
@@ -345,7 +347,8 @@ def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe
     axes.plot(at, offsets.in_file * UM_PER_M, "o-", color=RED, ms=3, lw=0.9, label=in_file)
     if moved:
         axes.plot(at, offsets.solved * UM_PER_M, ".-", color=BLUE, ms=3, lw=1.2, label="solved")
-    # The panel shows at least the compression. Without it round-off would fill the panel.
+    # The panel shows at least the range of the lining's compression, so that distances that are
+    # round-off do not fill it.
     shown = np.append(offsets.in_file * UM_PER_M, [-1.5 * compression, 1.5 * compression])
     low, high = min(float(shown.min()), -1e-3), max(float(shown.max()), 1e-3)
     margin = 0.06 * (high - low)

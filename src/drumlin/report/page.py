@@ -1,6 +1,6 @@
 """Writing of an HTML page as a single file: text, figures, tables and sources.
 
-The foot of the page names the versions and the machine.
+The foot of the page names the versions of the software and the machine.
 """
 
 import base64
@@ -33,7 +33,7 @@ LEAST_SECTIONS = 3
 """Smallest number of sections at which a page gets a list of its contents."""
 
 RECORDED_PACKAGES = ("numpy", "scipy", "scikit-fem", "meshio", "pyvista", "matplotlib")
-"""Packages that compute the results and draw the pictures. A page names their versions."""
+"""The packages whose versions a page names: they compute the results and draw the pictures."""
 
 
 def software_versions() -> dict[str, str]:
@@ -63,12 +63,12 @@ def table_columns_with_value_in_any_row(
 
 
 def is_text_column(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
-    """Whether a column of a table holds words. Headings of such columns are aligned to the left."""
+    """Whether a table's column holds text; the heading of such a column is aligned to the left."""
     return any(isinstance(row.get(column.key), str) for row in rows)
 
 
 _PERCENT = re.compile(r"(?<=[0-9]) %")
-"""The pattern of a space and a percent sign after a number, where no line may break."""
+"""The pattern of a space and a percent sign after a number; the line must not break there."""
 
 
 def write_html_page(template: Path, page: Path, **values: Any) -> Path:
@@ -78,10 +78,11 @@ def write_html_page(template: Path, page: Path, **values: Any) -> Path:
     figure, table, source, fields. A figure names a picture file beside the page; the picture is
     embedded into the page. In the template `Column` makes a table's column, and `pi` is defined.
     The filter `form` writes a number, {{ error|form("+.1%") }}, and the function `tex` writes a
-    formula, {{ tex("p_0") }}. Values are escaped. A number and its % stay on one line. Figures and
-    tables are numbered. A list of links to the sections (h2) is added.
+    formula, {{ tex("p_0") }}. Values are escaped for HTML.
 
-    Raises jinja2.UndefinedError where the template asks for a value that is not given.
+    A number and its % stay on one line. Figures and tables are numbered. A list of links to the
+    sections (h2) is added. Raises jinja2.UndefinedError if the template asks for a value that is
+    not given.
     """
     # Versions, date and command are printed at the foot of each page.
     text = (
@@ -99,7 +100,7 @@ def write_html_page(template: Path, page: Path, **values: Any) -> Path:
 
 
 def _jinja_environment_for_page(template: Path, page: Path) -> jinja2.Environment:
-    """The environment of jinja with the functions and filters that a template can use.
+    """The jinja environment of a page's template, with the functions and filters for templates.
 
     Pictures are looked for in the folder of `page`.
     """
@@ -117,7 +118,7 @@ def _jinja_environment_for_page(template: Path, page: Path) -> jinja2.Environmen
     count: Counter[str] = Counter()
 
     def next_figure_or_table_label(kind: str) -> Markup:
-        """The label of the next figure or table, such as "Figure 2."; `kind` is its first word."""
+        """The label of the next figure or table, such as "Figure 2." if `kind` is "Figure"."""
         count[kind] += 1
         return Markup("<b>{} {}.</b>").format(kind, count[kind])
 
@@ -143,10 +144,10 @@ _HEADING = re.compile(r"<h2>(.*?)</h2>", re.DOTALL)
 
 
 def html_with_contents_list(text: str) -> str:
-    """The HTML of a page, with an anchor added to each section and a list of links to them.
+    """The HTML of a page, with an anchor added to each section, and links to all sections.
 
-    The list stands below the first paragraph of the page. Pages with fewer than LEAST_SECTIONS
-    sections get no list.
+    The list of links stands below the first paragraph of the page. Pages with fewer than
+    LEAST_SECTIONS sections get no list.
     """
     titles = list(map(text_without_html_tags, _HEADING.findall(text)))
     names = _distinct_anchor_names_of_titles(titles)
@@ -169,8 +170,8 @@ def html_with_contents_list(text: str) -> str:
 def _distinct_anchor_names_of_titles(titles: Sequence[str]) -> list[str]:
     """A distinct name for the anchor of each section title.
 
-    The name is the title in small letters with hyphens. A name that is empty or that an earlier
-    title has gets the number of the section at its end.
+    The name is the title in small letters with hyphens. If this name is empty or an earlier title
+    has it, the number of the section is added at its end.
     """
     names: list[str] = []
     anchors = []
@@ -183,5 +184,5 @@ def _distinct_anchor_names_of_titles(titles: Sequence[str]) -> list[str]:
 
 
 def text_without_html_tags(text: str) -> str:
-    """The text of a piece of HTML, without tags and outer spaces."""
+    """The text of a piece of HTML, without tags and without spaces at its ends."""
     return re.sub(r"<[^>]*>", "", text).strip()

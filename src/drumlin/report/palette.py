@@ -8,10 +8,11 @@ from typing import Any
 
 BLUE, RED, GREEN, OCHRE, PURPLE = "#0072b2", "#d55e00", "#00c663", "#feaa00", "#7d1fce"
 SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#473815", "#1d2733"
-"""The nine colours of curves. INK is also the colour of text and outlines."""
+"""The colours of curves, nine with those in the line above; INK is also used for text and outlines.
+"""
 
 CATEGORIES = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK)
-"""The colours of curves, in the order in which a figure takes them."""
+"""The colours of curves, in the order in which a figure uses them."""
 
 FAINT = "#5b6875"
 """The colour of axes and notes. No curve has this colour."""

@@ -2,8 +2,8 @@
 
 Drawing without a window needs OpenGL or its replacement in software. If neither is installed, the
 library VTK may end the whole process instead of raising an error.
-`draw_fields_and_return_failure_reason` therefore runs this module as a process of its own, and
-returns the reason if that process fails.
+`draw_fields_and_return_failure_reason` therefore runs this module in a process of its own, and
+returns the reason if the process fails.
 """
 
 import json
@@ -27,16 +27,16 @@ from drumlin.brake.support import Held
 from drumlin.report.palette import INK, RED
 
 RENDER_SECONDS = 120
-"""Seconds after which a drawing process is ended as hung. A picture takes some 3 s."""
+"""Seconds after which a drawing process counts as hung and is ended. A picture takes some 3 s."""
 
 STRESS_TITLE = "von Mises stress [MPa]"
 """The title of the colour bar, and the name of the stresses [MPa] in the grid of pyvista."""
 
 COLOUR_BAR_ENDS = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
-"""Upper ends of the colour bar, times a power of ten. A quarter of each is a round number."""
+"""Allowed upper ends of the colour bar, times any power of ten; a quarter of each is round."""
 
 ARROW_LENGTH = 0.28
-"""Length of each force's arrow, relative to the drum's radius or half the length on a plane."""
+"""Length of each force's arrow, relative to the drum's radius, on a plane half a brake's length."""
 
 FIELD_WIDTH, FIELD_HEIGHT = 1500, 1300
 """Width and height [pixels] of the picture of stress and pressure."""
@@ -66,7 +66,8 @@ def draw_fields_and_return_failure_reason(
     pins: list[list[float]] = []
     for shoe in brake.shoes:
         pins += [list(point.xy) for point in _points_of_shoe_supports(shoe)]
-    # What the picture shows besides the .vtu file; it is passed to the drawing process as JSON.
+    # `marks` is what the picture shows besides the fields of the .vtu file. It is passed to the
+    # drawing process as JSON.
     marks = {
         "surface": surface.line.tolist(),
         "size": surface.size,
@@ -90,7 +91,7 @@ def draw_picture_in_own_process(
     module : dotted name of the module with the function `main`
     fields : the .vtu file
     picture : the .png file, which is written whole or not at all
-    argument : text that `main` gets as a further argument, after both files
+    argument : text that `main` gets as its third argument, after the paths of both files
 
     Returns
     -------
@@ -100,7 +101,7 @@ def draw_picture_in_own_process(
         f"import sys; sys.path.append(sys.argv.pop(1)); from {module} import main; sys.exit(main())"
     )
     # With -P Python imports nothing from the current folder. The folder of drumlin's source is
-    # added to the search path for a drumlin that is not installed.
+    # added to the search path, because drumlin may not be installed.
     folder = str(Path(__file__).parents[2])
     command = [sys.executable, "-P", "-c", child, folder, str(fields)]
     try:
@@ -108,7 +109,8 @@ def draw_picture_in_own_process(
             run_drawing_process([*command, str(partial), argument])
         return None
     except NoPicture as error:
-        # Delete an old picture, so that nobody takes it for the picture of the new result.
+        # Delete a picture of an earlier run, so that nobody takes it for the picture of the new
+        # result.
         if picture.is_file():
             picture.unlink()
         reason = printable_single_line(str(error), 200)
@@ -129,9 +131,9 @@ class _SurfaceLine(NamedTuple):
 
 
 def _friction_surface_to_draw(brake: Brake) -> _SurfaceLine:
-    """The line of a brake's friction surface, and the length to which drawn symbols are relative.
+    """The line of a brake's friction surface, and the length by which drawn symbols are scaled.
 
-    This length is the drum's radius, on a plane half the length of the brake.
+    This length is the drum's radius, or, on a plane, half the length of the brake.
     """
     if not brake.surface.is_plane_and_not_drum:
         turn = np.linspace(0, 2 * math.pi, 361)
@@ -153,8 +155,8 @@ def _points_of_shoe_supports(shoe: Held) -> list[Point]:
 def run_drawing_process(command: list[str]) -> None:
     """Run a drawing process to its end.
 
-    Raises NoPicture where the process fails or hangs; its text is the last line that the process
-    wrote to standard error.
+    Raises NoPicture if the process fails or hangs. The text of the exception is the last line that
+    the process wrote to standard error.
     """
     try:
         done = subprocess.run(command, capture_output=True, timeout=RENDER_SECONDS, check=False)
@@ -177,7 +179,8 @@ def draw_fields_in_this_process(fields: Path, picture: Path, marks: dict[str, An
     grid = pv.read(fields)
     u = np.asarray(grid.point_data["displacement [m]"])
     grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
-    # Displacements are enlarged: the largest one is drawn as some 4 % of the drum's radius.
+    # Displacements are enlarged: the largest displacement is drawn up to 4 % of the drum's radius
+    # long.
     factor = largest_round_number_up_to(
         0.04 * size / (float(np.linalg.norm(u, axis=1).max()) or 1.0)
     )
@@ -200,7 +203,7 @@ def draw_fields_in_this_process(fields: Path, picture: Path, marks: dict[str, An
         font_size=12,
         color="black",
     )
-    # Choose the visible part so that shoes, surface, pins and arrows are inside.
+    # Aim the camera so that shoes, friction surface, pins and arrows are visible.
     plotter.view_xy()
     plotter.enable_parallel_projection()
     corners = np.reshape(deformed.bounds[:4], (2, 2)).T
@@ -211,8 +214,8 @@ def draw_fields_in_this_process(fields: Path, picture: Path, marks: dict[str, An
 
 def _add_stress_colours_to_picture(plotter: Any, deformed: Any) -> None:
     """Add the deformed shoes to the picture, coloured by their stress, and the colour bar."""
-    # Stresses at singular edges are far above all others, so that the colour bar ends at the stress
-    # which 0.5 % of the nodes exceed.
+    # Stresses at singular edges are far above all other stresses. The colour bar therefore ends at
+    # the stress that 0.5 % of the nodes exceed.
     top = _rounded_up_to_end_of_colour_bar(
         float(np.percentile(deformed.point_data[STRESS_TITLE], 99.5))
     )
@@ -259,7 +262,7 @@ def _add_force_arrows_to_picture(
 
 
 def _title_and_legend_text_of_picture(marks: dict[str, Any], factor: float) -> str:
-    """The text in the picture: its title, the factor on displacements, and what the signs mean."""
+    """The text in the picture: title, factor on displacements, and meaning of the symbols."""
     surface = "plane" if marks["flat"] else "drum"
     return (
         f"{marks['title']}\n"
@@ -272,11 +275,12 @@ def _title_and_legend_text_of_picture(marks: dict[str, Any], factor: float) -> s
 def _aim_camera_so_that_all_points_are_visible(camera: Any, places: Floats, margin: float) -> None:
     """Aim the camera so that all places (n, 2) [m] are left of the colour bar and below the text.
 
-    The colour bar takes 16 % of the width, the text 10 % of the height.
+    The colour bar takes 16 % of the picture's width, and the text 10 % of its height.
     """
     left, bottom = places.min(axis=0) - margin
     right, top = places.max(axis=0) + margin
-    # `scale` is half the height of the picture [m] that holds all places in both directions.
+    # `scale` is half the height [m] that the picture must show to hold all places in both
+    # directions.
     scale_by_height = (top - bottom) / 2 / 0.9
     scale_by_width = (right - left) / 2 / 0.84 * FIELD_HEIGHT / FIELD_WIDTH
     scale = max(scale_by_height, scale_by_width)
@@ -302,8 +306,8 @@ def _outline_of_undeformed_shoes(grid: Any) -> Any:
 def _add_pressure_arrows_to_picture(plotter: Any, grid: Any, size: float, *, flat: bool) -> None:
     """Add arrows of the contact pressure to the picture, evenly spread over the contact.
 
-    The length of an arrow is in proportion to the pressure. `size` [m] is the drum's radius, or
-    half the length of a brake on a plane (`flat`).
+    The length of an arrow is in proportion to the pressure, except for the largest pressures.
+    `size` [m] is the drum's radius, or, on a plane (`flat`), half the length of the brake.
     """
     import pyvista as pv  # noqa: PLC0415
 
@@ -315,8 +319,8 @@ def _add_pressure_arrows_to_picture(plotter: Any, grid: Any, size: float, *, fla
     push = np.asarray(grid.point_data["push of the drum [Pa]"])[touching]
     chosen = _indices_of_evenly_spread_points(points, size, flat=flat)
     lengths = np.linalg.norm(push[chosen], axis=1)
-    # Pressures at singular edges are far above all others, so that the highest tenth of the arrows
-    # is shortened to one length.
+    # Pressures at singular edges are far above all other pressures. The longest tenth of the arrows
+    # is therefore shortened to one length.
     top = float(np.percentile(lengths, 90))
     arrows = push[chosen] * (0.2 * size / np.maximum(lengths, top))[:, None]
     cloud = pv.PolyData(points[chosen] - arrows)
@@ -328,8 +332,8 @@ def _add_pressure_arrows_to_picture(plotter: Any, grid: Any, size: float, *, fla
 def _indices_of_evenly_spread_points(points: Floats, size: float, *, flat: bool) -> Any:
     """Indices of evenly spread points among the given points (n, 2 or 3) [m].
 
-    One point is chosen in each sector of 2.5 degrees of the drum. On a plane a sector is this angle
-    in radians times `size` [m] long.
+    One point is chosen in each sector of 2.5 degrees of the drum. On a plane a stretch of 0.044
+    `size` [m] (2.5 degrees in radians) takes the place of a sector.
     """
     place = points[:, 0] / size if flat else np.arctan2(points[:, 1], points[:, 0])
     turns = place / math.radians(2.5)
@@ -349,7 +353,8 @@ def _rounded_up_to_end_of_colour_bar(value: float) -> float:
 def draw_picture_named_by_arguments(draw: Callable[[Path, Path, str], None]) -> int:
     """Draw the picture that the arguments of this process name; returns the exit status.
 
-    `draw` is called with the .vtu file (argument 1), the .png file (2) and a further text (3).
+    `draw` is called with the .vtu file (argument 1), the .png file (argument 2) and a further text
+    (argument 3).
     """
 
     def draw_and_return_zero() -> int:
@@ -363,7 +368,7 @@ def draw_picture_named_by_arguments(draw: Callable[[Path, Path, str], None]) -> 
 def main() -> int:
     """Draw the fields that the arguments of this process name; returns the exit status.
 
-    The third argument is the dictionary of marks as JSON.
+    The third argument is the JSON text of the marks: what the picture shows besides the fields.
     """
     return draw_picture_named_by_arguments(
         lambda fields, picture, marks: draw_fields_in_this_process(

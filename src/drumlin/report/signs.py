@@ -1,6 +1,6 @@
-"""Drawing of the signs for how shoes are supported and actuated.
+"""Drawing of the symbols for the supports and the actuation of shoes.
 
-The signs are those of pin, lever's pivot, abutment, anchor, guide, grip, strut, cam and rigid arm.
+There are symbols for pin, lever's pivot, abutment, anchor, guide, grip, strut, cam and rigid arm.
 """
 
 import math
@@ -18,7 +18,7 @@ from drumlin.brake.fields import Point
 from drumlin.report.palette import BLUE, FAINT, INK, RED
 
 MM_PER_M = 1e3
-"""Millimetres in a metre. Brakes are in metres, the axes of drawings in mm."""
+"""Millimetres in a metre. Lengths of brakes are in metres, the axes of drawings in mm."""
 
 # These are the colours of a brake's parts in drawings.
 DRUM_COLOR = "#e6ebf0"
@@ -36,7 +36,7 @@ def draw_support_of_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool 
     ----------
     axes : axes of the drawing
     shoe : the shoe
-    unit : size of the signs [mm]
+    unit : size of symbols that are not drawn to scale [mm]
     on_strut : whether the shoe's abutment is the end of a strut, which moves
     """
     if shoe.hinge is not None:
@@ -74,7 +74,7 @@ def draw_abutment_face(
     axes : axes of the drawing
     at : point of the face (2,) [mm]
     direction : direction of the face's normal [rad]
-    unit : size of the signs [mm]
+    unit : size of symbols that are not drawn to scale [mm]
     ground : whether the face is fixed; a fixed face has hatching behind its line
     """
     normal = np.array([math.cos(direction), math.sin(direction)])
@@ -114,7 +114,7 @@ def draw_rigid_arms_of_shoe(
     shoe : the shoe
     radius : radius of the drum, on a plane length of the first lining [m]
     force : point of the force (2,) [mm]
-    unit : size of the signs [mm]
+    unit : size of symbols that are not drawn to scale [mm]
     """
     if not isinstance(shoe.body, Bar) or shoe.mesh is not None:
         return
@@ -135,7 +135,8 @@ def draw_rigid_arms_of_shoe(
         drawn = [_Arm(middle, pin_at), _Arm(middle, force)]
         if shoe.pivot is not None:
             drawn = [_Arm(middle, shoe.pivot.xy * MM_PER_M)]
-    # An arm shorter than a fifth of a sign is not drawn: the sign would hide it.
+    # An arm shorter than a fifth of `unit` is not drawn, because the symbol at its end would hide
+    # it.
     for arm in drawn:
         start = shoe.points(arm.middle[:, None])[:, 0] * MM_PER_M
         line = np.array([start, arm.end])
@@ -146,26 +147,27 @@ def draw_rigid_arms_of_shoe(
 def draw_struts_and_cam(
     axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float
 ) -> None:
-    """Draw the parts that shoes share: struts from shoe to shoe, a cam between the shoes' tips.
+    """Draw the struts from shoe to shoe, and the cam between the loaded ends of two shoes.
 
     Parameters
     ----------
     axes : axes of the drawing
     brake : the brake
     loaded : point (2,) [mm] where the force on each shoe is drawn, by the name of the shoe
-    unit : size of the signs [mm]
+    unit : size of symbols that are not drawn to scale [mm]
     """
     shoes = {shoe.name: shoe for shoe in brake.shoes}
     for link in brake.links:
         source, to = shoes[link.source], shoes[link.to]
         assert source.abutment is not None
-        # A strut between shoes on anchors ends at the feet of both, another one at a pushed tip.
+        # A strut from one shoe's abutment ends at the other shoe's abutment if this shoe has
+        # anchors, else at its loaded end.
         end = loaded[link.to]
         if to.anchors and to.abutment is not None:
             end = to.abutment.point.xy * MM_PER_M
         ends = np.array([source.abutment.point.xy * MM_PER_M, end])
         axes.plot(*ends.T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
-    # The cam is drawn as a disc at the middle between the tips of the two actuated shoes.
+    # The cam is drawn as a disc at the middle between the loaded ends of the two actuated shoes.
     if brake.actuation is not None and brake.actuation.is_cam:
         tips = [loaded[shoe.name] for shoe in brake.shoes if shoe.actuation.force]
         axes.plot(*np.array(tips).T, color=INK, lw=5, solid_capstyle="butt", zorder=4)

@@ -1,6 +1,6 @@
 """A picture of solid (three-dimensional) shoes, which pyvista draws without a window.
 
-Drawing runs in a process of its own, since the graphics library may end the process it runs in.
+The drawing runs in a process of its own, since the graphics library may end its whole process.
 """
 
 from pathlib import Path
@@ -18,7 +18,8 @@ from drumlin.report.render import (
 LARGEST_DISPLACEMENT = 0.05
 """Length of the largest displacement in the picture, relative to the drum's radius.
 
-Longer displacements would hide the shape of the shoes, shorter ones would hide the deformation.
+Longer displacements would hide the shape of the shoes, and with shorter displacements the
+deformation would not be seen.
 """
 
 
@@ -43,8 +44,8 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
     grid = pv.read(fields)
     grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
     factor = _factor_that_enlarges_drawn_displacements(grid)
-    # Stresses at loaded ends are far above all others, so that the colour bar ends at the stress
-    # which 2 % of the nodes exceed.
+    # Stresses at loaded ends are far above all other stresses. The colour bar therefore ends at the
+    # stress that 2 % of the nodes exceed.
     top = float(np.percentile(grid.point_data[STRESS_TITLE], 98.0))
     plotter = pv.Plotter(off_screen=True, window_size=(1600, 1250))
     plotter.set_background("white")
@@ -76,7 +77,7 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
 def _deformed_surfaces_of_both_halves(grid: Any, factor: float) -> list[Any]:
     """The surfaces of both halves of the shoes, with displacements enlarged by a factor.
 
-    The second half is the first one mirrored at the middle plane z = 0.
+    The second half is the first half mirrored at the middle plane z = 0.
     """
     halves = []
     for side in (1.0, -1.0):
@@ -102,6 +103,6 @@ def _factor_that_enlarges_drawn_displacements(grid: Any) -> float:
 def main() -> int:
     """Draw the solid shoes that the arguments of this process name; returns the exit status.
 
-    The third argument is the title.
+    The third argument of the process is the title of the picture.
     """
     return draw_picture_named_by_arguments(draw_solid_shoes_in_this_process)

@@ -33,7 +33,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     if options or not any(shoe.mesh for shoe in brake.shoes):
         scene = prepared_model_with_finest_elements(brake, **options)
     else:
-        # Meshes of files are drawn as the files have them, not split as for a solve.
+        # Meshes from files are drawn as they are in the files, not refined as for a solution.
         scene = make_prepared_model(brake)
     for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
         # Each element is drawn as the polygon of the nodes around it.
@@ -58,13 +58,13 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
 def nodes_around_elements(basis: Any) -> Ints:
     """The nodes on the boundary of each element of a mesh (k, elements), in order around it.
 
-    They are corners and middles of edges; linear elements have corners only. `basis` is
-    scikit-fem's basis of a scalar on the mesh.
+    The nodes are corners and middles of edges; linear elements have corners only. `basis` is the
+    scikit-fem basis of a scalar field on the mesh.
     """
     corners = len(basis.mesh.t)
     around = np.asarray(basis.element_dofs[: 2 * corners])
     if len(around) == 2 * corners:
-        # skfem lists all corners first, then all middles of edges. Around the element they
-        # alternate.
+        # skfem lists all corners first, then all middles of edges. Around an element, corners and
+        # middles alternate.
         around = around.reshape(2, corners, -1).swapaxes(0, 1).reshape(2 * corners, -1)
     return around

@@ -2,7 +2,7 @@
 
 A case is a brake with some changed values and a model. Its results, called its row, depend on the
 case alone: neither on the worker that solved the case nor on the cases solved before. A sweep that
-was stopped and goes on therefore gives the same table as a sweep that was never stopped.
+was stopped and continued therefore gives the same table as a sweep that was never stopped.
 """
 
 import hashlib
@@ -30,7 +30,7 @@ from drumlin.response.response import Response, ShoeResponse
 from drumlin.sweeps.workers import SayLine, message_on_waiting_for_workers
 
 Row = dict[str, Any]
-"""The results of a case by name, such as "torque", or its failure under "status"."""
+"""The results of a case by name, such as "torque"; "status" says that it is solved, or failed."""
 
 SECONDS_BEFORE_WAITING_MESSAGE = 20.0
 """Seconds without a result after which a message says that the sweep waits for workers.
@@ -39,7 +39,7 @@ The limit is a judgement: most cases take far less.
 """
 
 CHUNK_SECONDS = 0.1
-"""Seconds of work in a chunk, which is the number of cases that a worker gets at a time.
+"""Seconds of work in a chunk: a number of cases that a worker gets in one message.
 
 With longer chunks more work is lost when the sweep is killed. Shorter chunks need more messages
 between the processes.
@@ -49,13 +49,13 @@ MAX_CASES_PER_CHUNK = 64
 """Largest number of cases in a chunk, however fast the cases are solved."""
 
 FURTHER_ATTEMPTS = 2
-"""Number of further attempts at a case that failed for want of memory or of its worker."""
+"""Number of further attempts at a case that failed because memory was short or its worker died."""
 
 DIFFERENT_DRUMLIN_MESSAGE = (
     "executor: its workers run another drumlin, or other libraries, than this one; "
     "install the same there"
 )
-"""The message for workers whose version of drumlin or its libraries differs from this process's."""
+"""The message of the error if workers have another version of drumlin or its libraries."""
 
 KEYS_WITHOUT_EFFECT_ON_STIFFNESS = (
     "title",
@@ -82,7 +82,7 @@ class SweepCase(NamedTuple):
     Attributes
     ----------
     brake : the base brake
-    changes : new values by key of the brake file
+    changes : new values of the brake, by key of the brake file
     model : name of the model
     options : options of the model
     """
@@ -99,8 +99,8 @@ class CaseAnswer(NamedTuple):
     Attributes
     ----------
     row : results of the case, or the reason of its failure
-    lasting : whether a further attempt would give the same row; the journal keeps only such rows
-    again : whether the case failed for a reason that may pass, so that it is tried again
+    lasting : whether a further attempt would give the same row; only then the journal keeps it
+    again : whether the case is tried again, because the reason of its failure may pass
     """
 
     row: Row
@@ -113,10 +113,11 @@ def solve_case_and_return_brake_and_response(
 ) -> tuple[Brake, Response]:
     """Solve a case; returns the brake with its changed values, and the response of the model.
 
-    The models "fem" and "solid" take the condensed stiffness of equal shoes from the cache, and
-    store that of other shoes there. Raises BadInput and NoAnswer as the model does.
+    The models "fem" and "solid" take the condensed stiffness of a shoe from the cache if an equal
+    shoe was condensed before, and else store it there. Raises BadInput and NoAnswer as the model
+    does.
     """
-    # The base brake itself has been validated before.
+    # Without changes the brake needs no check, since the base brake has been checked before.
     brake = vary(case.brake, case.changes) if case.changes else case.brake
     options = dict(case.options)
     if case.model in {"fem", "solid"}:
@@ -132,9 +133,9 @@ def solve_case_and_return_results_or_failure(case: SweepCase, cache: Cache | Non
 def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> CaseAnswer:
     """Solve a case, and say whether its results may be kept. Never raises.
 
-    Results are kept, and so are refusals because of the input or the physics. A failure for want of
-    memory or of a file is not kept, because a later attempt may succeed. A fault of drumlin is not
-    kept and not tried again.
+    Results are kept, and so are refusals because of the input or the physics. A failure because
+    memory or a file is missing is not kept, because a later attempt may succeed. An unexpected
+    error, a fault of drumlin, is not kept and not tried again.
     """
     try:
         return CaseAnswer(
@@ -157,8 +158,9 @@ def _answer_of_failed_case(case: SweepCase, error: Exception) -> CaseAnswer:
 
 
 def _is_failure_of_memory_or_system(error: BaseException | None) -> bool:
-    """Whether lack of memory or the operating system, not the case, caused an error."""
-    # A model may turn an error of the system into a refusal. Follow the chain of causes.
+    """Whether a lack of memory, or the operating system, caused an error, and not the case."""
+    # A model may turn an error of the system into a refusal, so that the causes of the error are
+    # looked at, too.
     while error is not None:
         if isinstance(error, MemoryError | OSError):
             return True
@@ -169,13 +171,14 @@ def _is_failure_of_memory_or_system(error: BaseException | None) -> bool:
 def results_of_response_by_name(brake: Brake, response: Response) -> Row:
     """The results of a case by name, in SI; results of the shoe NAME as "NAME.torque" and so on.
 
-    Of the brake: "torque" [N m], on a plane "braking_force" [N]; "brake_factor" T/(F R) with the
-    mean force F of the actuation, on a plane braking force / F; "peak_pressure" [Pa], the largest
-    of all shoes; "balance", the larger one of the relative imbalances of forces and of moments. A
-    response that estimates its errors adds the relative errors "error_pressure", "error_torque",
-    "error_peak" and "error_reaction" (see `Response.error`). One that estimates the error of plane
-    stress itself adds "plane_stress_error_torque", "..._pressure" and "..._reaction".
-    If this error is not known, "plane_stress_error_unknown" has the reason in their place.
+    Of the brake: "torque" T [N m], on a plane "braking_force" [N]; "brake_factor" T/(F R) with the
+    mean actuation force F and the drum radius R, on a plane braking force / F; "peak_pressure"
+    [Pa], the largest of all shoes; "balance", the larger one of the relative imbalances of forces
+    and of moments. A response with error estimates adds the relative errors "error_pressure",
+    "error_torque", "error_peak" and "error_reaction" (see `Response.error`). A response that also
+    estimates the error of the plane-stress model adds "plane_stress_error_torque",
+    "plane_stress_error_pressure" and "plane_stress_error_reaction", or, if this error is not known,
+    the reason as "plane_stress_error_unknown".
 
     Of each shoe: torque, peak_pressure, shoe_factor T/(F R) and hinge_reaction [N]; contact_start
     and contact_end, the ends of the contact [rad; on a plane m]; contact_arcs, the number of
@@ -208,7 +211,7 @@ def _results_of_shoe_by_name(brake: Brake, number: int, effect: float, shoe: Sho
     Parameters
     ----------
     brake : the brake
-    number : position of the shoe in the brake
+    number : index of the shoe among the brake's shoes
     effect : torque of the shoe [N m], on a plane its braking force [N]
     shoe : response of the shoe
     """
@@ -249,25 +252,28 @@ def solve_all_cases_of_sweep(
     cases : the cases
     executor : executor whose workers solve the cases, in chunks; None: this process solves them
     workers : number of the executor's workers
-    journal : store of all finished cases; cases that it already has are not solved again
-    done : called with the number of finished cases and of all cases
+    journal : file that keeps the row of each finished case; cases that it already has are not
+        solved again
+    done : called with the number of finished cases and the number of all cases
     say : called with a message when the sweep waits for workers
 
     Raises
     ------
     NoAnswer
-        where all workers are lost; finished cases are in the journal
+        if all workers are lost; finished cases are in the journal
     BadInput
-        where the workers run another version of drumlin or its libraries
+        if the workers run another version of drumlin or its libraries
     """
     journal = Journal() if journal is None else journal
     keys = list(journal_keys_of_cases(cases))
     missing = _positions_of_unsolved_cases(cases, keys, journal)
     finished = len(cases) - len(missing)
     done(finished, len(cases))
-    # Rows of failures that may pass, by the key of their case; the journal does not keep them.
+    # Rows of cases whose failure may pass, by the journal key of the case; the journal does not
+    # keep these rows.
     passing: dict[str, Row] = {}
-    # The second and third round try those cases again that failed for a reason that may pass.
+    # The first round solves all missing cases. The later rounds try again the cases that failed for
+    # a reason that may pass.
     for further in reversed(range(FURTHER_ATTEMPTS + 1)):
         again = []
         if executor is None:
@@ -298,13 +304,14 @@ def _positions_of_unsolved_cases(
 ) -> list[int]:
     """The positions of the cases that are not in the journal.
 
-    Of equal cases only one is listed. Cases with the same shoes stand one after the other.
+    Of equal cases only one is listed. Cases whose shoes have the same stiffness stand one after the
+    other.
     """
     unsolved = [i for i, key in enumerate(keys) if key not in journal]
     distinct = {json.dumps(keys[i]): i for i in unsolved}
 
     def sort_key_of_case_at_position(i: int) -> tuple[str, str, int]:
-        """The sort key of the case at position i: its model, then its shoes, then the position."""
+        """The sort key of the case at position i: model, data of the shoes' stiffness, position."""
         return cases[i].model, key_of_cases_with_equal_shoe_stiffness(cases[i]), i
 
     return sorted(distinct.values(), key=sort_key_of_case_at_position)
@@ -313,8 +320,8 @@ def _positions_of_unsolved_cases(
 def journal_keys_of_cases(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
     """Yield for each case the data by which the journal recognises the case.
 
-    They are a digest of the base brake, the changed values, the model and its options. Changed mesh
-    files are given by a digest of their content.
+    These data are a digest of the base brake, the changed values, the model and its options. A
+    changed mesh file is represented by a digest of its content.
     """
     brake_digests: dict[int, str] = {}
     # A mesh file is read once, even if many cases name it.
@@ -338,9 +345,9 @@ def journal_keys_of_cases(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]
 def digest_of_brake_data(brake: Brake) -> str:
     """A digest (16 hexadecimal digits) of all data of a brake.
 
-    It depends on the content of mesh files, not on their names.
+    It depends on the content of the brake's mesh files, not on their names.
     """
-    # Equal brakes have equal JSON, since the keys stand in the order of the classes' fields.
+    # Equal brakes give equal JSON text, since its keys have the order of the fields in the classes.
     data = brake.model_dump(mode="json")
     for shoe in data["shoes"]:
         if shoe.get("mesh") is not None:
@@ -391,7 +398,7 @@ class _ChunkAnswer(NamedTuple):
     ----------
     answers : answer for each case of the chunk
     seconds : time that the chunk took [s]
-    stamp : digest of the worker's drumlin and libraries
+    stamp : digest of the worker's source of drumlin and of the versions of its libraries
     """
 
     answers: list[CaseAnswer]
@@ -447,8 +454,8 @@ def _solve_cases_by_workers(
 class _ChunkDispatcher:
     """The distribution of cases to the workers of an executor, in chunks.
 
-    Chunks grow until each takes CHUNK_SECONDS. Cases that are tried again are sent one at a time,
-    so that a case that kills its worker takes no other case with it.
+    Chunks grow until each takes CHUNK_SECONDS. Cases that are tried again are sent one at a time:
+    if a case kills its worker, no other case is lost.
 
     Parameters
     ----------
@@ -472,7 +479,8 @@ class _ChunkDispatcher:
         self._waiting = _WaitingCases(cases, missing)
         self._size = 1
         self._max_size = 1 if alone else MAX_CASES_PER_CHUNK
-        # Each worker has one chunk that it solves and one that waits.
+        # At most two chunks for each worker (one in work, one that waits) and one more are sent at
+        # a time.
         self._max_sent = 1 if alone else 2 * workers + 1
 
     @property
@@ -481,7 +489,7 @@ class _ChunkDispatcher:
         return self._waiting.has_waiting_cases or bool(self.sent)
 
     def send_chunks_to_workers(self) -> None:
-        """Send chunks of cases to the workers until each worker has two chunks."""
+        """Send chunks of cases to the workers until the largest allowed number is sent."""
         while self._waiting.has_waiting_cases and len(self.sent) < self._max_sent:
             positions = self._waiting.remove_and_return_case_positions(self._size)
             chunk = [self._cases[i] for i in positions]
@@ -492,8 +500,8 @@ class _ChunkDispatcher:
     ) -> Iterator[tuple[int, CaseAnswer]]:
         """Yield the position and answer of each case of a chunk that a worker has finished.
 
-        If the worker died, its cases fail for a reason that may pass. Raises BadInput if the worker
-        runs another version of drumlin or its libraries.
+        If the worker died, the cases of its chunk count as failed for a reason that may pass.
+        Raises BadInput if the worker runs another version of drumlin or its libraries.
         """
         positions = self.sent.pop(future)
         try:
@@ -523,7 +531,7 @@ class _ChunkDispatcher:
 class _WaitingCases:
     """The cases that still wait for a worker, in groups whose shoes have the same stiffness.
 
-    A chunk of cases is a part of one large group, or consists of several small groups.
+    A worker gets a part of one large group, or several small groups, in one chunk.
     """
 
     def __init__(self, cases: Sequence[SweepCase], missing: Sequence[int]) -> None:
@@ -533,7 +541,7 @@ class _WaitingCases:
 
     @property
     def has_waiting_cases(self) -> bool:
-        """Whether cases are left that no worker has got."""
+        """Whether any case has not been sent to a worker yet."""
         return bool(self._groups)
 
     def remove_and_return_case_positions(self, size: int) -> list[int]:

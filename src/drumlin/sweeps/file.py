@@ -1,8 +1,9 @@
 """Reading of sweep files: TOML files that say which keys of a brake vary and which models solve it.
 
 The values of lists and ranges are combined with one another. Values of distributions are drawn at
-random, `cases` times for each combination. The draws of a key depend on `seed` and on the key
-alone: a further key, or a larger number of cases, does not change the earlier draws.
+random, `cases` times for each combination. The random values of a key depend on `seed` and on the
+key alone: another key in the file, or a larger number of cases, does not change the values drawn
+before.
 """
 
 import hashlib
@@ -40,8 +41,8 @@ from drumlin.sweeps.options import MODEL_OPTIONS
 MAX_FILE_NESTING = 50
 """Largest allowed depth of tables and lists within one another in a sweep file.
 
-A sweep file needs a depth of some six. A deeper file than allowed is refused, since copying its
-data would exhaust Python's recursion.
+Sweep files need a depth of some six. A deeper file is refused, since a copy of its data would
+exceed Python's recursion limit.
 """
 
 MOST_CASES = 1_000_000
@@ -133,9 +134,9 @@ class Sweep(NamedTuple):
 
     Attributes
     ----------
-    title : title of the sweep file, or of its brake where the sweep has none
+    title : title of the sweep file, or of its brake if the sweep has no title
     brake : the base brake, with the values of the brake file
-    units : SI unit of each varied key; None where the key takes words
+    units : SI unit of each varied key; None if the key takes words
     cases : all cases, in the order of the table
     pressure : unit of stresses in the table, "Pa" or "MPa"
     """
@@ -148,7 +149,7 @@ class Sweep(NamedTuple):
 
 
 Done = Callable[[int, int], None]
-"""A function that shows progress: it takes the number of checked values, and of all values."""
+"""A function that shows progress; it takes the number of checked values and of all values."""
 
 
 def read_sweep_from_toml_file(path: Path, done: Done = lambda judged, of: None) -> Sweep:
@@ -171,7 +172,7 @@ def read_sweep_from_toml_file(path: Path, done: Done = lambda judged, of: None) 
 def _check_integers_and_nesting_depth(data: Any, depth: int = 0) -> None:
     """Raise ValueError for integers beyond 64 bits and for nesting deeper than MAX_FILE_NESTING.
 
-    `depth` is the number of tables and lists around `data`.
+    `depth` is the number of tables and lists that contain `data`.
     """
     if depth > MAX_FILE_NESTING:
         raise ValueError(f"nested deeper than {MAX_FILE_NESTING}")
@@ -245,7 +246,8 @@ def _validated_model_options(
             f"model.{name}", MODEL_OPTIONS.get(name, Part), options
         )
         models[name] = checked.model_dump(exclude_none=True)
-        # The effects named by `lift` are checked. On a plane the model itself is refused later.
+        # Check the names of effects under the option `lift`. On a plane the whole foundation model
+        # is refused later.
         if "lift" in models[name] and not brake.surface.is_plane_and_not_drum:
             validated_names_of_effects_to_include(brake, models[name]["lift"])
     return models
@@ -257,8 +259,8 @@ class _KeySpec(NamedTuple):
     Attributes
     ----------
     values : values of a list or range; None for a distribution
-    at : inverse of the cumulative distribution function: it turns uniform random numbers u (n,) in
-        (0, 1) into random values (n,) of the key
+    at : inverse of the cumulative distribution function. It turns random numbers u (n,), uniform in
+        (0, 1), into random values (n,) of the key.
     """
 
     values: list[Any] | None
@@ -270,7 +272,7 @@ class _Plan(NamedTuple):
 
     Attributes
     ----------
-    listed : values of each key whose listed values are taken one by one
+    listed : values of each key whose values (of a list or range) are all taken, one by one
     drawn : names of the keys whose values are drawn at random
     repeats : number of random draws for each combination of listed values
     """
@@ -283,7 +285,7 @@ class _Plan(NamedTuple):
 def _plan_of_listed_and_drawn_keys(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
     """Decide which keys are drawn at random and which take their listed values one by one.
 
-    Raises BadInput if the number of `cases` is missing, or given although no key is drawn.
+    Raises BadInput if `cases` (the number of draws) is missing, or given although no key is drawn.
     """
     everything = file.combine == "random"
     drawn = [key for key, spec in specs.items() if everything or spec.values is None]
@@ -326,7 +328,8 @@ def _new_values_of_each_case(
     count = combinations * plan.repeats * models
     if count > MOST_CASES:
         raise BadInput(f"vary: makes {count} cases; allowed: {MOST_CASES}")
-    # Each combination of listed values gets the same random draws, so that they can be compared.
+    # Each combination of listed values gets the same random values of the other keys, so that the
+    # combinations can be compared.
     changes = []
     for point in _combinations_of_listed_values(file.combine, plan.listed):
         for i in range(plan.repeats):
@@ -344,7 +347,7 @@ def _require_brake_that_allows_each_value(
 ) -> None:
     """Raise BadInput for listed values, or medians of distributions, that no brake can have.
 
-    Of a distribution only the median is checked. A drawn value that no brake can have makes a
+    Of a distribution only the median is checked. A random value that no brake can have gives a
     failed case in the table.
 
     Parameters
@@ -361,7 +364,7 @@ def _require_brake_that_allows_each_value(
     medians = {key: spec.at(half)[0] for key, spec in specs.items() if key not in plan.listed}
     vary(brake, medians)
     lengths = list(map(len, plan.listed.values()))
-    steps = _case_count_until_next_value_of_key(combine, lengths, plan.repeats)
+    steps = _numbers_of_cases_until_next_value_of_each_key(combine, lengths, plan.repeats)
     for (key, values), step in zip(plan.listed.items(), steps, strict=True):
         _check_listed_values_of_key(brake, _ListedKey(key, values, changes[::step]), medians, done)
 
@@ -385,8 +388,8 @@ def _values_of_keys_in_vary_line(
 ) -> dict[str, _KeySpec]:
     """The values, by key of the brake file, that one line of the table [vary] gives.
 
-    A line gives values of one key. With a distribution from which each shoe draws its own value, it
-    gives values of a key for each shoe.
+    A line gives the values of one key, or, if each shoe draws its own value from a distribution,
+    the values of one key for each shoe.
 
     Parameters
     ----------
@@ -448,7 +451,7 @@ def _values_of_key_given_as_distribution(
 ) -> dict[str, _KeySpec]:
     """The values of a varied key that the sweep file gives as a distribution.
 
-    They are returned by key; where each shoe draws its own value, there is a key for each shoe.
+    They are returned by key. If each shoe draws its own value, there is one key for each shoe.
 
     Parameters
     ----------
@@ -498,9 +501,10 @@ def _validated_table_of_sweep_file(
 
 
 def _listed_value_in_si(where: str, value: Any, unit: str | None) -> Any:
-    """One value of a list in the sweep file.
+    """One value of a list in the sweep file, with numbers converted to SI.
 
-    It is a number in SI, a word, or a list of numbers with their units, which stays as it is.
+    A word, and a list of numbers with their units, are returned unchanged. `unit` is the SI unit of
+    the key: "" for a number without unit, None for words.
     """
     if unit is None:
         return value
@@ -537,7 +541,7 @@ def _value_of_sweep_file_as_number_in_si(where: str, value: Any, unit: str) -> f
 
 
 def _values_of_key_given_as_range(where: str, start: float, end: float, span: Range) -> _KeySpec:
-    """The values of a varied key that the sweep file gives as a range; the ends are in SI."""
+    """The values of a varied key given as a range; its ends `start` and `end` are in SI."""
     if span.scale == "linear":
         return _KeySpec(
             values=np.linspace(start, end, span.count).tolist(),
@@ -565,10 +569,10 @@ def _inverse_cumulative_function_returning_list(
 def _inverse_cumulative_function(
     where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], Floats]:
-    """The inverse of a distribution's cumulative function, which draws its values.
+    """The inverse of a distribution's cumulative function, for drawing random values.
 
-    It turns uniform random numbers u (n,) in (0, 1) into values (n,) in SI. The module scipy.stats
-    is not used, since it takes a second to load.
+    It turns random numbers u (n,), uniform in (0, 1), into values (n,) in SI. The module
+    scipy.stats is not used, since it takes a second to load.
 
     Parameters
     ----------
@@ -612,13 +616,14 @@ def _mean_or_mode_in_si(
     Parameters
     ----------
     where : place in the sweep file, for error messages
-    given : value in the sweep file; None where it is not given
+    given : value in the sweep file; None if the file does not give it
     unit : SI unit of the key
     nominal : values of the key in the brake file
     """
     if given is not None:
         return _value_of_sweep_file_as_number_in_si(where, given, unit)
-    # If the shoes have different values in the brake file, a common mean has to be given.
+    # If the shoes have different values in the brake file, no common mean or mode follows from
+    # them.
     if len(set(nominal)) > 1 or not isinstance(nominal[0], float):
         raise BadInput(f"{where}: is missing, and the brake file has no single number there")
     return float(nominal[0])
@@ -653,7 +658,7 @@ def _inverse_lognormal_distribution(
 
     if not mean > 0:
         raise BadInput(f"{where}.mean = {distribution.mean!r}: must be greater than 0")
-    # `spread` is the standard deviation of the logarithm. The median follows from the mean.
+    # `spread` is the standard deviation of the values' logarithm. The median follows from the mean.
     spread = math.sqrt(math.log1p((deviation / mean) ** 2))
     median = mean * math.exp(-(spread**2) / 2)
     return lambda u: median * np.exp(spread * ndtri(u))
@@ -705,11 +710,13 @@ def _inverse_truncated_standard_normal(u: Floats, low: float, high: float) -> Fl
     """The inverse of the standard normal distribution's cumulative function, cut off at two ends.
 
     It turns cumulative probabilities u (n,) in (0, 1) into values (n,) between `low` and `high`.
-    Logarithms of the probabilities keep the result accurate where both ends are far from the mean.
+    It computes with logarithms of probabilities, which stay accurate if both ends are far from the
+    mean.
     """
     from scipy.special import log_ndtr, ndtri_exp  # noqa: PLC0415  (0.1 s)
 
-    # If both ends are above the mean, mirror the distribution: small probabilities are accurate.
+    # If both ends are above the mean, mirror the distribution: probabilities near 0 are more
+    # accurate than probabilities near 1.
     if low > 0:
         return -_inverse_truncated_standard_normal(1 - u, -high, -low)
     below, above = log_ndtr(low), log_ndtr(high)
@@ -745,14 +752,14 @@ def _standard_deviation_in_si(where: str, given: float | str, mean: float, unit:
 def _random_values_of_key(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
     """Draw `count` random values of a varied key.
 
-    They depend on the seed and on the name of the key only.
+    The values depend on the seed and on the name of the key only.
     """
     # Each key has its own stream of random numbers, so that a further key in the sweep file does
     # not change the values of the other keys.
     stream = int.from_bytes(hashlib.sha256(key.encode()).digest()[:8])
     u = np.random.default_rng([seed, stream]).random(count)
-    # Random numbers are multiples of 2^-53. A 0 would give a normal distribution the value
-    # -infinity, so that half a step replaces it.
+    # Random numbers are multiples of 2^-53. The number 0 would give a normal distribution the value
+    # -infinity, so that 2^-54 replaces it.
     return spec.at(np.maximum(u, 2.0**-54))
 
 
@@ -761,8 +768,8 @@ def _combinations_of_listed_values(
 ) -> Iterator[dict[str, Any]]:
     """Yield each combination of the listed values, as values by key.
 
-    With "zip" the n-th values of all keys belong together. Else all combinations are made, and the
-    value of the last key changes first.
+    With "zip" the n-th values of all keys form a combination. Otherwise all combinations are made,
+    and the value of the last key changes fastest.
     """
     lengths = {key: len(values) for key, values in listed.items()}
     if combine == "zip" and len(set(lengths.values())) > 1:
@@ -773,12 +780,12 @@ def _combinations_of_listed_values(
         yield dict(zip(listed, row, strict=True))
 
 
-def _case_count_until_next_value_of_key(
+def _numbers_of_cases_until_next_value_of_each_key(
     combine: str, lengths: Sequence[int], repeats: int
 ) -> list[int]:
-    """For each listed key, the number of cases after which its next value comes.
+    """For each listed key, the number m of cases after which its next value comes.
 
-    With this number m, the first case that has value k of the key is case k m, counted from 0.
+    The first case that has value k of the key is case k m, counted from 0.
 
     Parameters
     ----------
@@ -798,8 +805,8 @@ class _ListedKey(NamedTuple):
     ----------
     key : the key of the brake file
     values : its listed values
-    firsts : new values of all varied keys in the first case that has value 0, 1, ... of this key;
-        further entries are not used
+    firsts : entry i has the new values of all varied keys in the first case with value i of this
+        key; further entries are not used
     """
 
     key: str
@@ -812,9 +819,10 @@ def _check_listed_values_of_key(
 ) -> None:
     """Raise BadInput for a listed value of a key that no brake can have.
 
-    A value is allowed if the base brake can have it, or the brake of the first case with it. If the
-    key allows all numbers of an interval (`is_allowed_range_an_interval`), and the base brake can
-    have the smallest and the largest listed number, the numbers between them are not checked.
+    A value is allowed if the base brake can have it, or if the brake of the first case with this
+    value can have it. If the key allows all numbers of an interval
+    (`is_allowed_range_an_interval`), and the base brake can have the smallest and the largest
+    listed number, the numbers between them are not checked.
 
     Parameters
     ----------
@@ -851,8 +859,8 @@ def _check_listed_values_of_key(
 def _positions_of_extreme_numbers(values: Sequence[Any]) -> list[int]:
     """The positions of the extreme numbers in a list of values, in ascending order.
 
-    They are those of the smallest and largest negative number, of 0, and of the smallest and
-    largest positive number, as far as the list has them.
+    Extreme numbers are the smallest and largest negative number, 0, and the smallest and largest
+    positive number, as far as the list has them.
     """
     numbers = [i for i, value in enumerate(values) if isinstance(value, float)]
     found: set[int] = set()

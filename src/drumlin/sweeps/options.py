@@ -1,4 +1,4 @@
-"""The options of models in a sweep file; they have the names of the command line's options."""
+"""The options of models in a sweep file; the command line's options have the same names."""
 
 from collections.abc import Mapping
 from typing import Annotated, Literal, Self
@@ -11,7 +11,7 @@ from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE
 
 
 class ContactOptions(Part):
-    """Options of models whose contact has a penalty stiffness, as on the command line."""
+    """Options of models that may use a penalty stiffness in contact, as on the command line."""
 
     # An infinite penalty stiffness means contact without penetration.
     model_config = Part.model_config | {"allow_inf_nan": True}

@@ -18,9 +18,10 @@ Say = Callable[[str], None]
 """A function that shows a line of text to the user."""
 
 Progress = Callable[[str], AbstractContextManager[Callable[[int, int], None]]]
-"""A function that makes a progress bar from a title, as a context.
+"""A function that makes a context manager, which shows a progress bar with the given title.
 
-The context is a function, to be called with the number of finished cases and of all cases.
+The `with` statement gives a function, to be called with the number of finished cases and the number
+of all cases.
 """
 
 
@@ -54,7 +55,7 @@ def rows_of_sweep_table(prepared: Sweep, rows: list[Row], sweep_file: Path) -> l
 
 
 def _progress_bar_that_shows_nothing(_: str) -> AbstractContextManager[Callable[[int, int], None]]:
-    """A progress bar that shows nothing, in place of the one of the command line."""
+    """A progress bar that shows nothing, for callers that give no progress bar."""
     return nullcontext(lambda finished, of: None)
 
 
@@ -69,16 +70,17 @@ def solve_sweep_with_journal(
 ) -> list[Row]:
     """Solve a sweep, and keep each finished case in a journal file beside the table.
 
-    Called again after the sweep was stopped, the function solves the missing cases only.
+    If the sweep was stopped, the next call of this function solves the missing cases only.
 
     Parameters
     ----------
     prepared : the sweep, as `read_sweep_from_toml_file` returns it
     table_file : path of the table; the journal has this path with ".journal" added
     jobs : number of processes that solve cases; None: one for each core
-    scheduler : address of a Dask scheduler whose workers solve the cases; None: processes do
+    scheduler : address of a Dask scheduler whose workers solve the cases; None: processes of this
+        machine solve them
     progress : makes a progress bar from the sweep's title
-    say : called with each message on the journal or the workers
+    say : called with each message about the journal or the workers
 
     Returns
     -------
@@ -87,9 +89,9 @@ def solve_sweep_with_journal(
     Raises
     ------
     BadInput
-        where the workers cannot be started or reached
+        if the options are wrong, or the scheduler cannot be reached
     NoAnswer
-        where all workers are lost; the message names the journal
+        if no worker can be started, or all are lost; the message names the journal
     """
     with Journal(
         table_file.with_name(table_file.name + ".journal"), checksum_of_source_and_libraries()
@@ -110,7 +112,7 @@ def solve_sweep_with_journal(
                     done=done,
                     say=say,
                 )
-        # However the sweep ends, the message says where the finished cases are.
+        # However the sweep is stopped, the message says where the finished cases are.
         except NoAnswer as error:
             raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
         except (KeyboardInterrupt, Stopped) as stop:

@@ -55,5 +55,5 @@ def _json_schema_of_model_table() -> dict[str, Any]:
 
 
 def _json_schema_of_class(kind: type[Any]) -> dict[str, Any]:
-    """The JSON schema of the class `kind` that reads a part of the sweep file."""
+    """The JSON schema of a class that reads a part of the sweep file."""
     return dict(TypeAdapter(kind).json_schema(schema_generator=UnitSchema))

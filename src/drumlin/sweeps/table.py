@@ -20,7 +20,7 @@ ROW_UNITS = {
     "peak_pressure": "Pa",
     "hinge_reaction": "N",
 }
-"""The unit of each result, by the last part of its name.
+"""The unit of each result, by the last part of its name ("torque" for "leading.torque").
 
 Other results have no unit, except the ends of a contact: rad on a drum, m on a plane.
 """
@@ -32,13 +32,13 @@ def table_lines_of_cases(
     base: Path | None = None,
     pressure: str = "Pa",
 ) -> list[Row]:
-    """The table of a sweep, headed with name and unit: "shoe.lining.thickness [m]".
+    """The lines of a sweep's table, with headings such as "shoe.lining.thickness [m]".
 
     Parameters
     ----------
     cases : the cases of the sweep
     rows : results of each case, in SI
-    base : folder to which paths of mesh files are made relative; None: the paths stay
+    base : folder to which paths of mesh files are made relative; None: paths are not changed
     pressure : unit of all stresses in the table, "Pa" or "MPa"
 
     Returns
@@ -114,7 +114,8 @@ def write_table_file(lines: Sequence[Row], path: Path) -> None:
     # The columns stand in the order in which their names first occur in the lines.
     for name in dict.fromkeys(chain.from_iterable(lines)):
         values = [line.get(name) for line in lines]
-        # All values of a Parquet column have one type, so that numbers beside words become words.
+        # All values of a Parquet column have one type, so that numbers in a column with words
+        # become text.
         if any(isinstance(value, str) for value in values):
             values = [value if value is None else str(value) for value in values]
         columns[name] = values
@@ -123,7 +124,7 @@ def write_table_file(lines: Sequence[Row], path: Path) -> None:
 
 
 def _import_parquet_module_or_refuse_output() -> Any:
-    """The Python module that writes Parquet files. Raises BadInput where it is not installed."""
+    """The Python module that writes Parquet files. Raises BadInput if it is not installed."""
     try:
         return importlib.import_module("pyarrow.parquet")
     except ImportError as error:
@@ -133,9 +134,9 @@ def _import_parquet_module_or_refuse_output() -> Any:
 
 
 def check_table_file_is_writable(path: Path) -> None:
-    """Raise BadInput where the table of a sweep could not be written in the format of its name.
+    """Raise BadInput if a table cannot be written to a file of this name.
 
-    The check is done before the sweep, which may take hours.
+    The check of the name's ending is done before the sweep, which may take hours.
     """
     if path.suffix not in {".csv", ".parquet"}:
         raise BadInput(f"--output = {str(path)!r}: must end in .csv or .parquet")

@@ -3,8 +3,8 @@
 Brakes with random deviations are drawn as in Saltelli et al. (2010), Comput. Phys. Commun. 181,
 259: two independent samples A and B of n brakes each, and for each tolerance i a sample AB_i. The
 sample AB_i is A with the deviations of tolerance i taken from B. The 2 n brakes of A and B together
-are a Monte Carlo sample. All samples together give the share of each tolerance in the variance (its
-Sobol indices).
+are a Monte Carlo sample of the scatter. All samples together give the share of each tolerance in
+the variance of a result (its Sobol indices).
 """
 
 import re
@@ -23,7 +23,7 @@ from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.sweeps.cases import Row, SweepCase
 
 PERCENTILES = (1, 5, 50, 95, 99)
-"""The percentiles [%] that are reported of the scatter of a result."""
+"""The percentiles [%] of a result's random values that are reported."""
 
 
 class ManufacturingTolerance(NamedTuple):
@@ -35,7 +35,7 @@ class ManufacturingTolerance(NamedTuple):
     ----------
     name : name of the tolerance in tables
     distribution : distribution of the deviation, a frozen distribution of scipy.stats
-    moves : change of each key [SI] per unit of the deviation
+    moves : change of each key's value, in its SI unit, if the deviation is 1
     """
 
     name: str
@@ -65,7 +65,8 @@ def random_deviations_of_brakes_in_all_samples(
 ) -> Floats:
     """Draw the deviations of all brakes of the samples A, B, AB_1 ... AB_d.
 
-    The random numbers are scrambled Sobol' points, which fill the space of d deviations evenly.
+    The module's docstring defines the samples. The random numbers are scrambled Sobol' points,
+    which fill the space of 2 d coordinates evenly.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ def random_deviations_of_brakes_in_all_samples(
 
     Returns
     -------
-    deviations (d + 2, n, d): sample, brake of the sample, tolerance
+    deviations (d + 2, n, d), with the axes sample, brake of the sample, and tolerance
     """
     from scipy.stats import qmc  # noqa: PLC0415  (0.5 s)
 
@@ -115,8 +116,8 @@ def cases_with_random_deviations(
     Raises
     ------
     BadInput
-        where a key of every shoe ("shoe.lining.thickness") would undo one of a single shoe
-        ("shoe[0].lining.thickness")
+        if a key of every shoe ("shoe.lining.thickness") and a key of a single shoe
+        ("shoe[0].lining.thickness") would both change the same number
     """
     # Read the base brake's value of each key that a tolerance changes.
     nominal: dict[str, Any] = {}
@@ -139,9 +140,10 @@ def cases_with_random_deviations(
 
 
 def _check_keys_mean_different_numbers(keys: set[str]) -> None:
-    """Raise BadInput where two keys of the brake file mean the same number.
+    """Raise BadInput if two keys of the brake file change the same number.
 
-    "shoe.lining.thickness" means all shoes, and so "shoe[0].lining.thickness", too.
+    For example, "shoe.lining.thickness" changes all shoes, and "shoe[0].lining.thickness" one of
+    them.
     """
     without_numbers = {key: re.sub(r"\[\d+\]", "", key) for key in keys}
     for key, bare in without_numbers.items():
@@ -155,8 +157,8 @@ def _check_keys_mean_different_numbers(keys: set[str]) -> None:
 def one_result_of_all_cases(rows: Sequence[Row], name: str) -> Floats:
     """The result called `name`, such as "torque", of all cases as an array (cases,).
 
-    `rows` holds the results of each case. Raises NoAnswer where a case has no answer, since shares
-    of a variance need all cases.
+    `rows` holds the results of each case. Raises NoAnswer if a case was not solved, since the
+    shares of tolerances in a variance need all cases.
     """
     failed = [str(row["status"]) for row in rows if row["status"] != "solved"]
     if failed:
@@ -192,7 +194,7 @@ def mean_and_percentiles_of_sample(values: Floats) -> SampleSpread:
 
 
 class SobolIndex(NamedTuple):
-    """A Sobol index (share of a tolerance in a variance), with its confidence interval."""
+    """A Sobol index (share of a tolerance in a variance), and its confidence interval's limits."""
 
     value: float
     low: float
@@ -205,8 +207,8 @@ class SobolIndices(NamedTuple):
     Attributes
     ----------
     name : name of the tolerance
-    first : share of the tolerance alone
-    total : share that includes interactions of the tolerance with others
+    first : share that the tolerance causes alone (first-order Sobol index)
+    total : share with the interactions of this tolerance with others included (total Sobol index)
     """
 
     name: str
@@ -224,9 +226,9 @@ def sobol_indices_of_tolerances(
 ) -> list[SobolIndices]:
     """The shares of each tolerance in the variance of a result, with confidence intervals.
 
-    The estimators of these Sobol indices are those of Saltelli et al. (2010), table 2 (b) and (f),
-    as scipy.stats.sobol_indices computes them. The intervals come from a bootstrap, which draws the
-    n brakes again with replacement.
+    The estimators are (b) and (f) of table 2 in Saltelli et al. (2010), as
+    scipy.stats.sobol_indices computes them. The confidence intervals come from a bootstrap, which
+    draws the n brakes again with replacement.
 
     Parameters
     ----------
@@ -244,7 +246,7 @@ def sobol_indices_of_tolerances(
     for _ in range(resamples):
         chosen = rng.integers(n, size=n)
         resampled.append(_first_and_total_sobol_indices(values[:, chosen]))
-    # The interval leaves out the same probability below and above.
+    # The confidence interval excludes the same probability below it and above it.
     tails = [(1 - confidence) / 2, (1 + confidence) / 2]
     low, high = np.quantile(np.array(resampled), tails, axis=0)
 
@@ -289,7 +291,7 @@ def torque_and_peak_during_run_in(
     Returns
     -------
     dictionary with "torque" [N m] and "peak_pressure" [Pa] at each distance, and "worn_in", the
-    torque [N m] of the rigid-shoe law that the wear tends to
+    torque [N m] of the rigid-shoe law, which is the limit for very long wear
     """
     on_round_drum = vary(brake, {"drum.out_of_round": []})
     setup = wear_setup_by_finite_elements(
@@ -297,7 +299,8 @@ def torque_and_peak_during_run_in(
     )
     states = run_in.wear_brake_linings_until_worn_in(setup, tolerance=tolerance)
     settled_at = states[-1].s
-    # The computation ends where pressure and torque no longer change. Later states equal the last.
+    # The computation ends when pressure and torque no longer change. At greater sliding distances
+    # the last state is taken.
     states_at = [
         archard.interpolate_wear_state_at_distance(states, min(s, settled_at)) for s in distances
     ]

@@ -1,6 +1,6 @@
 """The workers that solve the cases of a sweep: processes of this machine or of a cluster.
 
-The workers of a cluster are those of Dask, a Python library that distributes work to machines.
+The workers of a cluster are started by Dask, a Python library that distributes work to machines.
 
 This module does not import numpy, because a worker must limit its threads before it loads numpy. A
 worker process that dies is replaced. If no worker answers within the time limits below, the sweep
@@ -29,7 +29,7 @@ OLDEST_DASK = "2025.4"
 CONNECT_SECONDS = 5.0
 """Seconds within which a Dask scheduler must accept a connection.
 
-A scheduler that has not started yet is tried again until then.
+Until then the connection is tried again, since the scheduler may still be starting.
 """
 
 ANSWER_SECONDS = 30.0
@@ -57,7 +57,7 @@ MAX_JOBS = 1000
 DASK_LOGGERS = ("distributed", "tornado", "asyncio")
 """Names of the loggers of Dask and its libraries, which are silenced.
 
-Their messages about a lost cluster would fill the screen.
+If a cluster is lost, their messages would fill the screen.
 """
 
 WORKER_THREADS = {"OPENBLAS_NUM_THREADS": "1"}
@@ -77,7 +77,7 @@ class Workers(NamedTuple):
     Attributes
     ----------
     executor : executor that runs functions in the workers; None: this process solves the cases
-    workers : number of cases that are solved at the same time
+    workers : number of cases that the workers solve at the same time
     """
 
     executor: Executor | None
@@ -93,15 +93,16 @@ def provide_workers_for_cases_of_sweep(
     Parameters
     ----------
     jobs : number of processes of this machine; None: one for each core
-    scheduler : address of a Dask scheduler whose workers solve the cases; None: processes do
+    scheduler : address of a Dask scheduler whose workers solve the cases; None: processes of this
+        machine solve them
     say : called with a message when the sweep waits for workers
 
     Raises
     ------
     BadInput
-        where the options are wrong, or the scheduler cannot be reached
+        if the options are wrong, or the scheduler cannot be reached
     NoAnswer
-        where all workers are lost
+        if all workers are lost
     """
     if scheduler is not None:
         if jobs is not None:
@@ -118,7 +119,8 @@ def provide_workers_for_cases_of_sweep(
     if jobs == 1:
         yield Workers(None, 1)
         return
-    # After an error in the block the processes are ended at once, else after their work.
+    # After an error in the `with` block the processes are ended at once, otherwise after their
+    # work.
     pool = _ProcessPool(jobs)
     try:
         yield Workers(pool, jobs)
@@ -141,12 +143,12 @@ def _number_of_usable_cores() -> int:
 class _ProcessPool(Executor):
     """An executor that runs functions in worker processes, each with a pipe of its own.
 
-    A thread of this process gives each worker process its work and waits for the answer. If a
+    For each worker process, a thread of this process sends work and waits for the answer. If a
     worker process dies, even while it sends its answer, only its own work is lost. A new process
-    replaces it.
+    replaces the dead one.
 
     Three existing pools were tried (pebble 5.2.3, loky 3.7.0, concurrent.futures of Python 3.11).
-    The processes of each pool share one pipe. In all three pools the death of a process that was
+    In each of them the processes share one pipe. In all three pools the death of a process that was
     sending its answer was not noticed within 40 s. In pebble and concurrent.futures, work submitted
     afterwards had no answer within 20 s. In loky a process that died at its work took the work of
     another process with it, and the whole pool. The pool of concurrent.futures was unusable after
@@ -162,13 +164,13 @@ class _ProcessPool(Executor):
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have the next free worker process call a function; returns the future of its result.
 
-        The future raises NoAnswer where no process can be started, and BrokenExecutor where the
-        process dies during the call.
+        The future raises NoAnswer if no process can be started, and BrokenExecutor if the process
+        dies during the call.
         """
         return self._threads.submit(self._call_in_process_of_thread, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End all worker processes: with `wait` after they have finished their work, or at once."""
+        """End all worker processes: after their work if `wait`, otherwise at once."""
         self._ended = not wait
         self._threads.shutdown(wait, cancel_futures=cancel_futures)
         for process in self._all:
@@ -185,7 +187,7 @@ class _ProcessPool(Executor):
             outcome = process.call_function_in_process(work)
         except Exception as error:
             process.kill()
-            # This thread starts a new process for its next work.
+            # Without a process, this thread starts a new one for its next work.
             self._of_thread.process = None
             raise BrokenExecutor(f"its process died ({type(error).__name__})") from error
         if not outcome.returned:
@@ -195,7 +197,7 @@ class _ProcessPool(Executor):
     def _start_worker_process(self) -> "_WorkerProcess":
         """Start a new worker process and wait for its first answer.
 
-        Raises NoAnswer where MAX_PROCESS_STARTS attempts fail.
+        Raises NoAnswer after MAX_PROCESS_STARTS failed attempts, or if the pool has been ended.
         """
         reason = "stopped"
         for _ in range(0 if self._ended else MAX_PROCESS_STARTS):
@@ -256,7 +258,7 @@ class _WorkerProcess:
 
 
 def _call_functions_from_pipe(pipe: Any) -> None:
-    """Call the functions that come through the pipe, and send back the outcomes, until it closes.
+    """Call functions that come through the pipe and send back outcomes, until the pipe closes.
 
     This is the main function of a worker process.
     """
@@ -277,9 +279,9 @@ _environment_lock = threading.Lock()
 
 @contextmanager
 def _limit_threads_of_new_processes() -> Iterator[None]:
-    """Limit the threads of the processes that are started while the block runs.
+    """Limit the threads of processes that are started while the block of the `with` statement runs.
 
-    A new process inherits the environment variables of this process, which the block changes.
+    A new process inherits the environment variables of this process, which are changed meanwhile.
     """
     with _environment_lock:
         added = {name: value for name, value in WORKER_THREADS.items() if name not in os.environ}
@@ -307,7 +309,7 @@ def _end_process_when_parent_ends() -> None:
 
 @contextmanager
 def _provide_dask_workers(address: str, say: SayLine) -> Iterator[Workers]:
-    """Provide the workers of the Dask scheduler at an address while the block runs."""
+    """Provide the workers of the Dask scheduler at an address while the `with` block runs."""
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:
@@ -330,7 +332,7 @@ def _provide_dask_workers(address: str, say: SayLine) -> Iterator[Workers]:
 def _connected_dask_client(distributed: Any, address: str) -> Any:
     """Connect to the Dask scheduler at an address and return the client.
 
-    Raises BadInput where no scheduler answers within CONNECT_SECONDS.
+    Raises BadInput if no scheduler answers within CONNECT_SECONDS.
     """
     connected: Future[Any] = Future()
 
@@ -349,8 +351,8 @@ def _connected_dask_client(distributed: Any, address: str) -> Any:
             connected.set_exception(error)
 
     start = time.monotonic()
-    # The client connects in a thread of its own, since a port that accepts a connection and stays
-    # silent may block the thread for ever.
+    # The client connects in a thread of its own: if a port accepts the connection but stays silent,
+    # only this thread is blocked for ever.
     threading.Thread(target=connect_client_to_scheduler, daemon=True).start()
     try:
         return connected.result(CONNECT_SECONDS)
@@ -367,7 +369,7 @@ def _connected_dask_client(distributed: Any, address: str) -> Any:
 
 
 def _close_client_connected_too_late(connected: "Future[Any]") -> None:
-    """Close a client whose connection came too late; ignore errors of a client that is lost."""
+    """Close a client that connected after the time limit; ignore errors of a lost connection."""
     with suppress(Exception):
         connected.result().close(timeout=2)
 
@@ -375,8 +377,8 @@ def _close_client_connected_too_late(connected: "Future[Any]") -> None:
 def _wait_for_first_dask_workers(client: Any, address: str, say: SayLine) -> int:
     """Wait for the first workers of a scheduler; returns the number of all their threads.
 
-    Each thread solves one case at a time.
-    Raises NoAnswer where no worker comes within FIRST_WORKER_SECONDS.
+    Each thread solves one case at a time. Raises NoAnswer if no worker comes within
+    FIRST_WORKER_SECONDS.
     """
     start, told = time.time(), False
     while True:
@@ -398,7 +400,7 @@ def _wait_for_first_dask_workers(client: Any, address: str, say: SayLine) -> int
 def _workers_of_dask_scheduler(client: Any, address: str) -> dict[str, Any]:
     """The data of all workers of a Dask scheduler, by the name of the worker.
 
-    Raises NoAnswer where the scheduler does not answer or is too old.
+    Raises NoAnswer if the scheduler does not answer or is too old.
     """
     try:
         identity = client.sync(
@@ -432,7 +434,7 @@ class _DaskPool(Executor):
         self._inner: Executor = client.get_executor(pure=False)
         self._waiting: set[Future[Any]] = set()
         self._lost: NoAnswer | None = None
-        # The lock guards the two attributes above. The event ends the watching thread.
+        # The lock guards the attributes `_waiting` and `_lost`. The event ends the watching thread.
         self._lock = threading.Lock()
         self._end = threading.Event()
         threading.Thread(target=self._watch_dask_cluster, daemon=True).start()
@@ -440,11 +442,11 @@ class _DaskPool(Executor):
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have a Dask worker call a function; returns the future of its result.
 
-        Raises NoAnswer where the cluster is lost.
+        Raises NoAnswer if the cluster is lost.
         """
         future: Future[Any] = Future()
-        # The future counts as running, so that it cannot be cancelled. Unfinished work is dropped
-        # when the client is closed.
+        # The future is marked as running, so that it cannot be cancelled. Unfinished work is
+        # dropped when the client is closed.
         future.set_running_or_notify_cancel()
         with self._lock:
             if self._lost is not None:
@@ -464,7 +466,7 @@ class _DaskPool(Executor):
             self._waiting.clear()
 
     def _pass_result_to_sweep(self, future: "Future[Any]", inner: "Future[Any]") -> None:
-        """Pass the result or error of Dask's future `inner` on to the sweep's future `future`."""
+        """Copy result or error of Dask's future `inner` to `future`, which the sweep waits for."""
         with self._lock:
             if future not in self._waiting:
                 return
@@ -506,7 +508,7 @@ class _DaskPool(Executor):
                 return
 
     def _fail_all_unfinished_work(self, error: NoAnswer) -> None:
-        """Let all unfinished work, and all work submitted later, fail with an error."""
+        """Make all unfinished work, and all work submitted later, fail with the given error."""
         with self._lock:
             self._lost = error
             for future in self._waiting:
@@ -517,8 +519,8 @@ class _DaskPool(Executor):
 def call_pickled_function(work: bytes) -> Any:
     """Unpack a pickled function with its arguments, call it, and return its result.
 
-    Dask workers run this function. The number of threads is limited first: unpacking loads numpy,
-    which reads the limit as it is loaded.
+    Dask workers run this function. The number of threads is limited first, because unpacking loads
+    numpy, which reads the limit only while it is loaded.
     """
     if "numpy" not in sys.modules:
         for name, value in WORKER_THREADS.items():
@@ -529,10 +531,10 @@ def call_pickled_function(work: bytes) -> Any:
 
 @contextmanager
 def _silence_dask_loggers() -> Iterator[None]:
-    """Silence Dask's log while the block runs.
+    """Silence Dask's log while the block of the `with` statement runs.
 
     This module itself reports a lost cluster in one line. If the block fails, the log stays silent
-    afterwards, too, since Dask goes on writing about the loss.
+    afterwards, too, since Dask continues to write about the loss.
     """
     # Remember the level of each logger of Dask, to restore it at the end.
     levels = {}

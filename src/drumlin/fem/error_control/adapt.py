@@ -23,8 +23,8 @@ from drumlin.fem.error_control.levels import (
 from drumlin.fem.error_control.singular_points import contact_arcs_merged_over_narrow_gaps
 from drumlin.fem.hp.corner import (
     TIP_TOLERANCE,
-    pressure_error_left_at_gap_tips,
     pressure_error_left_at_lining_corners,
+    pressure_error_left_at_pointed_gap_kinks,
     response_with_power_laws_at_corners,
 )
 from drumlin.fem.hp.division import SMALLEST_COLUMN
@@ -274,7 +274,7 @@ def errors_with_singular_points_included(
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         missing_peak = _missing_fraction_of_peak_pressure(shoe, brake.scale_factor, answer)
         at_corners = pressure_error_left_at_lining_corners(brake, i, answer)
-        under_tips = pressure_error_left_at_gap_tips(shoe, brake.scale_factor, answer)
+        under_tips = pressure_error_left_at_pointed_gap_kinks(shoe, brake.scale_factor, answer)
         at_singular_points = at_corners + under_tips
         errors = {
             **error.shoes[i],

@@ -24,7 +24,7 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
 from drumlin.brake.friction import FrictionCurve
-from drumlin.fem.hp.corner import logarithmic_pressures_at_gap_tips
+from drumlin.fem.hp.corner import logarithmic_pressures_at_pointed_gap_kinks
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
@@ -267,7 +267,7 @@ def _singular_points_at_tips_of_gap(
     kinks : (k,) angles theta [rad] of the kinks that are singular points
     """
     points: list[SingularPoint] = []
-    for tip in logarithmic_pressures_at_gap_tips(shoe, scale_factor):
+    for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, scale_factor):
         if tip.theta in kinks:
             (phi,) = shoe.frame.phi_coordinates_as_list([tip.theta])
             length = (norm / tip.factor) ** 2 / shoe.frame.unit

@@ -1,25 +1,25 @@
-"""The stiffness of element columns on an arc or a pad, from symmetric and antisymmetric parts.
+"""The stiffness of element columns on an arc or a pad, by symmetric and antisymmetric motions.
 
 An element column is a stack of elements from the contact through the thickness of a body. An
 element between two concentric circles is mapped from the unit square by a product, x = r(eta)
 c(xi): xi runs along the arc and eta through the thickness. Here c(xi) is the polynomial through
 nodes on the unit circle. The stiffness of an element is therefore a sum of products, too. Each
 product has a factor A, which depends on the angle of the column alone, and a factor B, which
-depends on the radii of the layer alone:
+depends on the radii of the layer's two faces alone:
 
     K         = sum_kl (lambda A_kl + 2 mu A'_kl) B_kl
     grad psi  = t f'(xi) g(eta) / r + n f(xi) g'(eta) / (r_2 - r_1)
 
 The shape function is psi = f g, and k and l = 1, 2 count the two terms of its gradient. The vectors
-t and n are functions of xi alone. On a plane the radius does not change, and n is the plane's
-normal. The directions along and through a layer are functions of xi alone too. So the stiffness
-that an orthotropic layer adds (see fem.substructure.elasticity) has two terms of the same form,
-a A''_kl B_kl + b A'''_kl B_kl.
+t (along the arc) and n (square to it) are functions of xi alone. On a plane the radius r is a
+constant, and n is the plane's normal. An orthotropic layer adds stiffness of the same form (see
+fem.substructure.elasticity), a A''_kl B_kl + b A'''_kl B_kl, because its directions, too, are
+functions of xi alone.
 
 A column is symmetric about the radius through its middle. Its displacements are the sum of
 symmetric ones (radial components even about the middle, tangential components odd) and of
-antisymmetric ones. The forces of one kind do no work on the displacements of the other kind, and
-each kind has half the unknowns.
+antisymmetric ones. Symmetric forces do no work on antisymmetric displacements, and vice versa. The
+stiffness is therefore computed for each kind on its own, with half the unknowns.
 """
 
 from functools import cache
@@ -42,25 +42,25 @@ from drumlin.fem.substructure.elasticity import isotropic_and_orthotropic_elasti
 
 
 class NodalFunctions(NamedTuple):
-    """Nodal functions of degree p along an element column, with its symmetric unknowns.
+    """The q Gauss points and p + 1 nodal functions of degree p along an element column.
 
-    A column of elements is symmetric about its middle, so that each pair of mirrored nodes has two
-    symmetric and two antisymmetric unknowns. The components x and y of a node stand next to each
-    other in all vectors of displacements and forces.
+    A column is symmetric about its middle, so that the displacements of each pair of mirrored nodes
+    are sums of two symmetric and two antisymmetric unknowns. The components x and y of a node stand
+    next to each other in all vectors of displacements and forces.
 
     Attributes
     ----------
     x, weights : (q,) Gauss points of [0, 1] and their weights
     values, slopes : (p + 1, q) values and derivatives of the nodal functions at the Gauss points
-    sign : (2, 2 (p + 1)) sign of each nodal displacement in the symmetric unknowns, and in the
-        antisymmetric ones
+    sign : (2, 2 (p + 1)) sign of each nodal displacement if its symmetric unknown is 1, and if its
+        antisymmetric unknown is 1
     place : (2 (p + 1),) number of the symmetric unknown, 0 to p, that each nodal displacement
         belongs to; the pair of end nodes comes first, and the pairs further inside follow
     fold : (2, p + 1, 2 (p + 1)) matrices that turn forces on nodes into forces on the symmetric and
         on the antisymmetric unknowns
-    outer, mixed, inner : positions of three blocks of an element's stiffness: boundary unknowns,
-        inner by boundary unknowns, and inner unknowns. They are positions in the stiffness before
-        it is ordered, which has the indices (along, along, across, across) the column.
+    outer, mixed, inner : index arrays that pick three blocks out of an element's stiffness:
+        boundary by boundary unknowns, inner by boundary unknowns, and inner by inner unknowns. The
+        indexed stiffness is flattened from the axes (along, along, across, across) the column.
     """
 
     x: Floats
@@ -77,16 +77,17 @@ class NodalFunctions(NamedTuple):
 
 @cache
 def nodal_functions_along_element_column(p: int) -> NodalFunctions:
-    """The nodal functions of degree p along an element column, with its symmetric unknowns.
+    """The nodal functions of degree p along an element column, and their symmetric unknowns.
 
-    They are made from the shape functions of scikit-fem's quadrilateral: the sum of these functions
-    over the nodes in one direction is the nodal function in the other direction.
+    They follow from the shape functions of scikit-fem's quadrilateral: summed over all nodes across
+    the column, these functions are the nodal functions along the column.
     """
     n = p + 1
     x, weights = gauss_points_and_weights_on_0_to_1(p)
     value, slope = shape_function_values_and_slopes(p, points_of_square_grid(x))
     # The sum of an element's shape functions over the nodes across the column is the nodal function
-    # along the column. It is the same at all Gauss points across, so that the first one is taken.
+    # along the column. The sum has the same value at all Gauss points across the column, so that
+    # the first of them is taken.
     values = value.reshape(n, n, n, n).sum(axis=0)[:, 0]
     slopes = slope[:, 1].reshape(n, n, n, n).sum(axis=0)[:, 0]
     node = np.repeat(np.arange(n), 2)
@@ -110,18 +111,19 @@ def nodal_functions_along_element_column(p: int) -> NodalFunctions:
         sign.reshape(2, -1),
         place,
         fold,
-        *_positions_of_element_stiffness_blocks(p),
+        *_index_arrays_of_element_stiffness_blocks(p),
     )
 
 
-def _positions_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]:
-    """The positions of three blocks of an element's stiffness, `NodalFunctions.outer` to `inner`.
+def _index_arrays_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]:
+    """Index arrays that pick three blocks out of the stiffness of an element of degree p.
 
-    `p` is the degree of the element.
+    The blocks are boundary by boundary, inner by boundary and inner by inner unknowns: the
+    attributes `outer`, `mixed` and `inner` of `NodalFunctions`.
     """
-    # Each unknown of an element has a number along the column and a number across it. The unknowns
-    # on the element's two sides come first, then those on its first and its last edge, then those
-    # inside.
+    # Each unknown of an element has a number along the column and a number across it. They are
+    # ordered: first the unknowns on the element's two sides, then on its first and its last edge,
+    # then inside the element.
     n = p + 1
     further = np.arange(2, n)
     outer_along = np.concatenate([np.tile([0, 1], n), further, further])
@@ -129,26 +131,27 @@ def _positions_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]:
     outer = outer_along, outer_across
     inner = np.tile(further, p - 1), np.repeat(np.arange(1, p), p - 1)
 
-    def positions_of_stiffness_block(rows: tuple[Ints, Ints], columns: tuple[Ints, Ints]) -> Ints:
-        """Positions (rows, columns) of a block of the stiffness in the stiffness before ordering.
+    def index_array_of_stiffness_block(rows: tuple[Ints, Ints], columns: tuple[Ints, Ints]) -> Ints:
+        """Indices (rows, columns) of a block's entries in an element's flattened stiffness.
 
-        Rows and columns are unknowns, given by their numbers along and across the column.
+        The block's rows and columns are unknowns, given by their numbers along and across the
+        element column.
         """
         along, across = rows[0][:, None], rows[1][:, None]
         return np.asarray(((along * n + columns[0]) * n + across) * n + columns[1])
 
     return (
-        positions_of_stiffness_block(outer, outer),
-        positions_of_stiffness_block(inner, outer),
-        positions_of_stiffness_block(inner, inner),
+        index_array_of_stiffness_block(outer, outer),
+        index_array_of_stiffness_block(inner, outer),
+        index_array_of_stiffness_block(inner, inner),
     )
 
 
 def _symmetric_and_antisymmetric_forces(V: Floats, p: int) -> Floats:
     """The forces (2, ..., p + 1, m) on the symmetric and the antisymmetric unknowns of a column.
 
-    The column of elements is symmetric about its middle. V (..., 2 (p + 1), m) are the forces on
-    its nodes, with x and y of a node next to each other, and p is the degree of the elements.
+    The element column is symmetric about its middle. V (..., 2 (p + 1), m) are the forces on its
+    nodes, with x and y of a node next to each other, and p is the degree of the elements.
     """
     fold = nodal_functions_along_element_column(p).fold
     return np.asarray(fold.reshape(2, *(1,) * (V.ndim - 2), *fold.shape[1:]) @ V)
@@ -159,12 +162,13 @@ def circle_points_and_slopes_at_gauss_points(
 ) -> tuple[Floats, Floats]:
     """The points of the unit circle at the Gauss points of c element columns, and their slopes.
 
-    Both are polynomials through the nodes of the columns. On a plane the line x = 1 takes the place
-    of the circle.
+    In each column the circle is replaced by the polynomial through the column's nodes on it. On a
+    plane the line x = 1 takes the place of the circle.
 
     Parameters
     ----------
-    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; lengths on a plane
+    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; on a plane distances,
+        divided by the length [m] that makes positions on the plane dimensionless
     p : degree of the elements
     flat : whether the columns are on a plane
 
@@ -186,12 +190,14 @@ def angular_factors_of_column_stiffness(
 ) -> Floats:
     """The integrals along element columns, which are the angular factors of their stiffness.
 
-    They are the factors A_kl and 2 A'_kl of the module's formula, (2, c, (p + 1)^2, 8). The first
-    axis counts the symmetric and the antisymmetric displacements of the c columns.
+    They are the factors A_kl and 2 A'_kl (2, c, (p + 1)^2, 8) of the formula for the stiffness in
+    the module's docstring. The first axis counts the symmetric and the antisymmetric displacements
+    of the c columns.
 
     Parameters
     ----------
-    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; lengths on a plane
+    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; on a plane distances,
+        divided by the length [m] that makes positions on the plane dimensionless
     p : degree of the elements
     flat : whether the columns are on a plane
     directed : whether the factors A''_kl and A'''_kl for orthotropic layers are appended; the
@@ -209,7 +215,8 @@ def angular_factors_of_column_stiffness(
         xx, yy, xy = strain[:, :, 0], strain[:, :, 1], strain[:, :, 2]
         through = x**2 * xx + y**2 * yy + np.sqrt(2) * x * y * xy
         parts += [trace - through, through]
-    # Each factor is the integral of the product of two strain components of the same kind.
+    # Each factor is the integral of a strain component by one unit displacement, times the same
+    # component by another unit displacement.
     factors = np.empty((2 * count, n, n, len(parts), 2, 2))
     for k, each in enumerate(parts):
         work = (each @ each.swapaxes(1, 2)).reshape(-1, 2, n, 2, n)
@@ -222,14 +229,16 @@ def _strains_times_root_of_gauss_weights(
 ) -> Floats:
     """The strains xx, yy and sqrt(2) xy due to unit displacements of element columns.
 
-    The result is (2 c, 2 (p + 1), 3, q). The first axis counts the symmetric unknowns of all c
-    columns and then the antisymmetric ones, the second axis the two terms of the gradient times the
-    unknowns. The strains are multiplied with the root of the quadrature weights, so that the sum of
-    products of two strains is an integral.
+    The result is (2 c, 2 (p + 1), 3, q). The first axis counts all c columns with symmetric
+    displacements, then with antisymmetric ones. The second axis counts the two terms of the
+    gradient, and for each the p + 1 unknowns. The strains are multiplied with the root of the
+    quadrature weights, so that the sum of products of two strains over the q Gauss points is an
+    integral.
 
     Parameters
     ----------
-    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; lengths on a plane
+    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; on a plane distances,
+        divided by the length [m] that makes positions on the plane dimensionless
     at, by : (2, c, q) points of the unit circle (or the plane), and their derivatives by xi
     p : degree of the elements
     flat : whether the columns are on a plane
@@ -241,8 +250,8 @@ def _strains_times_root_of_gauss_weights(
     gradient[:, :, 0] = tangent[:, :, None] * functions.slopes
     gradient[:, :, 1] = normal[:, :, None] * functions.values
 
-    # The displacements of nodes on a side of a column are measured along the radius at this side
-    # and around the drum.
+    # Nodes on a side of a column have their displacements measured along the radius at this side
+    # and square to it. Columns of equal shape then have equal stiffness wherever they lie.
     turn = np.zeros((count, n))
     turn[:, ::p] = 0.0 if flat else angles[:, ::p]
     c, s = np.array([np.cos(turn), np.sin(turn)])[:, :, None, :, None]
@@ -263,14 +272,15 @@ def _radial_factors_of_layer_stiffness(
 ) -> Floats:
     """The integrals through l layers, times m elastic constants: the radial factors of stiffness.
 
-    They are the factors B_kl of the module's formula, (l, 4 m, (p + 1)^2).
+    They are the factors B_kl (l, 4 m, (p + 1)^2) of the formula for the stiffness in the module's
+    docstring.
 
     Parameters
     ----------
     radii : (l + 1,) radii of the faces of the layers [m]
     constants : (l, m) lambda, mu and, if a layer is orthotropic, a and b [N/m]
     p : degree of the elements
-    plane : on a plane, the length [m] by which all lengths are divided; None on a drum
+    plane : on a plane, the length [m] that positions along the plane are divided by; None on a drum
     """
     functions = nodal_functions_along_element_column(p)
     weights, values, slopes = functions.weights, functions.values, functions.slopes
@@ -292,16 +302,16 @@ def condensed_arc_element_stiffness(
 
     There are l layers of c elements. The second axis counts the symmetric and the antisymmetric
     unknowns. The inner unknowns of each element are eliminated. Displacements on the left and the
-    right side of an element are measured along the radius at this side and around the drum.
+    right side of an element are measured along the radius at this side and square to it.
 
     Parameters
     ----------
     radii : (l + 1,) radii of the faces of the layers [m]
-    A : the `angular_factors_of_column_stiffness` of the columns, directed where a layer is
-        orthotropic
+    A : the result of `angular_factors_of_column_stiffness` for the columns; with `directed` if a
+        layer is orthotropic
     elasticity : (l, 3, 3) elasticity matrices times the width [N/m]
     p : degree of the elements
-    plane : on a plane, the length [m] by which all lengths are divided; None on a drum
+    plane : on a plane, the length [m] that positions along the plane are divided by; None on a drum
     """
     functions = nodal_functions_along_element_column(p)
     A = A.reshape(-1, *A.shape[2:])
@@ -321,10 +331,10 @@ def condensed_arc_element_stiffness(
 def condensed_arc_column_stiffness(
     parts: Floats, p: int, *, contact: bool, held: bool, loads: Floats | None = None
 ) -> Floats:
-    """The stiffness (c, n, n) of element columns on an arc or a pad, condensed to side and contact.
+    """The stiffness (c, n, n) of element columns, condensed to their two sides and contact nodes.
 
-    The unknowns are those of `columns.ColumnSubstructure`: the nodes on both sides of a column and
-    its contact nodes.
+    The columns lie on an arc or a flat pad. The unknowns have the order of
+    `columns.ColumnSubstructure`.
 
     Parameters
     ----------
@@ -332,7 +342,7 @@ def condensed_arc_column_stiffness(
         `condensed_arc_element_stiffness`
     p : degree of the elements
     contact : whether the edge of the columns at the lining's face is in contact
-    held : whether the edge of the columns farthest from the contact is held
+    held : whether the nodes on the columns' edge farthest from the contact are fixed
     loads : (c, 2 (p + 1), m) unit loads on the edge farthest from the contact; the factors of the
         m loads become extra unknowns
     """
@@ -353,9 +363,10 @@ def condensed_arc_column_stiffness(
 
 
 class _ColumnBlocks(NamedTuple):
-    """The numbers of the unknowns [loads | left side | contact | right side] of a column.
+    """The numbers of the unknowns [loads | left side | contact | right side] of an element column.
 
-    The symmetric and the antisymmetric stiffness have the unknowns of loads, left side and contact.
+    The stiffness on symmetric or on antisymmetric unknowns has the order [loads | left side | half
+    of the contact].
 
     Attributes
     ----------
@@ -368,34 +379,34 @@ class _ColumnBlocks(NamedTuple):
 
     @property
     def number_of_unknowns(self) -> int:
-        """Number of all unknowns of the column."""
+        """Number of all unknowns of an element column: loads, both sides and contact."""
         return self.extra + 2 * self.line + self.contact
 
     @property
     def unknowns_of_left_side(self) -> slice:
-        """The unknowns of the left side."""
+        """The positions of the left side's unknowns among all unknowns of an element column."""
         return slice(self.extra, self.extra + self.line)
 
     @property
     def unknowns_of_loads_and_left_side(self) -> slice:
-        """The unknowns of the loads and the left side."""
+        """The positions of the unknowns of loads and left side among those of an element column."""
         return slice(self.extra + self.line)
 
     @property
     def unknowns_of_contact(self) -> slice:
-        """The unknowns of the contact nodes."""
+        """The positions of the contact's unknowns among all unknowns of an element column."""
         return slice(self.extra + self.line, self.extra + self.line + self.contact)
 
     @property
     def unknowns_of_right_side(self) -> slice:
-        """The unknowns of the right side."""
+        """The positions of the right side's unknowns among all unknowns of an element column."""
         return slice(self.extra + self.line + self.contact, None)
 
     @property
     def signs_of_mirrored_displacements(self) -> Floats:
-        """The signs (line,) of displacements on one side when they are mirrored to the other.
+        """The factors (line,) of a side's displacements when they are mirrored to the other side.
 
-        Mirroring a node changes the sign of its displacement around the drum.
+        A displacement along the radius keeps its sign (1); one around the drum changes it (-1).
         """
         mirror = np.ones(self.line)
         mirror[1::2] = -1.0
@@ -405,7 +416,7 @@ class _ColumnBlocks(NamedTuple):
 def _fill_blocks_of_column_sides(
     whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _ColumnBlocks
 ) -> None:
-    """Fill in the stiffness on the unknowns of the loads and of both sides of columns.
+    """Write the stiffness on the unknowns of loads and of both column sides into `whole`.
 
     Parameters
     ----------
@@ -435,7 +446,7 @@ def _fill_blocks_of_column_sides(
 def _fill_blocks_of_contact_nodes(
     whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _ColumnBlocks, p: int
 ) -> None:
-    """Fill in the stiffness of the contact nodes, and its coupling with the nodes on both sides.
+    """Write the stiffness of the contact nodes, and their coupling with both sides, into `whole`.
 
     Parameters
     ----------

@@ -49,8 +49,8 @@ def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> C
     radius : radius of the drum [m]
     div : division of the shoe into columns and layers of elements
     """
-    # The nodes under the linings are numbered first, row by row from the contact inwards. In a slot
-    # between two linings there are nodes of the body only.
+    # The nodes under the linings are numbered first, row by row from the contact to the shoe's
+    # back. In a slot between two linings only the body has nodes.
     p, first = div.degree, div.index_of_first_body_layer
     depth, along = (
         node_positions_of_element_row(div.depths, p),
@@ -58,17 +58,18 @@ def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> C
     )
     exists = np.ones((len(depth), len(along)), dtype=bool)
     for start, end in div.slots:
-        exists[: _rows_before_body(div), start * p + 1 : end * p] = False
+        exists[: _number_of_node_rows_outside_body(div), start * p + 1 : end * p] = False
     under = np.where(exists, np.cumsum(exists).reshape(exists.shape) - 1, -1)
     blocks = _element_blocks_under_linings_and_in_slots(div, depth, along, under)
     count = int(exists.sum())
-    # The body continues beyond the lining at these two columns of nodes, under the lining's ends.
+    # The body continues beyond the lining from these nodes: `faces` are the nodes through its
+    # thickness under the lining's start and end.
     faces = [under[first * p :, 0], under[first * p :, -1]]
     for k, ends in enumerate((div.before, div.after)):
         if first == div.number_of_element_layers or len(ends) == 1:
             continue
-        # The block of nodes beyond the lining shares its first column of nodes with the block under
-        # the lining.
+        # The block of nodes beyond the lining shares the nodes through the thickness at the
+        # lining's end with the block under the lining.
         places = node_positions_of_element_row(ends, p)
         shape = (len(faces[k]), len(places) - 1)
         inner = count + np.arange(math.prod(shape)).reshape(shape)
@@ -82,8 +83,8 @@ def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> C
     )
 
 
-def _rows_before_body(div: ShoeDivision) -> int:
-    """The number of rows of nodes of the linings that no body of the shoe shares."""
+def _number_of_node_rows_outside_body(div: ShoeDivision) -> int:
+    """The number of rows of nodes, through the thickness, that the shoe's body does not have."""
     rigid = div.index_of_first_body_layer == div.number_of_element_layers
     return div.index_of_first_body_layer * div.degree + rigid
 
@@ -91,13 +92,14 @@ def _rows_before_body(div: ShoeDivision) -> int:
 def _element_blocks_under_linings_and_in_slots(
     div: ShoeDivision, depth: Floats, along: Floats, under: Ints
 ) -> list[ElementBlock]:
-    """A block of elements for each lining, and one for the body in each slot between two linings.
+    """The blocks of elements: one under each lining, and one in each slot between two linings.
 
     Parameters
     ----------
     div : division of the shoe into columns and layers of elements
-    depth, along : (r,) depths and (n,) positions of the nodes
-    under : (r, n) numbers of the nodes; -1 where there is none
+    depth, along : (r,) depths of the rows of nodes, and (n,) positions of the nodes in each row
+        along the shoe
+    under : (r, n) numbers of the nodes; -1 where a slot has no node
     """
     p, first = div.degree, div.index_of_first_body_layer
     blocks = []
@@ -149,12 +151,12 @@ def condensed_shoe_body(
 ) -> CondensedBody:
     """The condensed body of a shoe, with the Cholesky factor of its contact stiffness.
 
-    The eliminated unknowns, which pictures need, are computed from `grid` when asked for.
+    Displacements of eliminated nodes, which pictures need, can be computed later on `grid`.
 
     Parameters
     ----------
     shoe, div : the shoe and its division into elements
-    found : the condensed shoe
+    found : the shoe's stiffness and unit loads, condensed to its contact nodes and hinge's frame
     grid : all nodes and elements of the shoe
 
     Raises
@@ -175,8 +177,8 @@ def condensed_body_with_cholesky_factor(
 
     Parameters
     ----------
-    found : the shoe, condensed to its contact nodes and the hinge's frame
-    inner : the displacements that condensation has eliminated
+    found : the shoe's stiffness and unit loads, condensed to its contact nodes and hinge's frame
+    inner : the equations that give the displacements of the eliminated nodes
 
     Raises
     ------
@@ -187,9 +189,8 @@ def condensed_body_with_cholesky_factor(
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
-    # Without round-off, rigid-body motions would cause no forces. The forces that they cause
-    # nevertheless, converted into displacements of the contact nodes, are an estimate of the
-    # round-off error.
+    # Without round-off, rigid-body motions would cause no forces. The contact displacements by the
+    # forces that they do cause are an estimate of the round-off error.
     half_error = solve_lower_triangular_system(L, found.rigid_mode_forces)
     return CondensedBody(
         L,
@@ -239,10 +240,10 @@ def _equations_of_shoe_before_condensation(
 
 
 def nodal_forces_of_unit_actuations(div: ShoeDivision, grid: ColumnGrid) -> tuple[Floats, Floats]:
-    """The nodal forces of the unit actuations on a shoe's loaded end face, and its centre.
+    """The nodal forces of unit actuations on a shoe's loaded end face, and the face's centre.
 
-    The nodal forces (2 N, 3), on all N nodes, are those of unit force x, unit force y and unit
-    couple. The centre of the end face is (2,) [m].
+    The columns of the nodal forces (2 N, 3), on all N nodes of the grid, are for a unit force along
+    x, a unit force along y and a unit couple. The centre of the end face is (2,) [m].
     """
     end = _unit_loads_on_loaded_end_face(div, grid)
     return _spread_end_face_forces_to_all_nodes(grid, end.forces), end.centre

@@ -1,16 +1,17 @@
 """Columns of elements, whose stiffness is condensed to their two sides and their contact nodes.
 
-A column is a stack of elements from the contact inwards. On an arc the displacements of the nodes
-on each side are measured along the radius and around the drum. Displacements of nodes between the
-sides are measured in the axes of the column's middle. Columns of equal shape then have equal
-stiffness wherever they lie, and the stiffness is computed once for each shape.
+A column is a stack of elements from the contact through the thickness of a body. On an arc the
+displacements of the nodes on each side are measured along the side's radius and square to it.
+Displacements of nodes between the sides are measured in the axes of the column's middle. Columns of
+equal shape then have equal stiffness wherever they lie, and the stiffness is computed once for each
+shape.
 
-The nodes on a side of a column form its left or right line. A line goes from the contact inwards.
-The unknowns of a substructure are [left line | contact | right line], with x and y of a node next
-to each other. The contact node at the outer end of a line belongs to the contact, not to the line.
-In a substructure without contact the line has this node too. `extra` unknowns, which all
-substructures share, may stand before the others. They are the factors of unit loads, and their
-diagonal blocks of the condensed stiffness are negative.
+The nodes on a side of a column form its left or right line, which begins at the contact. The
+unknowns of a substructure are [left line | contact | right line], with x and y of a node next to
+each other. The contact node at the end of a line belongs to the contact, not to the line. In a
+substructure without contact the line has this node too. `extra` unknowns, which all substructures
+share, may stand before the others. They are the factors of unit loads, and their diagonal blocks of
+the condensed stiffness are negative.
 """
 
 from collections.abc import Sequence
@@ -24,21 +25,21 @@ from drumlin.base.arrays import Floats
 from drumlin.fem.hp.element import replace_by_schur_complement, replace_each_by_schur_complement
 
 UnknownsAt = tuple[slice, slice]
-"""Two slices for the same unknowns: in an element's stiffness, and in that of its column.
+"""Two slices for the same unknowns: in an element's stiffness, and in its column's stiffness.
 """
 
 
 class ColumnUnknowns(NamedTuple):
-    """The order of the unknowns of an element column: where those of each element stand in it.
+    """The order of the unknowns of an element column, and where each element's unknowns stand.
 
-    A column is a stack of elements from the contact inwards, one in each layer. Its condensation
+    A column is a stack of elements, one in each layer, counted from the contact. Its condensation
     keeps the unknowns on its two sides and its contact, and eliminates the others.
 
     Attributes
     ----------
     kept : (layers,) the unknowns of each element that are kept, on both sides and on the contact
     inside : (layers,) the unknowns of each element that are eliminated, edge by edge from the
-        contact inwards
+        contact on
     sides : number of kept unknowns of the column
     rest : number of eliminated unknowns of the column
     line : number of unknowns of the nodes on one side of the column (a line)
@@ -55,7 +56,7 @@ class ColumnUnknowns(NamedTuple):
 def numbering_of_element_column_unknowns(
     p: int, layers: int, *, contact: bool, held: bool, sides: int = 2
 ) -> ColumnUnknowns:
-    """The order of the unknowns of an element column: where those of each element stand in it.
+    """The order of the unknowns of an element column, and where each element's unknowns stand.
 
     Parameters
     ----------
@@ -63,7 +64,7 @@ def numbering_of_element_column_unknowns(
     layers : number of elements in the column
     contact : whether the column's edge at the lining's face is in contact; otherwise the nodes
         inside this edge are eliminated
-    held : whether the edge farthest from the contact is held
+    held : whether the nodes on the edge farthest from the contact are fixed, and have no unknowns
     sides : 2 for all unknowns; 1 for the symmetric or the antisymmetric half of them
     """
     side, edge, node = 2 * (p + 1), sides * (p - 1), 2 * contact
@@ -84,8 +85,8 @@ def numbering_of_element_column_unknowns(
         places = [left, right][:sides]
         if k == 0 and contact:
             places += _contact_unknowns_of_element_column(p, line, far, sides)
-        # The inner nodes of this element's first and last edge are eliminated. The contact edge is
-        # kept, and a held edge has no unknowns.
+        # The inner nodes of this element's first and last edge are eliminated. Those on the contact
+        # are kept, and those on a fixed edge have no unknowns.
         first_edge = (k == 0 and contact) * edge
         last_edge = (2 - (k + 1 == layers and held)) * edge
         above = (k - contact) * edge
@@ -105,10 +106,10 @@ def numbering_of_element_column_unknowns(
 def _contact_unknowns_of_element_column(
     p: int, line: int, far: int, sides: int
 ) -> list[UnknownsAt]:
-    """The unknowns of the contact nodes, in the first element and in its column.
+    """The unknowns of a column's contact nodes: in its first element, and in the whole column.
 
-    All contact nodes of the column, those at its two ends included, are numbered after the left
-    line and before the right line.
+    All contact nodes, with the two at the column's sides, are numbered after the left line and
+    before the right line. A line is the nodes on one side of the column.
 
     Parameters
     ----------
@@ -138,9 +139,10 @@ def condensed_element_column_stiffness(
     Parameters
     ----------
     elements : (layers, c, m, m) stiffness of each element on its boundary nodes
-    unknowns : order of the unknowns of a column
+    unknowns : the kept and the eliminated unknowns of a column
     loads : (c, k, l) unit loads on the k unknowns of the edge farthest from the contact; the
-        factors of the l loads become extra unknowns. With loads the columns have one side.
+        factors of the l loads become extra unknowns. With loads, `elements` and `unknowns` must be
+        of symmetric or antisymmetric halves of columns.
     """
     count = elements.shape[1]
     extra = 0 if loads is None else loads.shape[2]
@@ -154,8 +156,8 @@ def condensed_element_column_stiffness(
         _add_element_stiffness_to_columns(part, (inside,), kept, coupling)
         _add_element_stiffness_to_columns(part, (inside,), (inside,), inner)
     if loads is not None:
-        # The loads act on the edge farthest from the contact. The first node of this edge ends the
-        # side line of the column; the unknowns of the other nodes are eliminated.
+        # The loads act on the edge farthest from the contact. The first node of this edge is the
+        # last node on the column's side; the unknowns of the edge's other nodes are eliminated.
         at = slice(extra + unknowns.line - 2, extra + unknowns.line)
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
@@ -171,7 +173,7 @@ def _add_element_stiffness_to_columns(
     Parameters
     ----------
     part : (c, m, m) stiffness of the element of one layer in each of c element columns
-    rows, columns : unknowns that are the rows and the columns of each block
+    rows, columns : unknowns at the rows and at the columns of each block
     target : (c, n, n) stiffness of the element columns, which the blocks are added to
     """
     for own, at in rows:
@@ -194,12 +196,12 @@ class ColumnSubstructure(NamedTuple):
     right: int
 
 
-def assemble_two_element_columns(
+def join_and_condense_neighbouring_substructures(
     A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
 ) -> ColumnSubstructure:
     """The stiffness of two neighbouring stretches of element columns, joined to one stretch.
 
-    The nodes on the line between the two substructures are eliminated.
+    The nodes between the two stretches are eliminated, except for their common contact node.
 
     Parameters
     ----------
@@ -207,7 +209,8 @@ def assemble_two_element_columns(
     shared : number of contact unknowns that belong to both: the last ones of A, the first ones of B
     extra : number of extra unknowns (factors of unit loads), which belong to both
     """
-    # The common line begins at the unknown `before` in A, and ends at the unknown `beyond` in B.
+    # The nodes between A and B, which are eliminated, begin at the unknown `before` in A and end at
+    # the unknown `beyond` in B.
     line = A.right
     before, beyond = len(A.K) - line, extra + line
     n = before - shared + len(B.K) - beyond
@@ -235,8 +238,8 @@ def assemble_row_of_element_columns(
 
     Neighbours share `shared` contact unknowns, and all columns have `extra` common unknowns, the
     factors of unit loads. Neighbours are joined in pairs, and the pair with the fewest unknowns
-    comes first. The number of multiplications is then only a few percent above the smallest
-    possible number. If a pair of the same two objects occurs again, its stiffness is used again.
+    comes first. This order takes only a few percent more multiplications than the best order. If
+    the same pair of objects occurs again, its stiffness is not computed again.
     """
     made = list(pieces)
     first = dict[int, int]()
@@ -244,18 +247,22 @@ def assemble_row_of_element_columns(
     made_of: dict[tuple[int, int], int] = {}
 
     def unknown_counts_of_neighbours_if_joined(row: list[int]) -> list[int]:
-        """The number of unknowns that each pair of neighbours in the row would have, assembled."""
+        """The number of unknowns that each pair of neighbours in the row would have if joined."""
         return [len(made[i].K) + len(made[j].K) - 2 * made[i].right for i, j in pairwise(row)]
 
-    # The list `row` has the numbers of the stretches that are not joined yet. In each step two
-    # neighbours are replaced by one stretch.
+    # The list `row` has the positions in `made` of the stretches that are not joined yet. In each
+    # step two neighbours are replaced by one stretch.
     sizes = unknown_counts_of_neighbours_if_joined(row)
     while sizes:
         k = sizes.index(min(sizes))
         pair = row[k], row[k + 1]
         if pair not in made_of:
             made_of[pair] = len(made)
-            made.append(assemble_two_element_columns(made[pair[0]], made[pair[1]], shared, extra))
+            made.append(
+                join_and_condense_neighbouring_substructures(
+                    made[pair[0]], made[pair[1]], shared, extra
+                )
+            )
         row[k : k + 2] = [made_of[pair]]
         # The numbers of unknowns change only for the pairs with the new substructure.
         near = max(k - 1, 0)
@@ -270,19 +277,18 @@ def eliminate_nodes_on_column_side(
 
     Parameters
     ----------
-    piece : the substructure of element columns; it has no neighbour at the line
+    piece : the substructure of element columns; no other column is attached to the side
     end : (l + part, l + part) stiffness of a body that is attached to the side; None without a
-        body. The l other unknowns of the body take the place of the line, the nodes on the side.
-        The unknowns of `end` are [other | part] at the left line and [part | other] at the right
-        line.
-    part : number of unknowns, the last ones of the line, at which the body is attached
-    right : whether the right line is eliminated; otherwise the left line is
+        body. Its l unknowns that the side does not share take the place of the side's unknowns.
+        The unknowns of `end` are [l | part] at the left side and [part | l] at the right side.
+    part : number of the side's unknowns, the last ones, at which the body is attached
+    right : whether the nodes on the right side are eliminated; otherwise those on the left side
     """
     own = 0 if end is None else len(end) - part
     n, line = len(piece.K), piece.right if right else piece.left
-    # The slices `rest` and `gone` are the remaining and the eliminated unknowns of the given
-    # substructure. The slices `kept` and `added` are the remaining unknowns and the body's own
-    # unknowns in the result.
+    # The slices `rest` and `gone` are the remaining and the eliminated unknowns in the given
+    # stiffness. The slices `kept` and `added` are the remaining unknowns and the attached body's
+    # own unknowns in the result.
     if right:
         rest, gone = slice(n - line), slice(n - line, n)
         kept, added = rest, slice(n - line, None)
@@ -308,7 +314,7 @@ def eliminate_nodes_on_column_side(
 def rotate_node_axes_of_matrix(K: Floats, angle: Floats) -> Floats:
     """The matrix K (n, n) with the x and y of each node measured in turned axes.
 
-    `angle` (n/2,) [rad] are the angles that the axes of each node are turned by.
+    `angle` (n/2,) [rad] has the angle by which the axes of each node are turned.
     """
     return rotate_node_axes_of_vectors(rotate_node_axes_of_vectors(K, angle).T, angle)
 
@@ -317,7 +323,7 @@ def rotate_node_axes_of_vectors(V: Floats, angle: Floats) -> Floats:
     """The vectors V (..., m, n) with the x and y of each node measured in turned axes.
 
     Each row of V is a vector, with x and y of a node next to each other. `angle` (..., n/2) [rad]
-    are the angles that the axes of each node are turned by.
+    has the angle by which the axes of each node are turned.
     """
     # The components x + i y of a node are one complex number.
     components = np.ascontiguousarray(V).view(complex)

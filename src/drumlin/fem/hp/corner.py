@@ -1,12 +1,12 @@
-"""The singular pressure at a pressed corner of a lining and under a tip of its gap.
+"""The singular pressure at a pressed corner of a lining, and under a kink that points to the drum.
 
 A lining ends with a face square to the drum. Near this corner the lining is an elastic wedge of 90
 degrees that slides on a half-plane, and the pressure p goes as x^a, where x is the distance from
-the corner. If the exponent a is negative, p is unbounded. Under a tip of the gap, a kink that
-points to the drum, p goes as ln(1/x) (Johnson, Contact Mechanics, ch. 5).
+the corner. If the exponent a is negative, p is unbounded. Under a kink of the gap that points to
+the drum p goes as ln(1/x) at the distance x from the kink (Johnson, Contact Mechanics, ch. 5).
 
 This module computes the exponents a, and replaces the computed p near the corners by the power law.
-It also estimates the errors of p at corners and under tips, where elements of finite size cannot
+It also estimates the errors of p at corners and under kinks, where elements of finite size cannot
 follow the unbounded pressure.
 """
 
@@ -36,25 +36,25 @@ SMALLEST_ROOT = 1e-3
 """Lower end of the interval in which the root l = a + 1 is searched, with a the exponent of p.
 
 The pressure p goes as x^a at the distance x from a pressed corner of a lining. With l below 1/2 the
-pressure is not square-integrable. On a rigid drum such a pressure takes a friction coefficient of
-0.57 to 0.61 or more.
+pressure is not square-integrable; on a rigid drum this needs a friction coefficient of at least
+0.57 to 0.61, depending on Poisson's ratio.
 """
 BOUNDED_EXPONENT = 1e-6
-"""Absolute value of the exponent a of the pressure below which it counts as bounded at a corner.
+"""If |a| is smaller than this, the pressure p ~ x^a at a corner counts as bounded.
 
-The pressure goes as x^a at the distance x from the corner. With a smaller a the function x^a cannot
-be distinguished from a constant: the equations for the coefficients of both have 16 digits.
+The distance from the corner is x. With a smaller |a| the functions x^a and 1 are so alike that the
+equations for the coefficients of both cannot be solved with 16 digits.
 """
 
 ROOTS_TRIED = 200
 """Number of exponents at which the determinant for an orthotropic corner is evaluated.
 
-A change of sign between two neighbouring exponents encloses the exponent of the pressure. Two zeros
-between neighbouring exponents would be missed.
+The pressure's exponent is a zero of the determinant. It lies between two neighbouring exponents at
+which the determinant has opposite signs. Two zeros between neighbouring exponents would be missed.
 """
 
 POWER_LAW_PART = 2e-3
-"""Part of a contact, from a pressed corner of the lining on, in which p follows a power law.
+"""Fraction of a contact, from a pressed corner of the lining on, in which p follows a power law.
 
 In this part the polynomials of the pressure p are replaced by the power law of the corner. The part
 holds three or four element columns. In the column next to the corner, and a little in the second
@@ -65,21 +65,22 @@ columns, and 10 to 30 times as large with one.
 SMALLEST_PIECE = 1e-12
 """Length [rad] of the polynomial piece of the pressure next to a pressed corner of a lining.
 
-Angles of 3 rad are known to 4e-16, and the nodes of a piece of degree 7 are a sixteenth of its
-length apart. A shorter piece would lose digits of its nodes' angles.
+Angles of 3 rad are rounded to 4e-16, and neighbouring nodes of a piece of degree 7 can be as near
+as a sixteenth of its length. In a shorter piece round-off would change the distances of the nodes
+too much.
 """
 PIECE_RATIO = 0.4
 """Ratio of the lengths of neighbouring polynomial pieces of the pressure at a pressed corner.
 
 The pieces become shorter towards the corner of the lining. Polynomials of degree 5 follow a power
-function to about 1e-4 on each piece. A smaller ratio is less exact, and a larger ratio takes more
-pieces.
+function to about 1e-4 on each piece. With a smaller ratio the polynomials are less exact, and with
+a larger ratio more pieces are needed.
 """
 
 TIP_TOLERANCE = 1e-9
-"""Distance [rad] from a tip of the gap below which an element column counts as ending at the tip.
+"""Distance [rad] from a gap kink, below which an element column counts as ending at the kink.
 
-A tip is a kink of the gap that points to the drum. Such a small distance is round-off.
+Such a kink points to the drum, and p is unbounded there. A smaller distance is round-off.
 """
 
 
@@ -89,18 +90,18 @@ def pressure_exponent_at_lining_corner(
 ) -> float:
     """The exponent a of the pressure p ~ x^a at a pressed corner of an isotropic lining.
 
-    The distance from the corner is x. The exponent is at most 0 and above -1. With l = a + 1 and
-    s = sin(pi l/2), the displacements of the wedge go as r^l (Williams 1952). The wedge is free on
-    one face and has the shear stress f p on the other face. This other face stays in contact with
-    the half-plane if
+    The distance from the corner is x. The exponent is at most 0 and above -1. At the distance r
+    from the corner the displacements of the lining, a wedge, go as r^l with l = a + 1 (Williams
+    1952). One face of the wedge is free; the other has the shear stress f p and stays in contact
+    with the drum, a half-plane, if, with s = sin(pi l/2),
 
         sin(pi l) = f (2 (l + s^2) + (1 + nu) (l^2 - s^2))
                     + k (l^2 - s^2) ((1 - nu_drum) f + 2 cot(pi l)).
 
     This is the condition of Comninou (Stress singularity at a sharp edge in contact problems with
-    friction, ZAMP 27, 1976) for a right angle; without friction that of Dundurs & Lee (Stress
-    concentration at a sharp edge in contact problems, J. Elasticity 2, 1972). For little friction
-    on a rigid drum a = -4 f/pi.
+    friction, ZAMP 27, 1976) for a right angle. Without friction it is the condition of Dundurs &
+    Lee (Stress concentration at a sharp edge in contact problems, J. Elasticity 2, 1972). For
+    little friction on a rigid drum a = -4 f/pi.
 
     Parameters
     ----------
@@ -111,7 +112,8 @@ def pressure_exponent_at_lining_corner(
     nu : float
         Poisson's ratio of the lining.
     stiffness_ratio : float
-        k = E w of the lining over E w of the drum's ring, w the widths; 0 for a rigid drum.
+        k = E w of the lining divided by E w of the drum's ring, with the widths w; 0 for a rigid
+        drum.
     nu_drum : float
         Poisson's ratio of the ring.
     """
@@ -127,13 +129,13 @@ def pressure_exponent_at_lining_corner(
         of_drum = stiffness_ratio * difference * slope_of_drum
         return math.sin(math.pi * root) - of_wedge - of_drum
 
-    # If no exponent in the interval fulfils the equation, the nearer end of the interval is
-    # returned.
+    # If no exponent in the searched interval fulfils the equation, the end of the interval that is
+    # nearer to the solution is returned.
     if residual_of_exponent_equation(SMALLEST_ROOT) <= 0:
         return SMALLEST_ROOT - 1
     if residual_of_exponent_equation(1 - BOUNDED_EXPONENT) >= 0:
         return 0.0
-    # scipy.optimize is loaded here, since only few brakes press with a corner.
+    # scipy.optimize takes time to load, and only the few brakes with a pressed corner need it.
     from scipy.optimize import brentq  # noqa: PLC0415
 
     return float(brentq(residual_of_exponent_equation, SMALLEST_ROOT, 1 - BOUNDED_EXPONENT)) - 1
@@ -150,10 +152,11 @@ def pressure_exponent_at_orthotropic_corner(
 
     The distance from the corner is x; for isotropic materials see
     `pressure_exponent_at_lining_corner`. The axes of the materials lie along the drum and square to
-    it. Stresses are 2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x + mu_k y and the
-    roots mu_k of Lekhnitskii's equation (Anisotropic Plates, section 19). Two conditions on the
-    free face, the friction, and the equal slopes of both surfaces are four real equations for c_1
-    and c_2. The pressure goes as the smallest power l - 1 at which their determinant vanishes.
+    it. The stresses in the lining are 2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x
+    + mu_k y and the roots mu_k of Lekhnitskii's equation (Anisotropic Plates, section 19). Two
+    conditions on the free face, the friction, and the equal slopes of both surfaces are four real
+    equations for c_1 and c_2. The pressure goes as the smallest power l - 1 at which their
+    determinant vanishes.
 
     Parameters
     ----------
@@ -164,12 +167,12 @@ def pressure_exponent_at_orthotropic_corner(
     drum : AnyMaterial | None
         Material of the drum's elastic ring; None for a rigid drum.
     width_ratio : float
-        Width of the lining over the width of the ring.
+        Width of the lining divided by the width of the ring.
     """
     corner = _orthotropic_corner(material, drum, width_ratio)
     determinant = corner.determinant_of_pressure_exponent_equations
-    # The determinant is evaluated at many exponents. Its smallest zero lies at its first change of
-    # sign.
+    # The exponent is the smallest zero of the determinant. It is found at the first change of sign
+    # among the determinants at many exponents.
     roots = np.linspace(SMALLEST_ROOT, 1 - BOUNDED_EXPONENT, ROOTS_TRIED)
     signs = np.sign([determinant(root, inward_friction) for root in roots.tolist()])
     changes = np.flatnonzero(signs[1:] != signs[:-1])
@@ -178,7 +181,7 @@ def pressure_exponent_at_orthotropic_corner(
         below_smallest = signs[0] != np.sign(determinant(SMALLEST_ROOT, 0.0))
         return SMALLEST_ROOT - 1 if below_smallest else 0.0
     first = int(changes[0])
-    # scipy.optimize is loaded here, since only few brakes press with a corner.
+    # scipy.optimize takes time to load, and only the few brakes with a pressed corner need it.
     from scipy.optimize import brentq  # noqa: PLC0415
 
     root = brentq(determinant, roots[first], roots[first + 1], args=(inward_friction,))
@@ -191,9 +194,9 @@ class _OrthotropicDrum(NamedTuple):
     Attributes
     ----------
     half_plane : 2/E [1/Pa], with the modulus E of the half-plane that takes the place of the ring
-    local : slope of the ring's surface per pressure at the same place, if the friction coefficient
-        is 1 [1/Pa]
-    width_ratio : width of the lining over the width of the ring
+    local : slope of the ring's surface at a point, per pressure at this point, if the friction
+        coefficient is 1 [1/Pa]
+    width_ratio : width of the lining divided by the width of the ring
     """
 
     half_plane: float
@@ -219,7 +222,11 @@ class _OrthotropicCorner(NamedTuple):
     drum: _OrthotropicDrum | None
 
     def determinant_of_pressure_exponent_equations(self, root: float, friction: float) -> float:
-        """The determinant of the four equations for c_1 and c_2, at l = `root`."""
+        """The determinant of the four real equations for c_1 and c_2, at the exponent l - 1 of p.
+
+        The complex coefficients c_k belong to the two terms of the stress function (see
+        `pressure_exponent_at_orthotropic_corner`), and l is `root`.
+        """
         mu, slope = self.mu, self.slopes
         rotated = mu ** (root - 1)
         if self.drum is not None:
@@ -232,10 +239,10 @@ class _OrthotropicCorner(NamedTuple):
 def _orthotropic_corner(
     material: AnyMaterial, drum: AnyMaterial | None, width_ratio: float
 ) -> _OrthotropicCorner:
-    """The pressed corner of an orthotropic lining.
+    """The pressed corner of an orthotropic lining, with the constants for the pressure's exponent.
 
-    The materials are those of the lining and of the drum's elastic ring (None for a rigid drum).
-    `width_ratio` is the width of the lining over the width of the ring.
+    The lining has the `material`, and the drum's elastic ring the material `drum` (None for a rigid
+    drum). `width_ratio` is the width of the lining divided by the width of the ring.
     """
     compliances = _plane_stress_compliances(material)
     squares = np.roots(
@@ -258,8 +265,8 @@ class _PlaneStressCompliances(NamedTuple):
 
     Attributes
     ----------
-    along : strain per stress, both along the drum
-    through : strain per stress, both square to the drum
+    along : strain along the drum per stress along the drum
+    through : strain square to the drum per stress square to the drum
     mixed : strain in one of these directions per stress in the other direction
     shear : shear strain per shear stress
     """
@@ -284,8 +291,8 @@ def pressure_exponents_at_both_lining_corners(brake: Brake, index: int) -> tuple
     """The exponents a of the pressure p ~ x^a at both corners of the lining of shoe `index`.
 
     The distance from the corner is x, see `pressure_exponent_at_lining_corner`. The first exponent
-    is that of the lining's start: the corner with the smaller angle phi in the shoe's own frame.
-    The second exponent is that of the lining's end.
+    belongs to the lining's start, the corner with the smaller angle phi in the shoe's own frame,
+    and the second exponent to the lining's end.
     """
     shoe, ring = brake.shoes[index], brake.ring
     lining, inward_friction = shoe.lining, brake.signed_friction_per_pressure_in_shoe_frame(shoe)
@@ -320,22 +327,25 @@ def polynomial_error_of_power_function(exponent: float, degree: int) -> float:
     """The relative error in L2 of the best polynomial of a degree for x^exponent on [0, 1].
 
     The error is relative to the norm of the power function. The exponent must be above -1/2. The
-    error of x^a has a closed form (Muntz): the product of |a - k|/(a + k + 1) over k = 0 to the
+    error for x^a has a closed form (Muntz): the product of |a - k|/(a + k + 1) for k = 0 to the
     degree.
     """
     return math.prod(abs(exponent - k) / (exponent + k + 1) for k in range(degree + 1))
 
 
-def element_column_size_for_gap_tip_error(length: float, degree: int, error: float) -> float:
-    """The size [rad] of the element columns beside a tip of the gap, for a given error of p.
+def element_column_size_for_error_at_pointed_gap_kink(
+    length: float, degree: int, error: float
+) -> float:
+    """The size [rad] of element columns beside a gap kink that points to the drum.
 
-    A tip is a kink of the gap that points to the drum. The pressure p goes there as c ln(1/x). A
-    polynomial leaves an error in L2 of 1/(degree + 1) of ln x on [0, 1], by the sum of the Legendre
-    coefficients.
+    With this size the pressure p has the given error at the kink.
+
+    The pressure p goes as c ln(1/x) at the distance x from such a kink. The best polynomial for ln
+    x on [0, 1] has the error 1/(degree + 1) in L2, by the sum of the Legendre coefficients.
 
     Parameters
     ----------
-    length : the length (N/c)^2 [rad], where N [Pa rad^0.5] is the norm of p in L2
+    length : the length (N/c)^2 [rad], where N [Pa rad^0.5] is the L2 norm of p over the contact
     degree : degree of the hp elements in the columns
     error : error of p in L2, relative to the norm of p
     """
@@ -346,10 +356,10 @@ def response_with_power_laws_at_corners(brake: Brake, response: Response) -> Res
     """The response in which p follows a power law near the corners where p is unbounded.
 
     The pressure p goes as x^a at the distance x from a pressed corner of a lining. A polynomial in
-    the element column at the corner leaves an error that goes as the column's size to the power a +
-    1/2, which falls slowly. The power function with the same force and the same moment as the
-    computed p in a few columns is far more exact there. The response of long contacts is not
-    changed: the stated error of their pressure does not count the zone at the lining's ends, see
+    the element column at the corner has an error proportional to the column's size to the power a +
+    1/2, which falls slowly. A power function with the same force and the same moment in a few
+    columns as the computed p is far more exact there. The response of long contacts is not changed,
+    because the stated error of their pressure excludes the zones at the lining's ends, see
     `edge_zone_that_does_not_count`.
     """
     shoes = tuple(
@@ -363,7 +373,7 @@ def response_with_power_laws_at_corners(brake: Brake, response: Response) -> Res
 def _shoe_response_with_pressure_power_laws(
     brake: Brake, index: int, response: ShoeResponse
 ) -> ShoeResponse:
-    """The response of shoe `index` with a power law in place of p at each unbounded corner."""
+    """The response of shoe `index`, with a power law near each corner of unbounded pressure."""
     for corner in corners_with_unbounded_pressure(brake, index, response):
         response = _shoe_response_with_one_corner_power_law(response, corner, brake.unit)
     return response
@@ -403,20 +413,20 @@ def corners_with_unbounded_pressure(
 ) -> list[UnboundedCorner]:
     """The pressed corners of the lining of shoe `index` at which its pressure p is unbounded.
 
-    The list is empty for a long contact, whose corners do not count: the stated error of its
-    pressure excludes the zone at the lining's ends, see `edge_zone_that_does_not_count`.
+    The list is empty for a long contact, because the stated error of its pressure excludes the
+    zones at the lining's ends, see `edge_zone_that_does_not_count`.
     """
     theta, p = response.theta, response.pressure
     if max(p[0], p[-1]) <= 0:
         return []
-    # The corners do not count if the stated error of the pressure leaves out the lining's ends.
+    # The corners are not needed if the stated error of the pressure excludes the lining's ends.
     zone = length_of_uncompared_edge_zone(
         brake.shoes[index].lining.length_of_shortest_lining, brake.unit
     )
     slots = brake.shoes[index].lining.slots
     if edge_zone_that_does_not_count(theta, p, response.order, zone, slots) > 0:
         return []
-    # The exponents are in the order of the shoe's own angle phi, which may be opposite to theta.
+    # The exponents are ordered by the shoe's own angle phi, which may grow opposite to theta.
     exponents = pressure_exponents_at_both_lining_corners(brake, index)[
         :: brake.shoes[index].frame.sense
     ]
@@ -430,7 +440,7 @@ def corners_with_unbounded_pressure(
 def _shoe_response_with_one_corner_power_law(
     response: ShoeResponse, corner: UnboundedCorner, unit: float
 ) -> ShoeResponse:
-    """The response of a shoe with a power law in place of p near one corner of its lining.
+    """The response of a shoe with a power law for the pressure p near one corner of its lining.
 
     `unit` is the length of the surface's coordinate theta (on a plane x) per radian of the shoe's
     angle phi.
@@ -460,9 +470,9 @@ def pressure_with_power_law_at_corner(
 ) -> tuple[Floats, Floats]:
     """The pressure with c x^a + d + e x in place of its polynomials near a corner of the lining.
 
-    The distance from the corner is x. The coefficients c, d and e follow from three conditions: the
-    new pieces have the force and the moment of the pieces that they replace, and p is continuous
-    where the replaced part ends. The new pieces have the same degree and become shorter towards the
+    The distance from the corner is x. The coefficients c, d and e follow from three conditions:
+    force and moment of the replaced part stay the same, and p is continuous where this part ends.
+    The power law is given by polynomial pieces of the same degree, which become shorter towards the
     corner. The new nodes [rad] and values [Pa] are returned.
 
     Parameters
@@ -490,7 +500,7 @@ def pressure_with_power_law_at_corner(
     nodes = np.abs(angles - at_corner)
     nodes[-1] = x[last]
 
-    # The coefficients c, d and e of the three functions follow from force, moment and continuity.
+    # The coefficients c, d and e of x^a, 1 and x follow from force, moment and continuity.
     power = _power_function_values_at_nodes(nodes, corner.exponent, order)
     functions = np.array([power, np.ones_like(nodes), nodes / x[last]])
     columns = [
@@ -505,7 +515,7 @@ def pressure_with_power_law_at_corner(
 
 
 def _pressure_nodes_closer_towards_corner(length: float, order: int, smallest: float) -> Floats:
-    """The nodes (n,) [rad] of polynomial pieces from 0 to `length`, the shortest at 0.
+    """The nodes (n,) [rad] of polynomial pieces from 0 to `length`, with the shortest piece at 0.
 
     Parameters
     ----------
@@ -522,11 +532,11 @@ def _pressure_nodes_closer_towards_corner(length: float, order: int, smallest: f
 def _power_function_values_at_nodes(x: Floats, exponent: float, order: int) -> Floats:
     """The values (n,) of the power function (x/x[-1])^exponent at the nodes x (n,).
 
-    The power function is unbounded at x = 0. In the piece at 0 the values are therefore those of
-    the polynomial of degree `order` that is nearest to the power function in L2. The Legendre
-    coefficients of this polynomial have a closed form.
+    The power function is unbounded at x = 0. In the piece at 0 it is therefore replaced by the
+    polynomial of degree `order` that is nearest to it in L2. The Legendre coefficients of this
+    polynomial have a closed form.
     """
-    # The power function itself, outside the piece at 0.
+    # Outside the piece at 0 the values are those of the power function itself.
     values = np.empty_like(x)
     values[order:] = (x[order:] / x[-1]) ** exponent
     gamma, first = math.gamma, 2 * x[:order] / x[order] - 1
@@ -556,16 +566,16 @@ def pressure_error_left_at_lining_corners(
     """The relative error in L2 of the pressure p of shoe `index` at corners where p is unbounded.
 
     It is the error of the polynomial pieces next to the corners, which are as short as the
-    round-off of angles allows. The error is 1 where p is not square-integrable. It is 1 as well if
-    half of the force acts in the zones at the ends of several linings and p is unbounded beside a
-    slot, where no power law replaces the polynomials.
+    round-off of angles allows. The error is 1 if p is not square-integrable. It is also 1 if p is
+    unbounded beside a slot between two linings, where no power law replaces the polynomials, and
+    the stated error does not exclude the linings' ends.
     """
     error = 0.0
     _, p, weight = polynomial_values_at_gauss_points(
         response.theta, response.pressure, response.order
     )
     squares = np.sum(weight * p**2, axis=1)
-    if _presses_unbounded_at_slot(brake, index, response):
+    if _is_unbounded_pressure_at_slot_in_stated_error(brake, index, response):
         return 1.0
     for corner in corners_with_unbounded_pressure(brake, index, response):
         if corner.exponent <= -0.5:
@@ -577,8 +587,10 @@ def pressure_error_left_at_lining_corners(
     return error
 
 
-def _presses_unbounded_at_slot(brake: Brake, index: int, response: NodalPressure) -> bool:
-    """Whether the stated error counts an unbounded pressure beside a slot of shoe `index`."""
+def _is_unbounded_pressure_at_slot_in_stated_error(
+    brake: Brake, index: int, response: NodalPressure
+) -> bool:
+    """Whether p is unbounded beside a slot between linings, and its stated error includes this."""
     lining = brake.shoes[index].lining
     edges = [int(np.abs(response.theta - edge).argmin()) for edge in np.ravel(lining.slots)]
     if not np.any(response.pressure[edges] > 0):
@@ -591,13 +603,13 @@ def _presses_unbounded_at_slot(brake: Brake, index: int, response: NodalPressure
 
 
 class LogarithmicPressure(NamedTuple):
-    """The pressure p = c ln(1/x) at the distance x from a tip of the gap, for small x.
+    """The pressure p = c ln(1/x) near a kink of the gap that points to the drum.
 
-    A tip is a kink of the gap that points to the drum.
+    The distance x from the kink is small.
 
     Attributes
     ----------
-    theta : position of the tip [rad]
+    theta : position of the kink [rad]
     factor : the factor c [Pa]
     """
 
@@ -605,14 +617,17 @@ class LogarithmicPressure(NamedTuple):
     factor: float
 
 
-def logarithmic_pressures_at_gap_tips(shoe: Shoe, scale_factor: float) -> list[LogarithmicPressure]:
-    """The logarithmic pressure c ln(1/x) under each tip of a lining's gap.
+def logarithmic_pressures_at_pointed_gap_kinks(
+    shoe: Shoe, scale_factor: float
+) -> list[LogarithmicPressure]:
+    """The logarithmic pressure c ln(1/x) under each kink of the gap that points to the drum.
 
-    A tip is a kink of the gap that points to the drum. For a half-plane of modulus E and a change
-    of slope s at the kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is
-    the length per unit of the surface's coordinate [m/rad, on a plane 1].
+    The distance from the kink is x. For a half-plane of modulus E and a change of slope s at the
+    kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is the length per unit
+    of the surface's coordinate [m/rad, on a plane 1].
     """
-    # The factor c of a tip whose slope changes by 1 per unit of the surface's coordinate.
+    # The factor c in p = c ln(1/x), if the slope of the gap at the kink changes by 1 per unit of
+    # the surface's coordinate.
     half_plane = shoe.lining.material.young_modulus_of_equivalent_half_plane / (
         2 * math.pi * scale_factor
     )
@@ -620,21 +635,22 @@ def logarithmic_pressures_at_gap_tips(shoe: Shoe, scale_factor: float) -> list[L
     return [LogarithmicPressure(theta, half_plane * slope) for theta, slope in tips]
 
 
-def pressure_error_left_at_gap_tips(
+def pressure_error_left_at_pointed_gap_kinks(
     shoe: Shoe, scale_factor: float, response: ShoeResponse
 ) -> float:
-    """The relative error in L2 of a shoe's pressure p by the tips of its gap in the contact.
+    """The relative error in L2 of a shoe's pressure p due to kinks that point to the drum.
 
-    A tip is a kink of the gap that points to the drum, where p goes as ln(1/x). The error arises in
-    the element columns on both sides of each tip, because a polynomial cannot follow the logarithm.
-    `scale_factor` is the length per unit of the surface's coordinate [m/rad, on a plane 1].
+    If such a kink is in contact, p goes as ln(1/x) at the distance x from it. The error arises in
+    the element columns on both sides of each kink, because a polynomial cannot follow the
+    logarithm. `scale_factor` is the length per unit of the surface's coordinate [m/rad, on a plane
+    1].
     """
     theta, p, order = response.theta, response.pressure, response.order
     column_ends, pressed = theta[::order], p[::order] > 0
     squared_error = 0.0
-    for tip in logarithmic_pressures_at_gap_tips(shoe, scale_factor):
-        # The tip counts if the lining is in contact there, and if two element columns meet at the
-        # tip.
+    for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, scale_factor):
+        # A kink counts if the lining is in contact there, and if two element columns meet at the
+        # kink.
         k = int(np.abs(column_ends - tip.theta).argmin())
         has_two_columns = 0 < k < len(column_ends) - 1
         at_tip = abs(column_ends[k] - tip.theta) < TIP_TOLERANCE * shoe.frame.unit

@@ -20,53 +20,55 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.fem.hp.corner import element_column_size_for_gap_tip_error
+from drumlin.fem.hp.corner import element_column_size_for_error_at_pointed_gap_kink
 from drumlin.response.response import EDGE_ZONE
 
 SMALLEST_COLUMN = 1e-7
 """Smallest size of a column or layer of elements, relative to the lining's thickness.
 
-The limit is set by round-off. Columns of a size w through layers of the thickness t lose about
-1e-16 (t/w)^2 of the pressure p in the column itself, and so some 1e-6 of p in L2 at w = 2e-7 t.
-Smaller columns would lose all digits of p. Columns a hundred times larger would leave an error of
-1e-3 of p under a tip of the gap, where the error in L2 falls as the root of w.
+The limit is set by round-off. In a column of width w in a lining of thickness t, round-off changes
+the pressure p by about 1e-16 (t/w)^2, relative to p. At w = 2e-7 t this is 2.5e-3 in the column,
+and some 1e-6 of p in L2, because the column is narrow. In much smaller columns no digit of p would
+be right. Columns a hundred times larger would leave an error of 1e-3 of p in L2 at a kink of the
+gap that points to the drum, where the error falls as the root of w. After this limit is applied,
+sizes are rounded down to a power of two, so that some columns are up to half as wide.
 """
 UNRESOLVED_LENGTH = 0.02
-"""Length, relative to the length of a contact, below which details of the contact are not resolved.
+"""Length of details of the contact that are not resolved, relative to the contact's length.
 
 If an end of the contact moves by less than this from one solution to the next, it counts as found.
-An opening in the contact that is shorter than this counts as closed. With a larger value the small
-elements lie beside the end of the contact, and the error of the pressure is that of a coarser mesh.
+A gap in the contact that is shorter than this counts as closed. With a larger value the small
+elements would miss the end of the contact, and the pressure would have the error of a coarser mesh.
 With a smaller value the brake is divided and solved again although the end of the contact is known
 well enough.
 """
 CORNER_COLUMN = 1e-4
 """Size of element columns and layers at a corner of the lining with unbounded pressure.
 
-The size is relative to the length of the contact. Nearer to the corner the pressure p is given by
-its power law, see `corner.response_with_power_laws_at_corners`. With 1e-3 the error of p on the
-second level of two brakes was 2.5 times as large. With 1e-5 the error was the same, with a sixth
-more unknowns. In columns of 0.03 of the contact or more, p depends on the rest of the contact too,
-and not on the power law alone.
+The size is relative to the length of the contact at the corner. Nearer to the corner the pressure p
+is given by its power law, see `corner.response_with_power_laws_at_corners`. With 1e-3 the error of
+p on the second level of two brakes was 2.5 times as large. With 1e-5 the error was the same, with a
+sixth more unknowns. In columns of 0.03 of the contact's length or more, p depends on the rest of
+the contact too, and not on the power law alone.
 """
 HALF_FORCE_PART = 0.1632
-"""Part of a contact, from a corner of the lining on, that bears half of the contact's force.
+"""Fraction of a contact, from a corner of the lining on, that bears half of the contact's force.
 
 The pressure is assumed to go as x^(-1/2) at the distance x from the corner, and to fall to zero as
-a square root at the other end. The part is then the median of the beta distribution with the
+a square root at the other end. The fraction is then the median of the beta distribution with the
 parameters 1/2 and 3/2. No square-integrable pressure is more concentrated at the corner.
 """
 LONGEST_CORNER_CONTACT = EDGE_ZONE / HALF_FORCE_PART
 """Length of a contact [rad] up to which element columns shrink towards the corner that it reaches.
 
-The corner of the lining has an unbounded pressure p. Half the force of a longer contact is farther
-than EDGE_ZONE from the corner. The error of p is then stated for these distances alone, so that no
-small columns are needed at the corner.
+The corner of the lining has an unbounded pressure p. In a longer contact more than half of the
+force acts farther than EDGE_ZONE from the corner. The error of p is then stated for these distances
+alone, so that no small columns are needed at the corner.
 """
 
 
 class Singularity(IntEnum):
-    """The kind of a singular point of the contact: which function is not smooth there.
+    """The kind of a singular point along the lining: which function is not smooth there.
 
     Attributes
     ----------
@@ -90,10 +92,10 @@ class SingularPoint(NamedTuple):
     Attributes
     ----------
     at : position phi of the point [rad]
-    length : length over which the pressure changes at the point [rad]. At an end of the contact it
-        is the length of the contact or of the opening, at a kink that of the lining, at a step that
-        of the step, and at a tip the length that `corner.element_column_size_for_gap_tip_error`
-        takes.
+    length : length over which the pressure changes at the point [rad], by the kind of the point.
+        END: length of the contact, or of the open gap beside it; KINK: length of the lining; STEP
+        and OPEN_STEP: length of the step; TIP: (N/c)^2, where N is the L2 norm of the pressure and
+        c ln(1/x) the pressure at the distance x from the point.
     kind : which function is not smooth
     """
 
@@ -103,7 +105,7 @@ class SingularPoint(NamedTuple):
 
 
 class GradingPoint(NamedTuple):
-    """A position along the lining at which two element columns meet, the smallest ones around.
+    """A position along the lining at which two element columns meet, with small columns around it.
 
     The sizes of the columns grow geometrically away from the point in both directions.
 
@@ -129,23 +131,24 @@ class Level:
     Attributes
     ----------
     degree : degree of the hp elements
-    zone : size of the layer of elements at the lining's face, relative to EDGE_ZONE. Columns at the
-        lining's ends have this size if it is less than their size by `edge`.
+    zone : size of the layer of elements at the lining's face, relative to EDGE_ZONE, or to the
+        lining's thickness or the contact's length if these are less. Columns at the lining's ends
+        are as small as `zone` times EDGE_ZONE where `edge` gives more.
     edge : size of the columns at the lining's ends, relative to the lining's thickness or to half
         its length, whichever is less. At an end that a contact reaches, the size is relative to
         half the contact's length.
     end : size of the columns at ends of the contact and at kinks of the gap. It is relative to the
-        contact's length, or to the geometric mean of this length and the lining's thickness where
-        this is less. The pressure rises from an end of the contact over a distance of the order of
-        the thickness. The longer the contact, the smaller is the part of the pressure there.
+        contact's length, or to the geometric mean of this length and the lining's thickness if the
+        mean is less. The pressure rises from an end of the contact over a distance of about the
+        thickness, which matters less in a longer contact.
     ratio : size of a column relative to the next column away from a singular point, below 1
-    opening : the same ratio at the ends of a contact that is shorter than the lining is thick
+    opening : as `ratio`, at the ends of a contact (or open gap) shorter than the lining is thick
     largest : upper limit of the size of a column [rad]
     back : size of the layers of elements at the interface of two layers of the shoe, relative to
         the thinner one of these two layers
     hinge : size of columns and layers of elements at the face that the hinge holds, relative to the
         body's thickness
-    through : size of a layer of elements relative to the next one away from an interface, below 1
+    through : size of a layer of elements relative to the next layer away from an interface, below 1
     """
 
     degree: int
@@ -188,12 +191,14 @@ class ShoeDivision:
         linings and in the slots between them. In a slot the shoe has its body only.
     before, after : positions phi of the ends of the columns of the body before and behind the
         lining [rad], the nearest to the lining first
-    depths : (l + 1,) depths of the faces of the layers, from the contact inwards [m]. For a
+    depths : (l + 1,) distances of the faces of the layers from the lining's face [m]. For a
         straight beam the depth grows by 1 through each layer of the shoe.
     part : (l,) name of the part of the shoe that each layer of elements belongs to
-    singular_layer_size : size [m] of the layer of elements at the lining's face, if an unbounded
-        pressure (at a corner or under a tip) makes it thinner than the contact does; inf otherwise
-    slots : number of the first column of each slot, and of the first column behind it
+    singular_layer_size : size [m] of the layer of elements at the lining's face, if this layer is
+        thin because the pressure is unbounded (at a corner of the lining, or at a gap kink that
+        points to the drum); inf otherwise
+    slots : for each slot between two linings, the number of its first column, and of the first
+        column behind the slot
     """
 
     degree: int
@@ -207,7 +212,7 @@ class ShoeDivision:
 
     @property
     def columns_of_linings(self) -> list[tuple[int, int]]:
-        """The number of the first column under each lining, and of the first column behind it."""
+        """For each lining, the number of its first column and of the first column behind it."""
         ends = [0, *(column for slot in self.slots for column in slot), len(self.angles) - 1]
         return list(zip(ends[::2], ends[1::2], strict=True))
 
@@ -218,7 +223,7 @@ class ShoeDivision:
 
     @property
     def dictionary_key_of_division(self) -> tuple[int, bytes, bytes, bytes, bytes]:
-        """A dictionary key of the division, which is equal for equal divisions of a shoe."""
+        """A dictionary key of the division, which only equal divisions of the shoe share."""
         return (
             self.degree,
             self.angles.tobytes(),
@@ -229,7 +234,7 @@ class ShoeDivision:
 
     @property
     def number_of_element_layers(self) -> int:
-        """Number of layers of elements under the lining, those of the lining included."""
+        """Number of layers of elements through the thickness of the shoe and its lining."""
         return len(self.part)
 
     @property
@@ -266,13 +271,14 @@ def element_sizes_growing_from_both_ends(
     left, right : sizes of the first and of the last piece
     ratio : size of a piece relative to the next one, counted from the left end, below 1
     largest : upper limit of the size of the equal pieces in the middle
-    right_ratio : the same ratio counted from the right end; None if it equals `ratio`
+    right_ratio : size of a piece relative to the next one, counted from the right end; None if it
+        equals `ratio`
     """
     right_ratio = right_ratio or ratio
     first: list[float] = []
     last: list[float] = []
     while True:
-        # The next piece is added at the end where it is smaller, as long as enough length is left.
+        # Add the next piece at the end where it is smaller, as long as enough length is left.
         rest = length - math.fsum(first) - math.fsum(last)
         smaller = min(left, right)
         if smaller >= largest or rest <= 1.6 * smaller:
@@ -294,9 +300,9 @@ def relative_element_size_far_from_contact(
 ) -> float:
     """The size of elements at a corner of a layer far from the contact, relative to the thickness.
 
-    Beyond a short contact stresses fall at least as the inverse distance. The size may therefore
-    grow in proportion to the distance, up to 1, a whole layer. It grows in powers of two. Nearly
-    equal contacts then have the same mesh, and the condensed body of one serves the other.
+    Beyond a short contact, stresses fall at least in proportion to 1/distance. The size may
+    therefore grow in proportion to the distance, up to 1, a whole layer. It grows in powers of two,
+    so that shoes with nearly equal contacts have the same mesh, and one condensed body serves both.
 
     Parameters
     ----------
@@ -316,10 +322,10 @@ def piece_ends_from_piece_sizes(sizes: Sequence[float], start: float, end: float
 
 
 def thickness_of_each_shoe_layer(shoe: Shoe, radius: float) -> list[ShoeLayer]:
-    """The layers of a shoe with their thickness, from the lining's face inwards.
+    """The layers of a shoe with their thickness, from the lining to the shoe's back.
 
-    The block between the lining and a straight beam is a layer with its smallest thickness.
-    `radius` is that of the drum [m].
+    The block between the lining and a straight beam counts as a layer with its smallest thickness.
+    `radius` is the radius of the drum [m].
     """
     layers = [ShoeLayer("lining", shoe.lining.thickness)]
     if isinstance(shoe.body, Beam):
@@ -351,9 +357,9 @@ def divide_shoe_into_hp_elements(
 ) -> ShoeDivision:
     """The division of a shoe into columns and layers of hp elements.
 
-    If the contact does not reach an end of the lining, the elements at this end are as small as
-    those at the ends of other layers. Far from a short contact elements at all these corners are
-    larger, see `relative_element_size_far_from_contact`.
+    If the contact does not reach an end of the lining, the elements at this end are as small as the
+    elements at the ends of the other layers. Far from a short contact all of them are larger, see
+    `relative_element_size_far_from_contact`.
 
     Parameters
     ----------
@@ -362,8 +368,8 @@ def divide_shoe_into_hp_elements(
     level : degree of the elements, and sizes of columns and layers
     points : singular points along the lining, in the order of their positions
     grades_loaded_end : whether columns become smaller towards the end of the body on which the
-        actuation force acts. The contact does not need this, because it depends on the resultant
-        force only; derivatives with respect to the position of this end do.
+        actuation force acts. The contact pressure does not need this, because it depends on the
+        resultant force only; derivatives with respect to the position of this end need it.
     exponents : exponents a of the pressure p ~ x^a at the corners of the lining, at its start and
         its end, if the corners are in contact
     """
@@ -404,15 +410,16 @@ def divide_shoe_into_hp_elements(
 
 
 class _LiningDivision(NamedTuple):
-    """The division of one lining of a shoe along the shoe; all sizes are in rad.
+    """The division of one of a shoe's linings into element columns; all sizes are in rad.
 
     Attributes
     ----------
     contact : extent of the lining's contacts
     angles : (m + 1,) ends of the element columns under the lining
     end_sizes : sizes of the columns at the lining's start and end
-    face_size : size of the layer of elements at the lining's face under a bounded pressure
-    singular_size : smallest size of a column under an unbounded pressure
+    face_size : size of the layer of elements at the lining's face if the pressure is bounded
+    singular_size : size of the smallest column at a point with unbounded pressure; inf if the
+        pressure is bounded everywhere
     """
 
     contact: "_ContactExtent"
@@ -430,18 +437,18 @@ def _division_of_one_lining(
     exponents: tuple[float, float],
     arc: tuple[float, float],
 ) -> _LiningDivision:
-    """The division along the shoe of the lining that covers `arc` (phi_1, phi_2) [rad].
+    """The division into element columns of the lining that covers `arc` (phi_1, phi_2) [rad].
 
-    The other parameters are those of `divide_shoe_into_hp_elements`.
+    The other parameters are as in `divide_shoe_into_hp_elements`.
     """
-    own = [point for point in points if _is_position_nearest_to_lining(shoe, arc, point.at)]
+    own = [point for point in points if _is_lining_on_arc_nearest_to_position(shoe, arc, point.at)]
     contact = _extent_of_lining_contacts(shoe, radius, level, own, arc)
     corner_sizes = _element_column_sizes_at_corners(contact, exponents)
     end_sizes = _element_column_sizes_at_lining_ends(level, contact, corner_sizes)
     grading_points = _grading_points_along_lining(shoe, radius, level, own, contact, end_sizes)
-    # Under an unbounded pressure the layer of elements at the lining's face is as thick as the
-    # columns at this point are wide.
-    tip_sizes = _element_column_sizes_at_gap_tips(level, contact, own)
+    # At a point with unbounded pressure the layer of elements at the lining's face is as thick as
+    # the columns are wide.
+    tip_sizes = _element_column_sizes_at_pointed_gap_kinks(level, contact, own)
     return _LiningDivision(
         contact=contact,
         angles=_element_column_ends_between_grading_points(grading_points, level),
@@ -451,8 +458,11 @@ def _division_of_one_lining(
     )
 
 
-def _is_position_nearest_to_lining(shoe: Shoe, arc: tuple[float, float], phi: float) -> bool:
-    """Whether a position phi [rad] is nearer to the lining on `arc` than to the shoe's others."""
+def _is_lining_on_arc_nearest_to_position(shoe: Shoe, arc: tuple[float, float], phi: float) -> bool:
+    """Whether no other lining of the shoe is nearer to the position phi [rad] than that on `arc`.
+
+    `arc` (start, end) are positions [rad].
+    """
     distances = {other: max(other[0] - phi, phi - other[1]) for other in shoe.arcs}
     return distances[arc] == min(distances.values())
 
@@ -460,10 +470,10 @@ def _is_position_nearest_to_lining(shoe: Shoe, arc: tuple[float, float], phi: fl
 def _element_column_ends_under_linings_and_slots(
     shoe: Shoe, radius: float, level: Level, linings: Sequence[_LiningDivision]
 ) -> tuple[Floats, tuple[tuple[int, int], ...]]:
-    """The ends (m + 1,) [rad] of all columns under linings and in slots, and the slots' columns.
+    """The ends (m + 1,) [rad] of the m columns under linings and in slots, and each slot's columns.
 
-    In a slot the columns grow from both linings towards its middle, as those of the body beyond the
-    linings do. A slot is given by the number of its first column, and of the first one behind it.
+    In a slot between two linings the columns grow from both linings towards the slot's middle. A
+    slot is given by the number of its first column, and of the first column behind it.
 
     Parameters
     ----------
@@ -485,12 +495,18 @@ def _element_column_ends_under_linings_and_slots(
     return np.concatenate(angles), tuple(slots)
 
 
-def _element_column_sizes_at_gap_tips(
+def _element_column_sizes_at_pointed_gap_kinks(
     level: Level, contact: "_ContactExtent", points: Sequence[SingularPoint]
 ) -> list[float]:
-    """The sizes [rad] of the element columns at the tips of the gap among the singular points."""
+    """The sizes [rad] of the element columns at all kinks of the gap that point to the drum.
+
+    Among the singular `points` these kinks have the kind TIP.
+    """
     tips = [point for point in points if point.kind == Singularity.TIP]
-    return [_element_column_size_at_gap_tip(level, contact.thickness, tip.length) for tip in tips]
+    return [
+        _element_column_size_at_pointed_gap_kink(level, contact.thickness, tip.length)
+        for tip in tips
+    ]
 
 
 def _element_column_ends_between_grading_points(points: list[GradingPoint], level: Level) -> Floats:
@@ -505,14 +521,14 @@ def _element_column_ends_between_grading_points(points: list[GradingPoint], leve
 
 
 def _size_of_element_layer_at_face(level: Level, contact: "_ContactExtent") -> float:
-    """The size [rad] of the layer of elements at the lining's face under a bounded pressure.
+    """The size [rad] of the layer of elements at the lining's face if the pressure is bounded.
 
     Under a short contact the layer is as thick as the columns at the contact's ends are wide.
 
     Parameters
     ----------
     level : the degree and sizes of the shoe's elements
-    contact : extent of the contact
+    contact : lengths and positions of the lining's contacts
     """
     start, end = contact.arc
     size = min(
@@ -534,8 +550,8 @@ class _ContactExtent(NamedTuple):
     thickness : thickness of the lining
     smallest_column : smallest allowed size of an element column
     lengths : for each end of a contact the length of this contact
-    longest : length of the longest contact, which sets the sizes of elements far from the contact;
-        the length of the lining if no contact is known
+    longest : length of the longest contact, on which the sizes of elements far from the contact
+        depend; the length of the lining if no contact is known
     open_lengths : distance of the first contact from the lining's start, and of the last contact
         from the lining's end
     reaching_lengths : lengths of the contacts that reach the lining's start and end; inf for an end
@@ -578,8 +594,8 @@ def _extent_of_lining_contacts(
     lengths = [point.length for point in contact_ends]
     smallest_column = SMALLEST_COLUMN * t
     longest = max(*lengths, smallest_column) if lengths else end - start
-    # In a shoe whose thickness is more than half its length, the force of the contact acts through
-    # to the foot of the shoe, so that the corners there are loaded as well.
+    # In a shoe whose thickness is more than half its length, the contact force still stresses the
+    # corners at the shoe's back.
     deep = 2 * sum(layer.thickness for layer in layers) > radius * (end - start)
     # The force of one short contact follows from balance alone. The forces of several contacts on
     # an elastic shoe depend on how the shoe bends, and so on the stress at far corners.
@@ -602,8 +618,9 @@ def _element_column_sizes_at_corners(
     """The sizes of the element columns [rad] that unbounded pressures at the lining's corners need.
 
     The first size is for the corner at the lining's start, the second for its end. A size is inf if
-    the pressure is bounded at the corner, or if the contact is so long that the stated error leaves
-    out the corner. `exponents` are those of the pressure at both corners.
+    the pressure is bounded at the corner, or if the contact is so long that the stated error
+    excludes the corner. `exponents` are the exponents a of the pressure p ~ x^a at the distance x
+    from both corners.
     """
     sizes = []
     for length, exponent in zip(contact.reaching_lengths, exponents, strict=True):
@@ -630,8 +647,8 @@ def _element_column_sizes_at_lining_ends(
     sizes = []
     both_ends = zip(contact.open_lengths, contact.reaching_lengths, corner_sizes, strict=True)
     for open_length, reaching_length, corner_size in both_ends:
-        # At least two columns lie between the lining's end and the contact, if the gap is open
-        # there.
+        # If the gap is open at the lining's end, at least two columns lie between this end and the
+        # contact.
         is_open = open_length > 0 and math.isinf(reaching_length)
         gap_size = max(0.5 * open_length, smallest) if is_open else math.inf
         size_without_force = relative_element_size_far_from_contact(
@@ -653,8 +670,8 @@ def _grading_points_along_lining(
 ) -> list[GradingPoint]:
     """The grading points along the lining, in the order of their positions.
 
-    Element columns shrink towards these points: the lining's ends, the singular points, and the
-    ends of a grip that holds the shoe's back.
+    Element columns become smaller towards these points: the lining's ends, the singular points, and
+    the ends of a grip that holds the shoe's back.
 
     Parameters
     ----------
@@ -674,7 +691,8 @@ def _grading_points_along_lining(
     grip = shoe.grip(radius)
     if grip is None:
         return grading_points
-    # The ends of the grip are grading points, and replace others that are too near to them.
+    # The ends of the grip are grading points, and replace other grading points that are too near to
+    # them.
     grip_size = _element_column_size_at_grip(shoe, radius, level)
     kept = []
     for candidate in grading_points[1:-1]:
@@ -744,16 +762,16 @@ def grading_point_at_singular_point(
 ) -> GradingPoint:
     """The grading point at a singular point: its position, and the size of the columns beside it.
 
-    The position of an end of the contact is rounded to half an element column. Brakes whose
-    contacts differ by less then have the same mesh. At a step without pressure, columns of half the
-    step's length represent the gap, which is a cubic polynomial there, exactly.
+    The position of an end of the contact is rounded to half an element column, so that brakes with
+    nearly equal contacts have the same mesh. At a step without pressure, columns of half the step's
+    length represent the gap, which is a cubic polynomial there, exactly.
 
     At an end of the contact the pressure p rises as the root of the distance x, and at the end of a
-    step p goes as x ln x. Columns of size w therefore leave errors in L2 that go as w and as w^1.5.
-    From level to level the columns at a step therefore need to shrink less than those at an end of
-    the contact: their size relative to the step is the root of `end`. With the power 2/3 in place
-    of the root both errors would fall at the same rate. On brakes with 10 and 12 steps the root is
-    as accurate on the second level, and takes an eighth fewer unknowns.
+    step p goes as x ln x. Columns of size w therefore leave errors in L2 in proportion to w and to
+    w^1.5. The columns at a step can therefore shrink less from level to level than those at an end
+    of the contact: their size relative to the step is `end`^(1/2). With `end`^(2/3) both errors
+    would fall at the same rate. On brakes with 10 and 12 steps the power 1/2 was as accurate on the
+    second level, with an eighth fewer unknowns.
 
     Parameters
     ----------
@@ -768,7 +786,7 @@ def grading_point_at_singular_point(
     if point.kind == Singularity.STEP:
         return GradingPoint(point.at, point.length * math.sqrt(level.end), level.ratio)
     if point.kind == Singularity.TIP:
-        size = _element_column_size_at_gap_tip(level, thickness, point.length)
+        size = _element_column_size_at_pointed_gap_kink(level, thickness, point.length)
         return GradingPoint(point.at, size, level.ratio)
     # The size at an end of the contact or at a kink is rounded to a power of two, so that similar
     # brakes have equal meshes.
@@ -786,24 +804,26 @@ def _element_column_size_at_contact_end(level: Level, thickness: float, length: 
     """The size of the element columns at an end of a contact [rad].
 
     An open gap beside the contact that is shorter than this size is not resolved by the mesh.
-    `thickness` is that of the lining, and `length` that of the contact, both in rad.
+    `thickness` is the thickness of the lining, and `length` the length of the contact, both in rad.
     """
     return level.end * min(length, math.sqrt(thickness * length))
 
 
-def _element_column_size_at_gap_tip(level: Level, thickness: float, length: float) -> float:
-    """The size of element columns and layers at a tip of the gap [rad], a power of two.
+def _element_column_size_at_pointed_gap_kink(
+    level: Level, thickness: float, length: float
+) -> float:
+    """The size [rad] of element columns at a kink of the gap that points to the drum.
 
-    A tip is a kink of the gap that points to the drum, where the pressure is unbounded.
+    At such a kink the pressure is unbounded. The size is a power of two.
 
     Parameters
     ----------
     level : degree of the elements, and sizes of columns and layers
     thickness : thickness of the lining [rad]
     length : the length (N/c)^2 [rad], where N is the L2 norm of the pressure and c ln(1/x) the
-        pressure at the distance x from the tip
+        pressure at the distance x from the kink
     """
-    size = element_column_size_for_gap_tip_error(length, level.degree, level.end)
+    size = element_column_size_for_error_at_pointed_gap_kink(length, level.degree, level.end)
     return 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
 
 
@@ -812,8 +832,8 @@ def _shortest_contact_lengths_at_lining_ends(
 ) -> tuple[float, float]:
     """The lengths of the shortest contacts that reach the lining's start and end [rad].
 
-    A contact reaches an end of the lining if no element column fits between the two. The length is
-    inf for an end of the lining that no contact reaches.
+    A contact reaches an end of the lining if no element column fits between the contact and this
+    end. The length is inf for an end of the lining that no contact reaches.
 
     Parameters
     ----------
@@ -836,7 +856,7 @@ def _shortest_contact_lengths_at_lining_ends(
 def _grading_points_without_close_ones(
     start: GradingPoint, end: GradingPoint, inner: Sequence[GradingPoint]
 ) -> list[GradingPoint]:
-    """The grading points from `start` to `end` without points that are too near to another point.
+    """The grading points from `start` to `end`, without inner points that are too near to another.
 
     Element columns become smaller towards the grading points. A point is dropped if it lies in the
     column at an end of the lining. A point is also dropped if its distance from the previous point
@@ -860,8 +880,8 @@ def _grading_points_without_close_ones(
 def _positions_of_shoe_body_ends(shoe: Shoe, radius: float) -> tuple[float, float]:
     """The positions phi at which the body of a shoe begins and ends [rad], the hinge's end first.
 
-    For a straight beam they count, beyond the lining, the distance along the beam divided by the
-    radius of the lining's back.
+    A straight beam reaches beyond its lining. There a position is the lining's end plus the
+    distance along the beam divided by the radius of the lining's back.
     """
     start, end = shoe.arc
     if isinstance(shoe.body, Beam):
@@ -889,9 +909,10 @@ def _depths_and_parts_of_element_layers(
     coarsens: bool,
     straight: bool,
 ) -> tuple[Floats, tuple[str, ...]]:
-    """The depths of the faces of the layers of elements, and the part of the shoe of each layer.
+    """The depths of the faces of the layers of elements, and the name of each layer's part.
 
-    The depths (l + 1,) are counted from the contact inwards, and the names of the parts are (l,).
+    The depths (l + 1,) are counted from the lining's face. The names (l,) say to which part of the
+    shoe ("lining", "shoe", ...) each layer belongs.
 
     Parameters
     ----------
@@ -906,7 +927,8 @@ def _depths_and_parts_of_element_layers(
     depths, part, at = [np.zeros(1)], [], 0.0
     distances = np.cumsum([layer.thickness for layer in layers]) / contact_length
     for k, layer in enumerate(layers):
-        # The sizes of the outermost and the innermost element of this layer of the shoe.
+        # `outer` and `inner` are the sizes of the elements nearest to the contact and farthest from
+        # it in this layer of the shoe.
         t = layer.thickness
         outer = face_size
         if k > 0:
@@ -920,7 +942,8 @@ def _depths_and_parts_of_element_layers(
             relative_element_size_far_from_contact(level.back, distances[k], coarsens=coarsens)
             * thinner
         )
-        # The hinge holds this layer, and the stress is singular at the corners of the held face.
+        # The hinge holds the end face of this layer, and the stress is singular at the corners of
+        # this face.
         if layer.part == "shoe":
             inner = level.hinge * t
         sizes = element_sizes_growing_from_both_ends(t, outer, inner, level.through, t)

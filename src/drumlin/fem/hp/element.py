@@ -2,9 +2,9 @@
 
 The nodes of the element lie at Gauss-Lobatto points in both directions. The shape functions come
 from the class ElementQuadP of scikit-fem, whose hierarchical functions span the same polynomials.
-They are transformed to nodal functions once for each degree. Displacements and the shape of the
-element use the same functions, so that rigid-body motions are represented exactly (Zienkiewicz &
-Taylor, The Finite Element Method, section 8).
+They are transformed to nodal functions once for each degree. The same functions describe the
+displacements and the shape of the element, so that rigid-body motions are represented exactly
+(Zienkiewicz & Taylor, The Finite Element Method, section 8).
 """
 
 from collections.abc import Iterator
@@ -24,9 +24,10 @@ from drumlin.fem.substructure.elasticity import (
 from drumlin.response.resultants import gauss_lobatto_points
 
 SLOPES_PER_BATCH = 32_000
-"""Number of shape function slopes in a batch of elements whose stiffness is computed together.
+"""Number of derivatives of shape functions in a batch of elements computed together.
 
-The data of a batch of this size stay in the processor's cache. Larger and smaller batches give the
+An element has (p + 1)^2 functions with two derivatives at each of its (p + 1)^2 Gauss points. The
+data of a batch of this size stay in the processor's cache. Larger and smaller batches give the
 same stiffness, but take more time.
 """
 SINGULAR_ELEMENT = (
@@ -36,7 +37,7 @@ SINGULAR_ELEMENT = (
 
 
 class ReferenceElement(NamedTuple):
-    """The element of degree p on the unit square, with a = (p + 1)^2 nodes and q Gauss points.
+    """The element of degree p on the unit square, with a = (p + 1)^2 nodes, at q Gauss points.
 
     Attributes
     ----------
@@ -44,8 +45,8 @@ class ReferenceElement(NamedTuple):
     weights : (q,) weights of the Gauss points
     order : (a,) numbers of the element's nodes, those on the boundary first, then those inside. The
         nodes form a grid of p + 1 rows, and are numbered row by row along the layers.
-    outer : number of nodes on the boundary; their order is left side, right side, rest of the
-        first edge, rest of the last edge
+    outer : number of nodes on the boundary. They are ordered: left side, right side, inner nodes of
+        the first edge (nearest to the contact), inner nodes of the last edge.
     values : (a, q) shape functions at the Gauss points
     """
 
@@ -59,7 +60,8 @@ class ReferenceElement(NamedTuple):
 @cache
 def reference_element_of_degree(p: int, *, precise: bool = False) -> ReferenceElement:
     """The reference element of degree p >= 2; with `precise` its slopes are in long double."""
-    # The nodes on the left and the right side come first, then the rest of the first and last edge.
+    # The nodes on the left and the right side come first, then the other nodes of the first and
+    # last edge, then those inside the element.
     x, w = gauss_points_and_weights_on_0_to_1(p)
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
     edges = number[:, 0], number[:, -1], number[0, 1:-1], number[-1, 1:-1]
@@ -93,16 +95,17 @@ def node_positions_on_edge_from_0_to_1(p: int) -> Floats:
 def points_of_square_grid(x: Floats) -> Floats:
     """The points (2, n n) of the square grid with the coordinates x (n,) in both directions.
 
-    The second coordinate changes from point to point, the first one from row to row.
+    The second coordinate changes from each point to the next, and the first coordinate only after n
+    points.
     """
     return np.array([np.repeat(x, len(x)), np.tile(x, len(x))])
 
 
 def shape_function_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]:
-    """The values (a, q) and slopes (a, 2, q) of an element's a shape functions at points x (2, q).
+    """The values (a, q) and slopes (a, 2, q) of an element's shape functions at points x (2, q).
 
-    The element of degree p is the unit square [0, 1]^2. Each shape function is 1 at its node and 0
-    at the others. The nodes form a grid and are numbered row by row.
+    The element of degree p is the unit square [0, 1]^2 and has a = (p + 1)^2 nodes. Each function
+    is 1 at its node and 0 at the others. The nodes form a grid and are numbered row by row.
     """
     # scikit-fem takes long to load, and the pressure laws do not need it.
     import skfem  # noqa: PLC0415
@@ -116,8 +119,8 @@ def shape_function_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]
     at_points = [hierarchical.lbasis(x, i) for i in range(count)]
     values = np.array([value for value, _ in at_points])
     slopes = np.array([slope for _, slope in at_points])
-    # A nodal function is 1 at its own node and 0 at the others: the values at the nodes, inverted,
-    # are the coefficients of the nodal functions.
+    # A nodal function is 1 at its own node and 0 at the others. The inverse of the matrix of values
+    # at the nodes therefore has the coefficients of the nodal functions.
     nodal: Floats = np.asarray(np.linalg.inv(np.array(at_nodes)), dtype=float)
     return nodal @ values, (nodal @ slopes.reshape(count, -1)).reshape(slopes.shape)
 
@@ -125,21 +128,22 @@ def shape_function_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]
 def _long_double_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
     """The values (a, q) and slopes (a, 2, q) of an element's shape functions, in long double.
 
-    They are computed at the points of the square grid with the coordinates x, as products of
-    Lagrange's polynomials. The element is that of `shape_function_values_and_slopes`.
+    They are products of Lagrange's polynomials, at the points of the square grid with the
+    coordinates x in both directions. Element and order are as in
+    `shape_function_values_and_slopes`.
     """
-    # The 1 on the diagonal replaces the distance of a node from itself, 0, which is never a factor.
+    # A node's distance from itself is never used. It is set to 1, since 0 could not be divided by.
     nodes = node_positions_on_edge_from_0_to_1(p).astype(np.longdouble)
     x = x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
 
     def lagrange_polynomial_without_factors(i: int, *others: int) -> Any:
-        """Lagrange's polynomial i without the factors of the nodes `others`, at all x."""
+        """Lagrange's polynomial of node i at all x, without the factors of the nodes `others`."""
         kept = [j for j in range(p + 1) if j != i and j not in others]
         return np.prod([(x - nodes[j]) / apart[i, j] for j in kept], axis=0)
 
     def derivative_of_lagrange_polynomial(i: int) -> Any:
-        """The derivative of Lagrange's polynomial i at all x, by the product rule."""
+        """The derivative of Lagrange's polynomial of node i at all x, by the product rule."""
         return sum(
             lagrange_polynomial_without_factors(i, k) / apart[i, k] for k in range(p + 1) if k != i
         )
@@ -163,8 +167,8 @@ def plane_stress_stiffness_of_elements(xy: Any, elasticity: Any, p: int, along: 
     """The plane-stress stiffness (e, a, 2, a, 2) [N/m] of e elements, in the precision of xy.
 
     The nodes are in the order of `ReferenceElement`. The elastic constants lambda, mu, a and b are
-    those of `elasticity.isotropic_and_orthotropic_elastic_constants`. The unit vectors d are t
-    along the layers and n through them. The stiffness is
+    defined in `elasticity.isotropic_and_orthotropic_elastic_constants`. The unit vectors d are t,
+    along the layers, and n, through them. The stiffness is
 
         K_ai,bj = Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k
                       + sum_d s_d d_i (d . grad psi_a) d_j (d . grad psi_b) dA,   s_t = a,  s_n = b.
@@ -183,16 +187,19 @@ def plane_stress_stiffness_of_elements(xy: Any, elasticity: Any, p: int, along: 
 
 
 class _ElementIntegrals(NamedTuple):
-    """The integrals and constants that the stiffness of e elements with a nodes is made of.
+    """The integrals and constants from which the stiffness of elements is computed.
+
+    There are e elements. The number of nodes of an element is called a, as in the shapes below.
 
     Attributes
     ----------
     products : (e, 2, a, 2, a) integrals Int psi_a,i psi_b,j dA of products of the gradients of two
         shape functions; the axes after the first are i, a, j, b
     constants : (e, 4) lambda, mu, a, b of `elasticity.isotropic_and_orthotropic_elastic_constants`
-    directed : (m,) numbers of the elements of orthotropic material
-    strains : (2, m, a, 2, q) strains along and through the layers due to unit displacements, of the
-        orthotropic elements at their Gauss points, times the root of dA
+    directed : (m,) numbers of the elements whose material is orthotropic
+    strains : (2, m, a, 2, q) strains along the layers, and strains through them, of the orthotropic
+        elements at their Gauss points due to unit displacements of their nodes, times the root of
+        dA; empty if m is 0
     """
 
     products: Any
@@ -205,7 +212,8 @@ class _ElementIntegrals(NamedTuple):
 
         This block of the stiffness is (e, rows, 2, columns, 2) for e elements.
         """
-        # The isotropic part has four blocks: forces in x and y by displacements in x and y.
+        # The isotropic part of the stiffness has four blocks: forces along x and y due to
+        # displacements along x and y.
         lam, mu = self.constants[:, :1, None], self.constants[:, 1:2, None]
         xx, xy = self.products[:, 0, rows, 0, columns], self.products[:, 0, rows, 1, columns]
         yx, yy = self.products[:, 1, rows, 0, columns], self.products[:, 1, rows, 1, columns]
@@ -225,7 +233,7 @@ class _ElementIntegrals(NamedTuple):
         """
 
         def integrals_of_products_of_two_strains(strain: Any) -> Any:
-            """The integrals of products of two strains: of a node in `rows`, one in `columns`."""
+            """The integrals of strains due to nodes `rows` times strains due to nodes `columns`."""
             left, right = strain[:, rows], strain[:, columns]
             count, points = len(strain), strain.shape[-1]
             flat_right = right.reshape(count, -1, points).transpose(0, 2, 1)
@@ -242,7 +250,7 @@ class _ElementIntegrals(NamedTuple):
 def _integrals_for_element_stiffness(
     xy: Any, elasticity: Any, p: int, along: Any
 ) -> _ElementIntegrals:
-    """The integrals that the stiffness of elements is made of.
+    """The integrals from which the stiffness of elements is computed.
 
     The elements have the nodes `xy` [m] and the degree p. `elasticity` holds elasticity matrices
     times the width [N/m], and `along` unit vectors along the layers at the Gauss points.
@@ -278,7 +286,7 @@ def _strains_along_direction_by_unit_displacements(slopes: Any, direction: Any) 
 
 
 def _gradients_times_root_of_gauss_areas(xy: Any, p: int) -> Any:
-    """The gradients (e, 2, a, q) of shape functions, times the root of the Gauss points' areas.
+    """The gradients (e, 2, a, q) of shape functions, times the root of each Gauss point's area.
 
     The sum over the Gauss points of the product of two such gradients is an integral over the
     element. `xy` (e, 2, a) are the nodes of the elements. In an element with a negative Jacobian
@@ -302,11 +310,11 @@ def _gradients_times_root_of_gauss_areas(xy: Any, p: int) -> Any:
 def replace_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
     """The Schur complement K - C^T inner^-1 C (k, k) of a stiffness, written into K.
 
-    It is the stiffness on the k kept unknowns after the elimination of m other unknowns. The
-    coupling C is (m, k), and `inner` (m, m) is the stiffness on the eliminated unknowns. All three
-    matrices must be contiguous in rows. They are overwritten, so that BLAS works on them in place.
-    The elimination by Cholesky factors is backward stable. With the inverse of `inner`, thin
-    columns of elements would lose digits.
+    It is the stiffness on the k kept unknowns after the elimination of m other unknowns. C (m, k)
+    couples eliminated and kept unknowns, and `inner` (m, m) is the stiffness on the eliminated
+    ones. All three matrices must be contiguous in rows. They are overwritten, so that BLAS works on
+    them in place. `inner` is not inverted but factored (Cholesky), because this is backward stable:
+    thin columns of elements would otherwise lose digits.
 
     Raises
     ------
@@ -337,7 +345,7 @@ def replace_each_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Flo
 class _StiffnessBlocks(NamedTuple):
     """The stiffness of a batch of e elements in three blocks.
 
-    An element has k unknowns on its boundary and m unknowns inside.
+    Each element has k unknowns on its boundary and m unknowns inside.
 
     Attributes
     ----------
@@ -411,9 +419,9 @@ def condensed_element_stiffness(
 class CondensedForces(NamedTuple):
     """Forces on the inner nodes of e elements of degree p, condensed to their boundary nodes.
 
-    `forces` (e, 8 p, k) are the equivalent forces on the boundary nodes for k load cases.
-    `work` (k, k) is the work of the inner forces on the
-    displacements due to them, while the boundary nodes are held.
+    `forces` (e, 8 p, k) are the equivalent forces on the boundary nodes for k load cases. `work`
+    (k, k) is the work of the inner forces of each load case on the displacements that each load
+    case causes while the boundary nodes are fixed, summed over all elements.
     """
 
     forces: Floats
@@ -434,7 +442,8 @@ def condense_inner_forces_to_element_boundary(
     count = inner_forces.shape[2]
     forces, work = np.empty((len(xy), 8 * p, count)), np.zeros((count, count))
     for part, _, coupling, inner in _stiffness_blocks_of_element_batches(xy, elasticity, p, along):
-        # The reactions of the held boundary nodes follow from the displacements of the inner nodes.
+        # With fixed boundary nodes the inner nodes move by `displacements`. The equivalent forces
+        # are the opposite of the reactions of the boundary nodes.
         own = inner_forces[part]
         displacements = np.linalg.solve(inner, own)
         forces[part] = -(coupling.transpose(0, 2, 1) @ displacements)
@@ -482,7 +491,7 @@ def displacements_of_inner_element_nodes(
     inner_count = 2 * xy.shape[2] - 8 * p
     found = np.empty((len(xy), inner_count, u.shape[2]))
     for part, _, coupling, inner in _stiffness_blocks_of_element_batches(xy, elasticity, p, along):
-        # The inner nodes are in equilibrium: inner stiffness times displacements = -right side.
+        # Equilibrium of the inner nodes: inner stiffness times inner displacements = -`right`.
         right = coupling @ u[part]
         if inner_forces is not None:
             right -= inner_forces[part]

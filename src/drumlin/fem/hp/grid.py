@@ -1,9 +1,9 @@
 """The grid of a body in hp elements: all of its nodes and elements, with their numbers.
 
 The contact problem needs only the body's stiffness, condensed to its contact nodes. Pictures,
-files, slopes and the correction of round-off errors need all nodes. These are computed at the first
-access. The grid has the attributes of a scikit-fem basis (`doflocs`, `element_dofs`, `N`), so that
-functions for bodies on meshes take a grid too.
+result files, derivatives and the correction of round-off errors need all nodes, which are computed
+at the first access. The grid has the attributes of a scikit-fem basis (`doflocs`, `element_dofs`,
+`N`), so that functions for bodies on meshes take a grid too.
 """
 
 from collections.abc import Callable, Mapping
@@ -64,7 +64,7 @@ class ColumnGrid:
     degree : degree p of the elements
     blocks : rectangular blocks of elements that the body consists of
     point_at : function from depths and positions along the lining to points (2, ...) [m]
-    sets : node sets: numbers of nodes by the name of the set
+    sets : numbers of the nodes of each node set, by its name (such as "hinge")
     N : number of nodes. The contact nodes have the first numbers, in the order of the blocks.
     """
 
@@ -88,7 +88,7 @@ class ColumnGrid:
         return np.arange(2 * self.N)
 
     def convert_grid_node_numbers(self, nodes: Ints) -> Ints:
-        """The given numbers of nodes, unchanged; a `Skeleton` returns its own numbers of them."""
+        """The given numbers of nodes, unchanged: a grid, unlike a `Skeleton`, has all nodes."""
         return nodes
 
     @cached_property
@@ -106,7 +106,7 @@ class ColumnGrid:
 
     @cached_property
     def subdomains(self) -> dict[str, Ints]:
-        """The elements of each part of the body, by the name of the part."""
+        """The numbers of the elements in each part of the body, by its name, such as "lining"."""
         names: list[str] = []
         for block in self.blocks:
             # Each layer of the block has as many elements as the block has element columns.
@@ -123,15 +123,15 @@ class ColumnGrid:
     def quadrilaterals_between_element_nodes(self) -> Ints:
         """The quadrilaterals (4, p p) between neighbouring nodes of an element, for pictures.
 
-        They are given by their four corners, numbered within the element.
+        Each is given by its four corners, as node numbers within the element.
         """
         at = self._node_numbers_within_element
         return np.array([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]]).reshape(4, -1)
 
     @cached_property
     def boundary_nodes_around_each_element(self) -> Ints:
-        """The nodes on the boundary of each element (4 p, elements), once around the element."""
-        # The nodes along the first edge, the right side, the last edge and the left side.
+        """The nodes (4 p, elements) on the boundary of each element, in order around it."""
+        # Take the nodes along the first edge, the right side, the last edge and the left side.
         at = self._node_numbers_within_element
         around = np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
         return self.element_dofs[around]
@@ -142,7 +142,8 @@ class ColumnGrid:
         The first axis counts shape functions, the second x and y, the last nodes. `elements` are
         the numbers of the elements.
         """
-        # The derivatives on the unit square are multiplied with the inverse of the element's map.
+        # The derivatives on the unit square are multiplied with the inverse of the Jacobian matrix
+        # J.
         _, slopes = shape_function_values_and_slopes(
             self.degree, points_of_square_grid(node_positions_on_edge_from_0_to_1(self.degree))
         )
@@ -153,7 +154,7 @@ class ColumnGrid:
     def element_nodes_boundary_nodes_first(self) -> Ints:
         """The numbers of the nodes of each element (elements, a), boundary nodes first.
 
-        The order is that of `element.ReferenceElement`.
+        They are in the order of `element.ReferenceElement`.
         """
         return np.ascontiguousarray(
             self.element_dofs[reference_element_of_degree(self.degree).order].T
@@ -204,7 +205,7 @@ class ColumnGrid:
         return assemble_sparse_stiffness(K, self.element_nodes_boundary_nodes_first, self.N)
 
     def expansion_forces(self, layers: Mapping[str, ElasticLayer], strains: Strains) -> Floats:
-        """The nodal forces (2 N,) [N] by which free strains of the layers load the body.
+        """The nodal forces (2 N,) [N] that are equivalent to free strains of the layers.
 
         Free strains, such as thermal expansion, cause no stress in a layer that is not bonded to
         others.
@@ -223,7 +224,7 @@ class ColumnGrid:
 
     @property
     def element_quadrature(self) -> ElementQuadrature:
-        """The Gauss points of all elements."""
+        """The Gauss points of all elements, with the shape functions and the areas there."""
         xy = self.node_coordinates_of_each_element
         _, areas = shape_function_gradients_and_gauss_areas(xy, self.degree)
         return ElementQuadrature(
@@ -280,7 +281,7 @@ class Skeleton:
 
     @property
     def dofs(self) -> Ints:
-        """The numbers (2 N,) of the skeleton's displacements among those of the whole grid.
+        """The positions (2 N,) of the skeleton's displacements among all displacements of the grid.
 
         The displacements x and y of a node are next to each other.
         """
@@ -315,14 +316,15 @@ class Skeleton:
         Returns
         -------
         the forces (2 N, k) [N] on the nodes of the skeleton, and the work (k, k) of the forces
-        inside elements while the nodes of the skeleton are held
+        inside elements on the displacements that they cause while the skeleton's nodes are fixed
         """
         grid, count = self.grid, forces.shape[1]
         xy, along = (
             grid.node_coordinates_of_each_element,
             grid.layer_directions_at_gauss_points(layers, grid.node_coordinates_of_each_element),
         )
-        # The forces inside elements become forces on their boundaries, and are added to the others.
+        # The forces on inner nodes become forces on the elements' boundaries, and are added to the
+        # forces given there.
         inner = self._forces_on_inner_element_nodes(forces)
         condensed = condense_inner_forces_to_element_boundary(
             xy, grid.elasticity_matrix_of_each_element(layers), grid.degree, along, inner
@@ -335,7 +337,7 @@ class Skeleton:
     def _forces_on_inner_element_nodes(self, forces: Floats) -> Floats:
         """The forces on the i inner nodes of each element, from the forces on all nodes.
 
-        The given forces are (2 grid nodes, k), the returned ones (elements, 2 i, k).
+        The given forces are (2 grid nodes, k), the returned forces (elements, 2 i, k).
         """
         inside = self.grid.element_nodes_boundary_nodes_first[:, len(self.element_dofs) :]
         by_node = forces.reshape(self.grid.N, 2, -1)
@@ -377,8 +379,8 @@ class Skeleton:
 WholeSystem = Callable[[ColumnGrid | Skeleton], InnerSystem]
 """A function that assembles a body's system of equations: stiffness, constraints and loads.
 
-Its argument gives the nodes whose displacements are unknowns: all nodes of a grid, or only those on
-the sides of elements (its skeleton).
+Its argument gives the nodes whose displacements are unknowns: all nodes of a grid, or only the
+nodes on the boundaries of elements (its skeleton).
 """
 
 
@@ -395,7 +397,7 @@ class GridUnknowns:
     grid : all nodes and elements of the body
     layers : elastic layers of the body by name
     whole_system : function that makes the body's system of equations before condensation, with the
-        unit loads on its sides
+        unit loads that act on boundaries of elements
     further : (2 grid nodes, k) nodal forces of k further unit loads, which may act inside elements;
         they come after the other unit loads
     """
@@ -412,7 +414,7 @@ class GridUnknowns:
         layers: Mapping[str, ElasticLayer],
         whole_system: WholeSystem,
     ) -> "GridUnknowns":
-        """The eliminated displacements of a body without further unit loads."""
+        """The eliminated displacements of a body that has only the unit loads in its equations."""
         return cls(grid, layers, whole_system, np.zeros((2 * grid.N, 0)))
 
     def equations_of_body_before_condensation(self) -> InnerSystem:
@@ -426,14 +428,16 @@ class GridUnknowns:
     def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The unit loads and the stiffness, condensed to the contact nodes and the hinge's frame.
 
-        The inner nodes of elements are eliminated first, and then the rest of the skeleton.
+        The inner nodes of elements are eliminated first, and then the skeleton's nodes outside
+        contact and hinge.
         """
         sides = self.grid.grid_without_inner_element_nodes
         on_sides, inner_work = sides.condense_forces_to_element_boundaries(
             self.layers, self.further
         )
         system = self._system_with_further_unit_loads(self.whole_system(sides), on_sides)
-        # The work of the forces inside elements is added to the work of the loads on the skeleton.
+        # The work of the further loads inside elements is added to the work of the loads on the
+        # skeleton.
         S, loads, work = system.condense_loads_and_stiffness()
         first = len(work) - len(inner_work)
         work[first:, first:] += inner_work

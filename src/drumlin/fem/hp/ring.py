@@ -75,7 +75,7 @@ FULL_TURN = 2 * math.pi
 SAME_ANGLE = 1e-9
 """Difference of two angles [rad] below which they are the same end of an element column.
 
-So small a difference is round-off.
+A smaller difference is round-off.
 """
 
 
@@ -88,7 +88,7 @@ class RingDivision(NamedTuple):
     angles : (m + 1,) angles of the ends of the columns [rad], the last one a whole turn after the
         first
     contact : (m,) whether each column lies under a lining
-    depths : (l + 1,) depths of the faces of the layers below the friction surface [m]
+    depths : (l + 1,) distances of the faces of the layers from the friction surface [m]
     """
 
     degree: int
@@ -100,7 +100,8 @@ class RingDivision(NamedTuple):
     def contact_nodes_of_each_column(self) -> Ints:
         """The nodes (p + 1, c) on the friction surface of each of the c columns under linings.
 
-        The nodes are numbered around the drum from the first angle on. Node 0 follows the last one.
+        The nodes are numbered around the drum from the first angle on. After a whole turn node 0
+        follows the last node.
         """
         p, count = self.degree, len(self.contact)
         edges = np.flatnonzero(self.contact) * p + np.arange(p + 1)[:, None]
@@ -121,7 +122,8 @@ class RingDivision(NamedTuple):
         The columns under one lining, or between two linings, are called a run.
         """
         runs = np.flatnonzero(np.diff(self.contact, prepend=not self.contact[0]))
-        # A ring in contact all around is cut into two runs, because each run needs two ends.
+        # A ring that is in contact all around is cut into two runs, because each run needs two
+        # ends.
         return runs if len(runs) > 1 else np.array([0, 1])
 
 
@@ -145,14 +147,16 @@ def divide_ring_into_hp_elements(
     level : degree of the elements, and sizes of columns and layers
     singular_layer_size : upper limit of the size of the thinnest layer of elements [m]
     """
-    # The ends of the columns of all linings, as angles from 0 to a whole turn after the first one.
+    # `places` are the ends of the columns of all linings, as angles from the first end on, from 0
+    # to a whole turn.
     origin = min(float(ends[0]) % FULL_TURN for ends in linings)
     parts = [ends - ends[0] + (float(ends[0]) - origin) % FULL_TURN for ends in linings]
     places = np.sort(np.concatenate([part % FULL_TURN for part in parts]))
     places = places[np.append(True, np.diff(places) > SAME_ANGLE)]
     places = np.append(places[places < FULL_TURN - SAME_ANGLE], FULL_TURN)
 
-    # Between two linings columns are added, whose size grows from both neighbours to the middle.
+    # Between two linings columns are added, which grow from the size of both neighbours to the
+    # middle.
     angles, contact = [places[:1]], []
     sizes = np.diff(places)
     for k, (a, b) in enumerate(pairwise(places)):
@@ -179,7 +183,7 @@ def divide_ring_into_hp_elements(
 
 
 def _is_angle_under_lining(angle: float, ends: Floats) -> bool:
-    """Whether an `angle` [rad] or the same angle a whole turn later lies between a lining's ends.
+    """Whether an `angle` [rad], or the angle a whole turn larger, lies between a lining's ends.
 
     The first and the last of `ends` [rad] are the ends of the lining.
     """
@@ -212,7 +216,7 @@ def condensed_ring_in_hp_elements(
             at_ends = phi[:: line.interpolation_degree_along_contact_line]
             ends.append(np.sort(shoe.frame.theta(at_ends)))
     div = divide_ring_into_hp_elements(ring.section, radius, ends, level, singular_layer_size)
-    # Nothing supports a free ring. Loads spread over its rim balance the forces of the linings.
+    # A free ring has no support. Loads spread over its rim balance the forces of the linings.
     free = ring.support == "free"
     grid = element_grid_of_whole_drum_ring(radius, sign, div)
     rim = np.zeros((2 * grid.N, 0))
@@ -270,8 +274,9 @@ def _condense_ring_to_contact_nodes(
     # A free ring is supported at three unknowns of its rim, which is statically determinate.
     if free:
         A = _ring_stiffness_without_rigid_motion(A, extra, n, line, div)
-    # The nodes between the runs, inside the ring, are eliminated. The displacements of the contact
-    # nodes, so far along the radius and around the drum, are converted to x and y.
+    # The nodes between neighbouring runs of columns, inside the ring, are eliminated. The
+    # displacements of the contact nodes are converted from axes along the radius and around the
+    # drum to x and y.
     A = eliminate_nodes_on_column_side(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
     back = -axis_angles_at_contact_nodes(div.angles, div.degree)[div.contact_nodes]
     L, info = dpotrf(rotate_node_axes_of_matrix(A[extra:, extra:], back), lower=1)
@@ -324,8 +329,8 @@ def _ring_stiffness_under_and_between_linings(
         if free
         else None
     )
-    # The stiffness of each run, the columns under one lining or between two linings, is assembled
-    # from its columns.
+    # The stiffness of each run is assembled from its columns. A run is all columns under one
+    # lining, or between two linings.
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
     runs = []
     for first, last in pairwise([*div.first_columns_of_contacts_and_gaps, len(which)]):
@@ -348,11 +353,10 @@ def _ring_stiffness_under_and_between_linings(
 
 
 def _unit_rim_loads_in_column_side_axes(radius: float, along: Floats, p: int) -> Floats:
-    """The unit loads (c, 2 (p + 1), 3) on the rim of c columns of the drum's ring.
+    """The nodal forces (c, 2 (p + 1), 3) of three unit loads on the rim of c columns of the ring.
 
-    They are the forces of `_unit_rim_loads_on_element_columns`. Those on the first and the last
-    node of each column are measured along the radius at this side of the column and around the
-    drum.
+    They are the forces of `_unit_rim_loads_on_element_columns`. The forces on the first and the
+    last node of each column are measured along the radius at this node and square to it.
 
     Parameters
     ----------
@@ -371,10 +375,11 @@ def _unit_rim_loads_in_column_side_axes(radius: float, along: Floats, p: int) ->
 def _unit_rim_loads_on_element_columns(radius: float, along: Floats, p: int) -> Floats:
     """The nodal forces (c, 2 (p + 1), 3) on the rim of c columns of the drum's ring.
 
-    They are the parts of three unit loads on the whole rim, which are spread over the rim like the
-    rigid-body modes of the ring: translation in x and y, and rotation. The forces are in the frame
-    of each column, whose x runs through the column's middle. `along` (c, p + 1) are the angles of
-    the nodes from the middle [rad], `radius` is that of the rim [m], and p the degree.
+    Three unit loads are spread over the whole rim like the displacements of the ring's rigid-body
+    modes: translation in x and y, and rotation. The forces are the part of each load on each
+    column, in the frame of the column, whose x axis runs through the column's middle. `along` (c, p
+    + 1) are the angles of the nodes from the middle [rad], `radius` is the rim's radius [m], and p
+    the degree.
     """
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
     psi, slope = shape_functions_at_gauss_points(p)
@@ -408,8 +413,8 @@ def _assemble_stiffness_of_closed_ring(
 
     A run is all element columns under one lining, or all columns between two linings. The unknowns
     are [unit loads | contact nodes by growing angle | lines]. A line is the nodes between two runs,
-    through the thickness of the ring. The first node of a line is a contact node, since one of the
-    two runs is in contact.
+    through the thickness of the ring. Its first node is a contact node and is counted there, since
+    one of the two runs is in contact.
 
     Parameters
     ----------
@@ -419,9 +424,8 @@ def _assemble_stiffness_of_closed_ring(
     extra : number of extra unknowns, the factors of unit loads
     """
     starts, count = div.first_columns_of_contacts_and_gaps, len(runs)
-    # A run is a stretch of the ring under one lining, or between two linings. `own` is the number
-    # of contact unknowns of each run. The last contact node of a run is the first one of the next
-    # run, so that it is counted there. A run between two linings has only its first node in
+    # `own` is the number of contact unknowns counted for each run, without its last node, which is
+    # the first node of the next run. A run between two linings has only its two end nodes in
     # contact.
     p = div.degree
     columns = np.diff([*starts, len(div.contact)])
@@ -450,18 +454,18 @@ def _ring_stiffness_without_rigid_motion(
 ) -> Floats:
     """The stiffness of the drum's free ring with three displacements of its rim fixed to zero.
 
-    The fixed displacements hold the ring against rigid-body motion. Two of them are those of one
-    node. The third is a displacement of another node, in a direction in which a rotation about the
-    first node moves the other node. The unknowns are removed from the matrix.
+    The fixed displacements hold the ring against rigid-body motion. Two of them are the
+    displacements of one node. The third is a displacement of another node, in a direction in which
+    a rotation about the first node moves this other node. The unknowns are removed from the matrix.
 
     Parameters
     ----------
     A : (n, n) stiffness of the closed ring
-    extra, contact, line : numbers of unknowns of the unit loads, of the contact nodes, and of the
-        nodes through the thickness at an end of a lining
+    extra, contact, line : number of unknowns of the unit loads, of the contact nodes, and of the
+        other nodes through the thickness at an end of a lining
     div : division of the ring
     """
-    # The other node is the one whose distance from the first node is the largest.
+    # The other node is the end of a run that is farthest from the first node.
     angles = div.angles[div.first_columns_of_contacts_and_gaps]
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())
@@ -492,7 +496,7 @@ def element_grid_of_whole_drum_ring(radius: float, sign: int, div: RingDivision)
     )
     rows, n = len(depth), len(along) - 1
     nodes = np.arange(rows * n).reshape(rows, n)
-    # The ring closes: the last column of nodes is the first column again.
+    # The ring is closed: after the last column of nodes comes the first column again.
     closed = np.column_stack([nodes, nodes[:, 0]])
 
     def ring_point_at_depth_and_angle(depth: Floats, phi: Floats) -> Floats:
@@ -509,8 +513,8 @@ def element_grid_of_whole_drum_ring(radius: float, sign: int, div: RingDivision)
 def nodal_forces_of_unit_rim_loads(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
     """The nodal forces (2 N, 3) of three unit loads that are spread over the rim of the ring.
 
-    The loads are spread like the rigid-body modes of the ring: translation in x and y, and
-    rotation.
+    The loads are spread like the displacements of the ring's rigid-body modes: translation in x and
+    y, and rotation.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
 """A parametric shoe in hp elements: the coordinates of its nodes, and its static condensation.
 
 An element column is a stack of elements through the thickness of the shoe. The columns are
-condensed one by one and assembled in a row. The result is the stiffness of the shoe on three groups
-of unknowns: the frame, which is the three rigid-body motions of the face that the hinge holds, the
-contact nodes, and the factors of the unit loads.
+condensed one by one, and joined side by side along the shoe. The result is the stiffness of the
+shoe on three groups of unknowns: the frame (the three rigid-body motions of the face that the hinge
+holds), the contact nodes, and the factors of the unit loads.
 """
 
 from collections.abc import Callable
@@ -48,19 +48,20 @@ from drumlin.response.resultants import (
 )
 
 PointMap = Callable[[Floats, Floats], Floats]
-"""A function from depths below the lining's face and angles phi to points (2, ...) of a shoe [m].
+"""A function from depths below the lining's face and positions phi to a shoe's points (2, ...) [m].
 """
 
 
 class LoadedEnd(NamedTuple):
-    """The unit loads on the end face of a shoe's body that the actuation force acts on.
+    """The unit loads on the end face of a shoe's body where the actuation force acts.
 
     Attributes
     ----------
     forces : (2n, l) nodal forces of each of l unit loads on the n nodes of the end face
     columns : which columns of `forces` belong to which load, by the load's name
     centre : (2,) point that the unit actuations act at [m]
-    moments : (3, l) force x, force y and couple about the centre, of each unit load
+    moments : (3, l) resultants of each unit load: force along x, force along y, and moment about
+        the centre
     """
 
     forces: Floats
@@ -82,14 +83,15 @@ def unit_actuation_loads_on_end_face(
     """The unit actuations on the straight end face of a shoe: force x, force y and couple.
 
     The forces are spread evenly over the end face. The couple is a traction that grows linearly
-    from the centre of the face. The nodal forces have the unit [1], those of the couple [1/m].
+    from the centre of the face. The nodal forces of a unit force have the unit [1], those of a unit
+    couple [1/m].
 
     Parameters
     ----------
     xy : (2, n) nodes of the end face [m]
-    depths : (n,) depths of the nodes, in proportion to the distance along the end face
+    depths : (n,) depths of the nodes; only their relative positions along the face are used
     p : degree of the elements
-    share : (e,) factor of the traction on each element of the end face
+    share : (e,) factor by which the traction on each element of the end face is multiplied
     """
     # The ends of the elements along the end face, as positions from -1/2 to 1/2.
     ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5
@@ -113,18 +115,21 @@ def unit_actuation_loads_on_end_face(
 class CondensedShoe(NamedTuple):
     """A shoe condensed to its hinge's frame and its n contact nodes, with round-off estimates.
 
-    The frame has three unknowns, the rigid-body motions of the hinge, and each contact node has x
-    and y. For a shoe whose whole back is held rigidly the estimates are unknown and set to zero.
+    The frame has three unknowns, the rigid-body motions of the face that the hinge holds, and each
+    contact node has x and y. For a shoe whose back is fixed to a rigid grip or body the estimates
+    of round-off are unknown and set to zero.
 
     Attributes
     ----------
     S : (3 + 2n, 3 + 2n) stiffness on the frame and the contact nodes
     loads : (3 + 2n, l) condensed unit loads
-    work : (l, l) work of the unit loads while frame and contact nodes are held
+    work : (l, l) work of each unit load on the displacements that each unit load causes while frame
+        and contact nodes are fixed
     centre : (2,) point that the unit actuations act at [m]
     rigid_mode_forces : (2n, 3) forces on the contact nodes due to rigid-body motions of the shoe;
         they would be zero without round-off
-    force_imbalance : resultant force, by round-off alone, of a unit force and its reactions [1]
+    force_imbalance : resultant of a unit actuation force and its reactions [1], which is not zero
+        because of round-off alone
     columns : which columns of `loads` belong to which unit load, by the load's name
     """
 
@@ -140,7 +145,7 @@ class CondensedShoe(NamedTuple):
 def function_from_depth_and_angle_to_point(shoe: Shoe, radius: float) -> PointMap:
     """The function from depths and positions along the lining to points in the shoe's frame [m].
 
-    `radius` is that of the drum [m].
+    `radius` is the radius of the drum [m].
     """
     return (
         _point_function_of_straight_beam_shoe(shoe, radius)
@@ -153,7 +158,7 @@ def _point_function_of_straight_beam_shoe(shoe: Shoe, radius: float) -> PointMap
     """The function from depths and positions to points [m] of a shoe with a straight beam.
 
     Depths from 0 to 1 are in the lining, from 1 to 2 in the block between lining and beam, and from
-    2 to 3 in the beam. The block is cut square to the beam.
+    2 to 3 in the beam. The ends of the block are cut square to the beam.
     """
     # `reason_why_brake_is_not_modelled` refuses shoes without a section before, so that the
     # assertion holds.
@@ -169,7 +174,8 @@ def _point_function_of_straight_beam_shoe(shoe: Shoe, radius: float) -> PointMap
         """The points (2, ...) [m] of a straight-beam shoe at depths and positions phi [rad]."""
         depth, phi = np.broadcast_arrays(depth, phi)
         # In the axes of the beam, x runs along the beam. Under the lining the angle `a` is counted
-        # from the foot of the beam's axis; `beyond` is the distance along x beyond the lining.
+        # from the perpendicular from the drum's centre to the beam's axis; `beyond` is the distance
+        # along x beyond the lining.
         a = np.clip(phi, s, e) - s + start
         beyond = back * (np.minimum(phi - s, 0) + np.maximum(phi - e, 0))
         r = radius + thickness * np.minimum(depth, 1)
@@ -226,7 +232,7 @@ def node_coordinates_of_layers_and_columns(
 
 
 def distinct_sizes_up_to_round_off(sizes: Floats) -> tuple[Floats, Ints]:
-    """The k different values (k,) among `sizes` (m,), and which of them each size has (m,).
+    """The k distinct values (k,) among `sizes` (m,), and the number (m,) of each size's value.
 
     Sizes that agree in twelve digits count as equal.
     """
@@ -243,8 +249,8 @@ def _unit_vectors_along_shoe_layers(
 ) -> Floats:
     """The unit vectors (l, c, 2, q) along the layers of a shoe at the Gauss points of elements.
 
-    There are l rows of c elements with the nodes xy (l, c, 2, a) [m]. `part` (l,) is the name of
-    the layer of the shoe that each row belongs to.
+    There are l layers of c elements with the nodes xy (l, c, 2, a) [m]. `part` (l,) names the part
+    of the shoe ("lining", "shoe", ...) that each layer of elements belongs to.
     """
     points = np.moveaxis(gauss_points_of_elements(xy, p), 2, 1)  # (l, 2, c, q)
     vectors = [layers[name].directions(own) for name, own in zip(part, points, strict=True)]
@@ -252,14 +258,14 @@ def _unit_vectors_along_shoe_layers(
 
 
 class _ShoeColumns(NamedTuple):
-    """The element columns of a shoe, in the order of their positions.
+    """The condensed element columns of a shoe, in the order of their positions.
 
-    Equal columns are the same object.
+    Columns of equal shape and material are the same Python object.
 
     Attributes
     ----------
-    under : columns under the lining
-    before, after : columns of the body before and behind the lining
+    under : columns under the linings and in the slots between them
+    before, after : columns of the body before and behind all linings
     grip : a grip holds the back of the columns grip[0] to grip[1] - 1 under the lining; both
         numbers are 0 without a grip
     """
@@ -278,8 +284,8 @@ class _ColumnKinds(NamedTuple):
     along : (kinds, p + 1) positions of the nodes of each kind along the lining
     angular : integrals along the columns of each kind on an arc or a plane, see
         `angular_factors_of_column_stiffness`; None for a straight beam
-    which : (columns,) kind of each column: those under the lining, then those before it, then those
-        behind it
+    which : (columns,) number of each column's kind: first the columns under the lining, then those
+        before it, then those behind it
     """
 
     along: Floats
@@ -290,7 +296,7 @@ class _ColumnKinds(NamedTuple):
 def kinds_of_equal_element_columns(
     shoe: Shoe, div: ShoeDivision, *, directed: bool
 ) -> _ColumnKinds:
-    """The kinds of element columns of a shoe, so that the stiffness of each kind is computed once.
+    """The kinds of element columns of a shoe; the stiffness is computed once for each kind.
 
     On an arc or a plane, columns of equal width are of one kind. In a straight beam each column is
     of its own kind.
@@ -324,7 +330,7 @@ class _ShoeInElements(NamedTuple):
     radius : radius of the drum [m]
     div : division of the shoe into columns and layers of elements
     layers : elasticity of the layers by name
-    elasticity : (l, 3, 3) elasticity matrices times the width of the layers of elements [N/m]
+    elasticity : (l, 3, 3) elasticity matrix times the width of each layer of elements [N/m]
     directed : whether a layer of the shoe is orthotropic
     kinds : the kinds of element columns
     """
@@ -344,13 +350,14 @@ def _condensed_hp_columns_of_shoe(
     """The element columns of a shoe, each condensed to its two sides and its contact nodes.
 
     `div` divides the shoe into columns and layers of elements. `layers` has the elasticity of the
-    layers by name, and `radius` [m] is that of the drum.
+    layers by name, and `radius` [m] is the drum's radius.
     """
     elasticity = elasticity_times_width_of_layers(layers, div.part)
     directed = bool(is_elasticity_matrix_orthotropic(elasticity).any())
     kinds = kinds_of_equal_element_columns(shoe, div, directed=directed)
     whole = _ShoeInElements(shoe, radius, div, layers, elasticity, directed, kinds)
-    # The columns inside the grip are held at their back. All other columns are free there.
+    # The columns inside a grip are fixed at their back, the edge farthest from the contact. All
+    # other columns are free there.
     which = kinds.which
     under, before = len(div.angles) - 1, len(div.before) - 1
     ends = shoe.grip(radius)
@@ -378,20 +385,20 @@ def _condensed_hp_columns_of_shoe(
 def _condensed_hp_columns_of_row(
     whole: _ShoeInElements, row: Ints, layer: int, *, contact: bool, held: bool
 ) -> list[ColumnSubstructure]:
-    """The condensed element columns of a row, which begin with the layer number `layer`.
+    """The condensed element columns of a row, without the layers of elements before `layer`.
 
     Parameters
     ----------
     whole : the shoe
-    row : kind of each column
-    layer : number of the first layer of elements; 0 is the one at the lining's face
+    row : number of the kind of each column
+    layer : number of the columns' first layer of elements; 0 is the layer at the lining's face
     contact : whether the columns' edge at the lining's face is in contact
-    held : whether the edge farthest from the contact is held
+    held : whether the nodes on the edge farthest from the contact are fixed
     """
     div = whole.div
     if not len(row) or layer == div.number_of_element_layers:
         return []
-    # numpy.unique would load numpy's masked arrays, which bincount does not.
+    # numpy.unique would load numpy's masked arrays, which takes time; bincount does not load them.
     kinds = np.flatnonzero(np.bincount(row))
     unknowns = numbering_of_element_column_unknowns(
         div.degree, div.number_of_element_layers - layer, contact=contact, held=held
@@ -424,7 +431,7 @@ def _condensed_elements_of_straight_beam_shoe(
     ----------
     whole : the shoe
     along : (c, p + 1) positions of the nodes of each column along the lining
-    layer : number of the first layer of elements; 0 is the one at the lining's face
+    layer : number of the first layer of elements; 0 is the layer at the lining's face
     """
     p = whole.div.degree
     place = function_from_depth_and_angle_to_point(whole.shoe, whole.radius)
@@ -437,7 +444,7 @@ def _condensed_elements_of_straight_beam_shoe(
 
 
 def axis_angles_at_contact_nodes(ends: Floats, p: int) -> Floats:
-    """The angles (m p + 1,) of the axes that displacements of contact nodes are measured in.
+    """The angles (m p + 1,) of the axes in which displacements of contact nodes are measured.
 
     A node at an end of an element column has the angle of this end. A node inside a column has the
     angle of the column's middle. `ends` (m + 1,) are the angles of the ends of m columns, and p is
@@ -449,10 +456,10 @@ def axis_angles_at_contact_nodes(ends: Floats, p: int) -> Floats:
 
 
 def angles_of_displacement_axes(shoe: Shoe, phi: Floats) -> Floats:
-    """The angles [rad] of the axes that a shoe's displacements at positions phi are measured in.
+    """The angles [rad] of the axes in which a shoe's displacements at positions phi are measured.
 
-    The first axis is the radius on an arc and the plane's normal on a pad. For a straight beam both
-    axes are those of the shoe's frame.
+    The first axis is the radius on an arc and the plane's normal on a pad. A shoe with a straight
+    beam has the axes of the shoe's frame, with the angle 0.
     """
     if isinstance(shoe.body, Beam):
         return np.zeros_like(phi)
@@ -462,7 +469,7 @@ def angles_of_displacement_axes(shoe: Shoe, phi: Floats) -> Floats:
 def rotation_angles_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
     """The angles (n,) [rad] that rotate the contact nodes' displacements to the shoe's frame.
 
-    In the element columns they are measured along the radius and around the drum.
+    In the element columns the displacements are measured along the radius and around the drum.
     """
     angles = [axis_angles_at_contact_nodes(ends, div.degree) for ends in div.angles_of_each_lining]
     return -angles_of_displacement_axes(shoe, np.concatenate(angles))
@@ -515,7 +522,8 @@ def condensed_shoe_with_held_back(shoe: Shoe, S: Floats, R: Floats) -> Condensed
     """The condensed shoe whose back is held by a grip, or is bonded to a rigid body.
 
     The actuation force then acts on the frame: the rigid grip or body. `S` (2n, 2n) is the
-    stiffness of the contact nodes while the frame is held, and `R` (2n, 3) their rigid-body modes.
+    stiffness of the contact nodes while the frame is fixed, and `R` (2n, 3) are the rigid-body
+    modes of the contact nodes.
     """
     zeros = np.zeros((len(R), FRAME))
     return CondensedShoe(
@@ -536,7 +544,7 @@ def _condense_shoe_that_hinge_holds(
     row: _ShoeColumns,
     R: Floats,
 ) -> CondensedShoe:
-    """The condensed elastic shoe that the hinge holds at one end and a force loads at the other.
+    """The condensed elastic shoe that is held by the hinge at one end and loaded at the other end.
 
     Parameters
     ----------
@@ -547,8 +555,9 @@ def _condense_shoe_that_hinge_holds(
     R : (2n, 3) rigid-body modes of the contact nodes
     """
     faces = _modes_at_hinge_and_loads_at_end(shoe, radius, div)
-    # The bodies before and behind the lining are attached to the first and the last column under
-    # the lining. The assembled row has the unknowns [frame | contact nodes | unit loads].
+    # The parts of the body before and behind the lining are attached to the first and the last
+    # column under the lining. The assembled columns have the unknowns [frame | contact nodes | unit
+    # loads].
     columns = row.under.copy()
     columns[0] = _join_first_column_to_body_at_hinge(columns[0], row.before, faces.hinge_modes)
     loaded = condensed_stiffness_of_body_behind_lining(row.after, faces.end_forces)
@@ -583,7 +592,7 @@ class _EndFacesOfBody(NamedTuple):
     ----------
     hinge_modes : (2n, 3) rigid-body modes of the n nodes on the face that the hinge holds
     end : the unit loads on the loaded end face
-    end_forces : (2n, l) their nodal forces
+    end_forces : (2n, l) nodal forces of these unit loads, in the axes of the element columns
     """
 
     hinge_modes: Floats
@@ -597,7 +606,7 @@ def _modes_at_hinge_and_loads_at_end(
     """The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face.
 
     Modes and nodal forces are measured in the axes of the element columns. `div` divides the shoe
-    into columns and layers of elements, and `radius` [m] is that of the drum.
+    into columns and layers of elements, and `radius` [m] is the drum's radius.
     """
     place = function_from_depth_and_angle_to_point(shoe, radius)
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
@@ -634,7 +643,8 @@ def condensed_shoe_with_balanced_loads(
     pin : (2,) point that the frame turns about [m]
     forces_in_frame : function from forces (m, .) on the contact's unknowns in `A` to
         forces (m, 2n) on the contact nodes in the shoe's frame
-    stiffness_in_frame : function that does the same for the stiffness of the contact
+    stiffness_in_frame : function that turns the stiffness on the contact's unknowns to the shoe's
+        frame in the same way
     """
     extra = end.columns.number_of_load_columns
     frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
@@ -642,7 +652,7 @@ def condensed_shoe_with_balanced_loads(
     load = -forces_in_frame(A[loads, contact]).T
     on_frame = -A[frame, loads]
 
-    # Small forces on the contact nodes are added, which bring the condensed loads into equilibrium.
+    # Add small forces on the contact nodes, so that loads and reactions are in equilibrium.
     imbalance = end.force_and_moment_about_pin(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
     corrected = stiffness_without_forces_by_rigid_motion(S, R, forces_in_frame(A[frame, contact]).T)
@@ -658,13 +668,13 @@ def condensed_shoe_with_balanced_loads(
     )
 
 
-def _contact_stiffness_of_held_lining(
+def _contact_stiffness_of_gripped_lining(
     row: list[ColumnSubstructure],
     div: ShoeDivision,
     left: Floats | None = None,
     right: Floats | None = None,
 ) -> Floats:
-    """The stiffness of the contact nodes of a lining whose back is held.
+    """The stiffness of the contact nodes of a lining whose back is held by a grip.
 
     Parameters
     ----------
@@ -710,13 +720,15 @@ def _assemble_columns_of_linings_and_slots(
 ) -> Floats:
     """The stiffness of all contact nodes, assembled from the columns under linings and in slots.
 
-    The body between two linings is attached to the last column of the lining before the slot. All
-    that comes before a lining is attached to its first column.
+    The body in a slot between two linings is attached to the last column of the lining before the
+    slot. The linings and slots before a lining, already assembled, are attached to its first
+    column.
 
     Parameters
     ----------
-    columns : element columns by their position; the first one has no left line, apart from unknowns
-        that are kept, and the last one no right line
+    columns : element columns in the order of their positions. The nodes on the left side of the
+        first column and on the right side of the last column are eliminated already; kept unknowns
+        such as those of the frame may stand in their place.
     div : division of the shoe into columns and layers of elements
     """
     before: ColumnSubstructure | None = None
@@ -739,8 +751,8 @@ def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns, div: ShoeDivision)
     The parts of the body beyond the lining are free.
     """
     row, (first, last) = columns.under.copy(), columns.grip
-    # A line is the nodes on a side of a column. At the ends of the grip its last node is held, so
-    # that the neighbouring column outside the grip loses the two unknowns of this node.
+    # At each end of the grip the node at the shoe's back is fixed. The neighbouring column outside
+    # the grip loses the two unknowns of this node, the last ones on its side.
     if first > 0:
         K, left, right = row[first - 1]
         row[first - 1] = ColumnSubstructure(K[:-2, :-2], left, right - 2)
@@ -761,7 +773,7 @@ def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns, div: ShoeDivision)
         if after
         else None
     )
-    return _contact_stiffness_of_held_lining(row, div, body_before, body_after)
+    return _contact_stiffness_of_gripped_lining(row, div, body_before, body_after)
 
 
 def _join_first_column_to_body_at_hinge(
@@ -769,8 +781,8 @@ def _join_first_column_to_body_at_hinge(
 ) -> ColumnSubstructure:
     """The first element column under the lining, joined with the body between lining and hinge.
 
-    The unknowns on the left side of the column are replaced by those of the frame, the rigid face
-    that the hinge holds. The unknowns are [frame | contact | nodes on the right side].
+    The unknowns on the left side of the column are replaced by the unknowns of the frame, the rigid
+    face that the hinge holds. The result has the unknowns [frame | contact | right side].
 
     Parameters
     ----------
@@ -791,7 +803,7 @@ def condensed_stiffness_of_body_behind_lining(
 ) -> Floats:
     """The condensed stiffness of the part of a shoe's body behind the lining, with its unit loads.
 
-    Its unknowns are those of the nodes at the lining's end and the factors of the unit loads.
+    It is the stiffness on the nodes at the lining's end and on the factors of the unit loads.
     `after` are the element columns of this part of the body, and `load` (n, l) the unit loads on
     the nodes of its end face.
     """
@@ -807,11 +819,12 @@ def condensed_stiffness_of_body_behind_lining(
 def _constrain_element_column_side_to_hinge(
     piece: ColumnSubstructure, held: Floats
 ) -> ColumnSubstructure:
-    """The element column at the hinge, whose held side nodes move with the frame.
+    """The element column next to the hinge, with its nodes on the hinge face tied to the frame.
 
-    The frame is the rigid face that the hinge holds. The last unknowns on the left side, those of
-    the body, move with the frame by the rigid-body modes `held` (n, 3). The unknowns of the result
-    are [rest of the left side | frame | other unknowns].
+    The frame is the rigid face that the hinge holds. Of the unknowns on the column's left side the
+    first belong to the lining and stay. The last n belong to the body and move with the frame, by
+    the rigid-body modes `held` (n, 3). The unknowns of the result are [lining part of the left side
+    | frame | other unknowns].
     """
     left = piece.left - len(held)
     at, frame = slice(left, piece.left), slice(left, left + FRAME)
@@ -830,8 +843,8 @@ def _constrain_element_column_side_to_hinge(
 class _CorrectedStiffness(NamedTuple):
     """The stiffness `S` (2n, 2n) of the n contact nodes, corrected for round-off.
 
-    `round_off_forces` (2n, 3) are an estimate of the forces that the three rigid-body modes cause
-    by round-off alone.
+    `round_off_forces` (2n, 3) estimate the forces on the contact nodes that the three rigid-body
+    modes of the shoe cause by round-off alone.
     """
 
     S: Floats
@@ -843,15 +856,15 @@ def stiffness_without_forces_by_rigid_motion(
 ) -> _CorrectedStiffness:
     """The stiffness of the contact nodes, corrected so that rigid-body modes cause no strain.
 
-    The frame is the rigid body to which the back of the shoe is fixed. If the frame makes a unit
-    motion while the contact nodes rest, the forces `held` act on the contact nodes. If the contact
-    nodes move with the frame by the modes R, no force acts on them: S R + held = 0.
+    The frame is the rigid face that the hinge holds. If the frame makes a unit motion while the
+    contact nodes are fixed, the forces `held` act on the contact nodes. If the contact nodes move
+    with the frame by the modes R, no force acts on them: S R + held = 0.
 
-    The forces `held` are small beside the stiffness of thin columns, and have more exact digits.
-    The first correction changes the 2 x 2 block of each node, which has lost most digits. The
-    second correction is the least symmetric change after which S R + held = 0 exactly. The rest of
-    the stiffness is likely to be wrong by as much as the residual S R + held before both
-    corrections. This residual is therefore the estimate of the forces due to round-off.
+    The forces `held` are small compared with the stiffness of thin columns, and have more correct
+    digits. The first correction changes the 2 x 2 block of each node, which has the fewest correct
+    digits. The second correction is the least symmetric change after which S R + held = 0 exactly.
+    The rest of the stiffness is likely to be wrong by as much as the residual S R + held before
+    both corrections. This residual is therefore the estimate of the forces due to round-off.
 
     Parameters
     ----------
@@ -859,12 +872,12 @@ def stiffness_without_forces_by_rigid_motion(
     R : (2n, 3) rigid-body modes of the contact nodes
     held : (2n, 3) forces on the contact nodes due to motions of the frame
     """
-    # The first correction, in the 2 x 2 block of each node.
+    # The first correction changes the 2 x 2 block of each node.
     S, own = S.copy(), np.arange(len(S)).reshape(-1, 2)
     before = S @ R + held
     node = before[:, :2].reshape(-1, 2, 2)
     S[own[:, :, None], own[:, None]] -= 0.5 * (node + node.swapaxes(1, 2))
-    # The second correction, a symmetric change of the whole matrix.
+    # The second correction is a symmetric change of the whole matrix.
     after = S @ R + held
     back = R @ np.linalg.inv(R.T @ R)
     change, moment = back @ after.T, R.T @ after
@@ -874,10 +887,10 @@ def stiffness_without_forces_by_rigid_motion(
 
 
 def stiffness_of_frame_and_contact_nodes(S: Floats, R: Floats) -> Floats:
-    """The stiffness on the frame and the contact nodes, from that of the contact nodes alone.
+    """The stiffness on the frame and the contact nodes, from the contact nodes' stiffness S alone.
 
-    It follows from S (2n, 2n), since rigid-body modes R (2n, 3) of frame and contact nodes together
-    cause no forces. The three unknowns of the frame come first.
+    S (2n, 2n) is enough, since a rigid-body motion of frame and contact nodes together, by the
+    modes R (2n, 3), causes no forces. The three unknowns of the frame come first.
     """
     SR = S @ R
     whole = np.empty((FRAME + len(S), FRAME + len(S)))
