@@ -53,13 +53,14 @@ The sizes are those of hp elements, and the degree is lower by one: most element
 smaller than hp elements. With the degree of hp elements the errors were hardly smaller, because
 they come from the singular points.
 """
-DEGREE_FACTORS = Factors(pressure=0.4, force=0.35, cancelled=0.006, peak=0.5)
+DEGREE_FACTORS = Factors(pressure=0.45, force=0.35, cancelled=0.006, peak=0.5)
 """The factors of the error estimate that compares two levels; see `Factors` for each number.
 
 A smaller factor makes stated errors too small, a larger one only larger. On 130 meshes by Gmsh with
 curved sides a pressure factor of 0.33 and a peak factor of 0.44 would just suffice, and for forces
-the factors 0.35 and 0.0055; but two forces with errors below 3e-5 would need more. `make degrees`
-compares stated with true errors on further meshes.
+the factors 0.35 and 0.0055; but two forces with errors below 3e-5 would need more. The shoes of
+meshes/web_shoe.toml, which have holes, need a pressure factor of 0.44. `make degrees` compares
+stated with true errors on further meshes.
 """
 FORMER_SHARE = 0.02
 """Share of the difference of the two levels before that is added to the last difference.
