@@ -194,7 +194,7 @@ class _SettledContact(NamedTuple):
     arcs: list[Arcs]
 
 
-def _contact_on_free_motions(
+def _equilibrium_in_free_motions(
     brake: Brake, on: _ShoesOnAnchors, free: Floats, work: Floats
 ) -> _SettledContact | None:
     """The equilibrium of shoes that can move only in the free motions (k, k'); None without one.
@@ -246,7 +246,7 @@ def _solve_on_bearing_supports(
     if motions is None:
         return None
     work = np.concatenate([modes.work + modes.further_work for modes in on.freedoms])
-    settled = _contact_on_free_motions(brake, on, motions.free, work)
+    settled = _equilibrium_in_free_motions(brake, on, motions.free, work)
     if settled is None:
         return None
     (normal, friction), free, y = settled.matrices, motions.free, settled.y
@@ -289,7 +289,9 @@ def _is_bearing_as_assumed(
     return not (pulls or overlaps)
 
 
-def _equilibria(brake: Brake, members: tuple[int, ...]) -> Iterator[SolvedShoesOnAnchors]:
+def _equilibria_of_shoes_on_anchors(
+    brake: Brake, members: tuple[int, ...]
+) -> Iterator[SolvedShoesOnAnchors]:
     """Yield each equilibrium of shoes on anchors, trying one set of bearing supports after another.
 
     Sets of bearing supports that lead to the same forces give only one equilibrium.
@@ -306,13 +308,15 @@ def _equilibria(brake: Brake, members: tuple[int, ...]) -> Iterator[SolvedShoesO
             yield solved
 
 
-def _equilibrium(brake: Brake, members: tuple[int, ...]) -> SolvedShoesOnAnchors:
+def _first_equilibrium_of_shoes_on_anchors(
+    brake: Brake, members: tuple[int, ...]
+) -> SolvedShoesOnAnchors:
     """The first equilibrium of shoes on anchors. Raises NoAnswer if there is none."""
-    first = next(_equilibria(brake, members), None)
+    first = next(_equilibria_of_shoes_on_anchors(brake, members), None)
     if first is not None:
         return first
     names = brake.names(members)
-    limit = _locking_friction(brake, members)
+    limit = _locking_friction_of_group_of_shoes(brake, members)
     if brake.friction >= limit:
         raise NoAnswer(
             f"{names}: self-locking, friction {brake.friction:g} is not below mu_lock = "
@@ -321,7 +325,7 @@ def _equilibrium(brake: Brake, members: tuple[int, ...]) -> SolvedShoesOnAnchors
     raise NoAnswer(f"{names}: {NOT_HELD_TEXT}")
 
 
-def _locking_friction(brake: Brake, members: tuple[int, ...]) -> float:
+def _locking_friction_of_group_of_shoes(brake: Brake, members: tuple[int, ...]) -> float:
     """The friction coefficient at which shoes on anchors lock; inf if they never do.
 
     The supports are those that bear at the brake's friction. If there is no equilibrium at this
@@ -329,14 +333,17 @@ def _locking_friction(brake: Brake, members: tuple[int, ...]) -> float:
     """
     friction = brake.friction
     for _ in range(MOST_HALVED_FRICTIONS):
-        found = next(_equilibria(brake.brake_with_scaled_friction(friction), members), None)
+        found = next(
+            _equilibria_of_shoes_on_anchors(brake.brake_with_scaled_friction(friction), members),
+            None,
+        )
         if found is not None:
             return found.mu_lock
         friction /= 2
     return math.inf
 
 
-def _group_of_shoe(brake: Brake, index: int) -> tuple[int, ...]:
+def _members_of_group_with_shoe(brake: Brake, index: int) -> tuple[int, ...]:
     """The positions of all shoes whose equilibria are solved together with shoe `index`."""
     return next(group for group in groups_of_shoes_on_anchors(brake) if index in group)
 
@@ -346,7 +353,9 @@ def contact_of_shoe_on_anchors(brake: Brake, index: int) -> RigidShoeContact:
 
     Raises NoAnswer if the shoe locks itself, or if no set of its supports holds it.
     """
-    return _equilibrium(brake, _group_of_shoe(brake, index)).contacts[brake.shoes[index].name]
+    return _first_equilibrium_of_shoes_on_anchors(
+        brake, _members_of_group_with_shoe(brake, index)
+    ).contacts[brake.shoes[index].name]
 
 
 def locking_friction_of_shoes_on_anchors(brake: Brake, index: int) -> float:
@@ -355,11 +364,11 @@ def locking_friction_of_shoes_on_anchors(brake: Brake, index: int) -> float:
     The friction coefficients of all linings are scaled in proportion until the shoe locks. The
     result is the coefficient of this shoe's lining.
     """
-    limit = _locking_friction(brake, _group_of_shoe(brake, index))
+    limit = _locking_friction_of_group_of_shoes(brake, _members_of_group_with_shoe(brake, index))
     return limit * brake.relative_friction_of_shoe(brake.shoes[index])
 
 
-def bearing_of_rigid_shoes(brake: Brake, members: tuple[int, ...]) -> Bearing:
+def bearing_supports_of_rigid_shoes(brake: Brake, members: tuple[int, ...]) -> Bearing:
     """Which one-sided supports of some shoes bear by the rigid-shoe law, in the order of the brake.
 
     The result is () if the shoes have no equilibrium. `members` are the positions of the shoes in
@@ -369,7 +378,7 @@ def bearing_of_rigid_shoes(brake: Brake, members: tuple[int, ...]) -> Bearing:
     for group in groups_of_shoes_on_anchors(brake):
         if group[0] not in members:
             continue
-        found = next(_equilibria(brake, group), None)
+        found = next(_equilibria_of_shoes_on_anchors(brake, group), None)
         if found is None:
             return ()
         names = [support.name for support in found.shoes.supports]
@@ -403,7 +412,9 @@ def solve_shoes_on_anchors(brake: Brake) -> AnchoredAnswer:
     supports: dict[str, tuple[SupportForce, ...]] = {}
     warnings = []
     for members in groups_of_shoes_on_anchors(brake):
-        found = list(_equilibria(brake, members)) or [_equilibrium(brake, members)]
+        found = list(_equilibria_of_shoes_on_anchors(brake, members)) or [
+            _first_equilibrium_of_shoes_on_anchors(brake, members)
+        ]
         first = found[0]
         contacts |= first.contacts
         for i in members:

@@ -207,7 +207,7 @@ def _find_contact_for_friction_sense(
             raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
     for _ in range(MOST_CONTACT_STEPS):
         matrices = equilibrium_matrices_of_rigid_shoe(face, free, shoe.lining.width, arcs)
-        amounts = _motions_in_equilibrium(matrices, free, mu * brake.sign_of_motion)
+        amounts = _mode_factors_in_equilibrium(matrices, free, mu * brake.sign_of_motion)
         if amounts is None:
             break
         # The next arcs are those where the pressure that follows from the present arcs is positive.
@@ -231,7 +231,7 @@ def _find_contact_for_friction_sense(
     )
 
 
-def _motions_in_equilibrium(
+def _mode_factors_in_equilibrium(
     matrices: tuple[Floats, Floats], free: Freedoms, drag: float
 ) -> Floats | None:
     """The factors (k,) of the rigid-body modes in the pressure of a shoe in equilibrium.
@@ -369,7 +369,7 @@ def node_places_of_pressure_along_lining(
     return np.concatenate(found)
 
 
-def brake_with_forces_shared_by_rigid_law(brake: Brake, *, whole: bool = False) -> Brake:
+def brake_with_cam_and_strut_forces_by_rigid_law(brake: Brake, *, whole: bool = False) -> Brake:
     """The brake with the force of the cam or strut on each shoe by the rigid-shoe law.
 
     With `whole` the whole lining stays in contact, under tension if need be. Raises NoAnswer if a
@@ -378,7 +378,7 @@ def brake_with_forces_shared_by_rigid_law(brake: Brake, *, whole: bool = False) 
     shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}
     if brake.actuation is not None and brake.actuation.is_cam:
-        _share_cam_force_among_shoes(
+        _divide_cam_force_between_shoes(
             brake, shoes, brake.actuation.force_of_cylinder_or_sum_of_cam_forces, whole
         )
     # A strut pushes a shoe with the force that the foot of the other shoe exerts on the strut.
@@ -395,7 +395,7 @@ def brake_with_forces_shared_by_rigid_law(brake: Brake, *, whole: bool = False) 
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def _share_cam_force_among_shoes(
+def _divide_cam_force_between_shoes(
     brake: Brake, shoes: list[Shoe], total: float, whole: bool
 ) -> None:
     """Give the shoes under a cam, in the list `shoes`, their parts of the cam's force.
@@ -409,16 +409,18 @@ def _share_cam_force_among_shoes(
     behind = brake.names_of_shoes_pushed_by_struts
     on_cam = [i for i, shoe in enumerate(shoes) if shoe.name not in behind]
     if any(shoes[i].has_further_loads for i in on_cam):
-        first = _first_cam_force_beside_further_loads(brake, shoes, on_cam, total, whole)
+        first = _cam_force_on_first_shoe_with_further_loads(brake, shoes, on_cam, total, whole)
         for i, force in zip(on_cam, (first, total - first), strict=True):
             shoes[i] = shoes[i].shoe_with_changed_actuation_force(force)
         return
     motions_per_force = []
     for i in on_cam:
         found = find_contact_of_rigid_shoe(brake, shoes[i], whole=whole)
-        if found is None or found.tip_motion_over_compliance <= 0:
+        if found is None or found.loaded_point_motion_over_compliance <= 0:
             raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
-        motions_per_force.append(found.tip_motion_over_compliance / shoes[i].actuation.force)
+        motions_per_force.append(
+            found.loaded_point_motion_over_compliance / shoes[i].actuation.force
+        )
     # The loaded ends of the shoes act like springs in parallel: the sum of their stiffnesses
     # carries the cam's force.
     stiffness = math.fsum(1 / motion for motion in motions_per_force)
@@ -426,39 +428,41 @@ def _share_cam_force_among_shoes(
         shoes[i] = shoes[i].shoe_with_changed_actuation_force(total / (motion * stiffness))
 
 
-def _first_cam_force_beside_further_loads(
+def _cam_force_on_first_shoe_with_further_loads(
     brake: Brake, shoes: list[Shoe], on_cam: list[int], total: float, whole: bool
 ) -> float:
     """The force [N] of a cam on the first of its two shoes, if springs or other forces act as well.
 
     The cam moves the loaded ends of both shoes equally. The difference of their displacements grows
     with the force on the first shoe, so that it is zero at a force between 0 and `total`. The
-    parameters are those of `_share_cam_force_among_shoes`, and `on_cam` has the positions of the
+    parameters are those of `_divide_cam_force_between_shoes`, and `on_cam` has the positions of the
     two shoes in `shoes`. Raises NoAnswer if the cam does not press both shoes.
     """
     # The import of scipy takes time, and few brakes come here.
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    def tip_motion(i: int, force: float) -> float:
+    def motion_of_loaded_end(i: int, force: float) -> float:
         """Displacement of a shoe's loaded end over its lining's compliance [Pa]; 0 if apart."""
         shoe = shoes[i].shoe_with_changed_actuation_force(force)
         found = find_contact_of_rigid_shoe(brake, shoe, whole=whole)
-        return 0.0 if found is None else found.tip_motion_over_compliance
+        return 0.0 if found is None else found.loaded_point_motion_over_compliance
 
     one, other = on_cam
 
-    def difference_of_tip_motions(force: float) -> float:
-        """`tip_motion` of the first shoe minus that of the second, by the first shoe's force."""
-        return tip_motion(one, force) - tip_motion(other, total - force)
+    def difference_of_loaded_end_motions(force: float) -> float:
+        """The motion of the first loaded end minus the second, by the force on the first shoe."""
+        return motion_of_loaded_end(one, force) - motion_of_loaded_end(other, total - force)
 
-    low, high = difference_of_tip_motions(0.0), difference_of_tip_motions(total)
+    low, high = difference_of_loaded_end_motions(0.0), difference_of_loaded_end_motions(total)
     if not low < 0 < high:
         # If springs or other forces alone press a shoe too far, the shoe moves away from the cam.
         lacking = on_cam[0] if low >= 0 else on_cam[1]
         raise NoAnswer(f"shoe {shoes[lacking].name!r}: the cam does not press it")
-    force = float(brentq(difference_of_tip_motions, 0.0, total, xtol=1e-13 * total, rtol=1e-15))
+    force = float(
+        brentq(difference_of_loaded_end_motions, 0.0, total, xtol=1e-13 * total, rtol=1e-15)
+    )
     for i, part in ((one, force), (other, total - force)):
-        if tip_motion(i, part) <= 0:
+        if motion_of_loaded_end(i, part) <= 0:
             raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
     return force
 
@@ -479,7 +483,7 @@ def solve_brake_by_rigid_shoe_law(
     NoAnswer
         for a self-locking shoe, or for a shoe whose actuation no pressure balances
     """
-    under = brake_with_forces_shared_by_rigid_law(brake, whole=whole)
+    under = brake_with_cam_and_strut_forces_by_rigid_law(brake, whole=whole)
     anchored = solve_shoes_on_anchors(under)
     shoes = []
     for shoe in under.shoes:

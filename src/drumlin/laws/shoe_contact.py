@@ -35,7 +35,7 @@ class RigidShoeContact(NamedTuple):
     sense: int
 
     @property
-    def tip_motion_over_compliance(self) -> float:
+    def loaded_point_motion_over_compliance(self) -> float:
         """Displacement of the loaded point along its force over the lining's compliance [Pa].
 
         The compliance is the compression of the lining per pressure [m/Pa].

@@ -369,7 +369,7 @@ def _solve_shoes_trying_abutment_friction_senses(
         found = iter(solver.run(touching) if touching else ())
         for i, loaded in tried.items():
             if loaded.approaches:
-                answer = _shoe_result_if_foot_stays_on_abutment(
+                answer = _shoe_result_if_abutment_friction_sense_fits(
                     solver.brake, loaded, attempt, next(found)
                 )
             else:
@@ -380,7 +380,7 @@ def _solve_shoes_trying_abutment_friction_senses(
     return answers
 
 
-def _shoe_result_if_foot_stays_on_abutment(
+def _shoe_result_if_abutment_friction_sense_fits(
     brake: Brake, loaded: LoadedShoe, attempt: int, found: dict[str, Any]
 ) -> ShoeAnswer | None:
     """A shoe's result, or None if another sense of the friction at its abutment must be tried.

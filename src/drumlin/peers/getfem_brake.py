@@ -320,7 +320,7 @@ class PeerBody:
         """Integrate both components of a vector expression over the boundary `region`."""
         return [self.integral_over_boundary(f"({expression})({k})", region) for k in (1, 2)]
 
-    def start(self, shoe: dict[str, Any]) -> dict[str, Any]:
+    def initial_unknowns(self, shoe: dict[str, Any]) -> dict[str, Any]:
         """The unknowns with which Newton's method starts: no displacement, all nodes touch."""
         values = {}
         for name in (*MODEL_UNKNOWNS, *self.amounts):
@@ -342,7 +342,7 @@ class PeerBody:
         md, drag = self.model, friction * shoe["drag_sense"]
         self._set_loads_and_modes(shoe, drag)
         self._set_gap_between_lining_and_drum(shoe, drag)
-        for name, value in (shoe.get("state") or self.start(shoe)).items():
+        for name, value in (shoe.get("state") or self.initial_unknowns(shoe)).items():
             md.set_variable(name, value)
         options = {"max_iter": MOST_NEWTON_STEPS, "max_res": NEWTON_RESIDUAL, "lsolver": "mumps"}
         options |= {"lsearch": "simplest", "alpha min": 1.0}

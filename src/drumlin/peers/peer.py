@@ -148,7 +148,7 @@ class LoadedShoe:
         return self.work - self.tests @ self.load_at_places_about_pin
 
     @property
-    def load_on_end_about_pin(self) -> Floats:
+    def actuation_resultant_about_pin(self) -> Floats:
         """Resultant (3,) of the actuation about the pin: force x, y [N] and moment [N m]."""
         arm = self.parts.load_centre - self.shoe.pin_in_shoe_frame
         couple = self.couple + float(planar_cross_product(arm, self.force))
@@ -332,7 +332,7 @@ def shoe_response_from_peer_forces(
     amounts : generalised coordinates (k,) of the rigid-body modes
     """
     shoe, frame, tests = loaded.shoe, loaded.shoe.frame, loaded.tests
-    load = loaded.load_on_end_about_pin
+    load = loaded.actuation_resultant_about_pin
     reaction = forces.held if loaded.is_force_on_body else forces.held - load
     drag = _friction_about_pin(loaded, forces)
     response = response_of_pressed_elastic_shoe(
