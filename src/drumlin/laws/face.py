@@ -56,10 +56,10 @@ class DrumFace(NamedTuple):
         return np.array([np.cos(place), np.sin(place), np.ones(np.shape(place))])
 
     def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
-        """Integrals over arcs of products of shape functions: cos, sin and 1 by cos and sin.
+        """Matrix (3, 2) [m] of integrals over arcs of g_i g_j: g_i cos, sin or 1, g_j cos or sin.
 
-        The rows of the result (3, 2) [m] belong to the factors cos, sin and 1, its columns to cos
-        and sin.
+        The rows belong to the shape functions g_i, the columns to g_j. The integrals are over the
+        length of the arcs.
         """
         total = np.zeros((3, 2))
         for a, b in arcs:
@@ -92,7 +92,8 @@ class DrumFace(NamedTuple):
     def peak(self, c: Floats, arcs: Arcs) -> float:
         """Largest value [Pa] of the pressure c[0] cos + c[1] sin on the arcs."""
         top = math.atan2(c[1], c[0])
-        # The pressure is largest at its maximum or, if no arc contains it, at an end of an arc.
+        # The pressure is largest where c[0] cos + c[1] sin has its maximum or, if no arc contains
+        # this angle, at an end of an arc.
         tops = [top + 2 * turn * math.pi for turn in range(-2, 3)]
         places: list[float] = []
         for a, b in arcs:
@@ -161,9 +162,9 @@ class PlaneFace(NamedTuple):
         return np.array([np.ones(np.shape(place)), place, np.zeros(np.shape(place))])
 
     def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
-        """Integrals over linings of products of shape functions: 1, x and 0 by 1 and x.
+        """Matrix (3, 2) of integrals over arcs of g_i g_j: g_i is 1, x or 0, and g_j is 1 or x.
 
-        The rows of the result (3, 2) belong to the factors 1, x and 0, its columns to 1 and x.
+        The rows belong to the shape functions g_i, the columns to g_j.
         """
         total = np.zeros((3, 2))
         for a, b in np.array(arcs).reshape(-1, 2):

@@ -133,7 +133,7 @@ def _notes_on_shoe_response(
         return [note_on_shoe_without_contact(response.name)]
     if response.lumped is None:
         return [f"{said} {law.remark}"] if law.remark else []
-    # Without the lumped force the function integrates the pressure over the arc.
+    # If `lumped` is None, `resultant_of_contact_on_shoe` integrates the pressure over the arc.
     spread = resultant_of_contact_on_shoe(brake, index, replace(response, lumped=None))
     share = float(np.linalg.norm(spread.normal) / np.linalg.norm(response.lumped.normal))
     ratio = float(law.friction(angles_and_radii_of_hinged_shoe(brake, brake.shoes[index])))

@@ -30,7 +30,7 @@ LawSolver = Callable[[Brake], Response]
 
 
 def reason_if_law_has_uneven_pressure(name: str, brake: Brake) -> str | None:
-    """Why a law does not apply to friction that depends on the pressure; None if it applies.
+    """Why a law cannot solve a brake whose friction depends on the pressure; None if it can.
 
     `name` is the name of the law.
     """
@@ -56,7 +56,7 @@ def solve_brake_by_law_of_even_pressure(solve: LawSolver, brake: Brake) -> Respo
         curve = brake.friction_curve_of_shoe(shoe)
 
         def pressure(mu: float, index: int = i) -> float:
-            """The pressure [Pa] of the shoe at a friction coefficient; inf if it locks itself."""
+            """Pressure [Pa] of shoe `index` at the friction mu; inf if the shoe locks itself."""
             alone = [mu if k == index else 0.0 for k in range(count)]
             try:
                 return solve(_brake_with_friction_of_shoes(brake, alone)).shoes[index].peak_pressure

@@ -196,8 +196,8 @@ def _find_contact_for_friction_sense(
     arcs: Arcs = linings
     mu_lock = locking_friction_on(arcs)
     locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
-    # A shoe with one rigid-body mode moves towards its actuation. The sign of the actuation's work
-    # therefore tells which arcs are in contact.
+    # A shoe with one rigid-body mode moves in the sense in which its actuation does positive work.
+    # This sense tells which arcs come into contact.
     if len(shapes) == 1:
         arcs = arcs_of_positive_pressure_on_linings(
             face, shapes[0] * math.copysign(1.0, free.work_of_all_loads[0]), linings
@@ -221,8 +221,8 @@ def _find_contact_for_friction_sense(
         if not after:
             break
         arcs = after
-    # Without a solution a shoe locks itself if mu is above mu_lock; below mu_lock it tips at its
-    # support.
+    # The search has found no equilibrium. If mu is above mu_lock, the shoe locks itself; otherwise
+    # it tips at its support.
     if mu >= mu_lock:
         raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
     raise NoAnswer(
@@ -262,7 +262,7 @@ def _contact_resultant_of_rigid_shoe(
 def response_of_rigid_shoe(
     brake: Brake, shoe: Shoe, found: RigidShoeContact | None
 ) -> ShoeResponse:
-    """The response of a rigid shoe from its contact `found`; None: the shoe does not touch."""
+    """The response of a rigid shoe from its contact `found`, None if it does not touch."""
     if found is None:
         return response_of_shoe_without_contact(shoe, -shoe.force_of_all_loads)
     contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.flat
@@ -370,10 +370,10 @@ def node_places_of_pressure_along_lining(
 
 
 def brake_with_cam_and_strut_forces_by_rigid_law(brake: Brake, *, whole: bool = False) -> Brake:
-    """The brake with the force of the cam or strut on each shoe by the rigid-shoe law.
+    """Set the forces of a cam and of struts on the shoes by the rigid-shoe law.
 
-    With `whole` the whole lining stays in contact, under tension if need be. Raises NoAnswer if a
-    shoe has no equilibrium.
+    Returns a changed copy of the brake. With `whole` the whole lining stays in contact, under
+    tension if need be. Raises NoAnswer if a shoe has no equilibrium.
     """
     shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}

@@ -242,7 +242,7 @@ class Law:
     def normal_and_friction_moments_about_hinge(self, arc: Layout) -> tuple[Floats, Floats]:
         """Moments M_N of pressure and M_F of friction about the hinge, divided by b R p_0 [m].
 
-        Their signs are those of `normal_and_friction_moments_about_point`.
+        M_N opposes the actuation. M_F is the moment at mu = 1; with dD = 1 it helps the actuation.
         """
         M_N, M_F = normal_and_friction_moments_about_point(
             self.load_over_linings(arc), arc.R, arc.a

@@ -173,7 +173,7 @@ class DoubleShoe:
         return leading, trailing
 
     def torque(self, force: Values, omega: Values) -> Floats:
-        """Torque T [N m] of the block against the rotation, with the sign of omega.
+        """Braking torque T [N m] of the block; it acts against the rotation and has omega's sign.
 
         The arrays `force` [N] and `omega` [rad/s] broadcast. Where the force is not positive the
         shoes do not touch, so that the viscous torque is zero as well. Raises NoAnswer if the

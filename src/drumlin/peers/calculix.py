@@ -64,8 +64,8 @@ INSTALL_CALCULIX = (
 LARGEST_STATE_IMBALANCE = 1e-3
 """Largest relative imbalance of forces or moments of a CalculiX state that is accepted.
 
-The forces are taken at the undisplaced nodes of the drum. The lining feels them where the drum has
-moved to, 1e-3 rad farther, which makes an imbalance of this size.
+The balance takes the contact forces at the undisplaced nodes of the drum. In CalculiX they act on
+the lining where the drum has moved by 1e-3 rad. This makes an imbalance of the size of 1e-3.
 """
 
 LEAST_TOUCHING = 0.1

@@ -326,8 +326,8 @@ def deck_lines_of_hinge(loaded: LoadedShoe, grid: DeckGrid) -> list[str]:
     The nodes at the hinge move as a rigid line with the pin and turn about it. Stiff springs
     support the pin, because CalculiX prints no reaction at a node that is part of a constraint.
     """
-    # A node's displacement is that of the pin plus the rotation times its lever arm, turned by 90
-    # degrees.
+    # A node moves by the pin's displacement, plus the rotation times the node's lever arm about the
+    # pin, at right angles to this arm.
     lines = ["** the hinge's line turns about the pin", "*EQUATION"]
     for i in np.unique(grid.edges["hinge"]):
         x, y = grid.xy[i] - loaded.shoe.pin.xy * MM_PER_METRE

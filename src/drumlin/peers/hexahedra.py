@@ -75,7 +75,7 @@ class Solid:
     half: Mapping[str, float]
 
     def levels(self, name: str) -> int:
-        """Number of coordinates z with nodes within half the width of a subdomain."""
+        """Number of the coordinates `z` that lie within half the width of a subdomain."""
         return int(np.searchsorted(self.z, self.half[name] * (1 + 1e-9)))
 
 
