@@ -271,7 +271,7 @@ def _solve_on_bearing_supports(
 def _is_bearing_as_assumed(
     on: _ShoesOnAnchors, bearing: Bearing, y: Floats, forces: Floats
 ) -> bool:
-    """Whether no bearing support pulls and no open support overlaps its shoe.
+    """Whether no bearing support pulls its shoe, and no other support overlaps its shoe.
 
     Parameters
     ----------

@@ -61,8 +61,8 @@ class Solid:
     section, plane : mesh of the shoe's section, and its scalar finite-element basis
     mesh, basis : mesh of hexahedra, and its scalar finite-element basis
     z : (m,) growing coordinates [m] across the width at which there are nodes, from 0 on
-    node : (n, m) number of the node at each of the n nodes of the section and m coordinates z; -1
-        beyond the width of the shoe
+    node : (n, m) for node i of the section, the number of the mesh's node at its x, y and at z[j];
+        -1 if the shoe is not that wide there
     half : half the width of each subdomain [m]
     """
 
