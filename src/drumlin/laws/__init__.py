@@ -1,10 +1,10 @@
-"""Rigid-shoe laws: shoe and drum are rigid, the pressure is proportional to the approach.
+"""Laws of rigid shoes on a rigid drum: the pressure is proportional to the lining's compression.
 
 The module `rigid` solves a brake with any rigid shoes, and `face` describes the drum or the plane
 on which they press. The modules `shapes`, `pivoted` and `flat` hold closed-form laws as formulas on
-arrays. The modules `hinged` and `flat` solve a brake by laws that assume the shape of the pressure.
-The module `naming` chooses the name of the law for a brake. The module `simscape` is the
-double-shoe brake block of Simscape Driveline.
+arrays. The modules `hinged` and `flat` solve a brake by laws that assume how the pressure varies
+along the lining. The module `naming` chooses the name of the law for a brake. The module `simscape`
+has the formulas of the double-shoe brake block of Simscape Driveline.
 """
 
 from typing import TYPE_CHECKING

@@ -1,14 +1,15 @@
 """The rigid-shoe law of shoes on one-sided supports: anchors, and struts between their feet.
 
 Each shoe has three rigid-body motions y: the turn about its pin and two translations. Its lining
-has the stiffness E/t per area, so that the pressure is E/t times the closing of the gap. With the
-matrices N and F of `shoe_contact`, the opening V y of the supports and their forces f,
+has the stiffness E/t per area, so that the pressure is E/t times the closing of the gap. The
+matrices N and F are those of `equilibrium_matrices_of_rigid_shoe`, Q is the work of the actuation,
+V y the gaps at the supports, and f their forces on the shoes:
 
     E/t (N - mu s F) y = Q + V^T f,    V y >= 0,  f >= 0,  f V y = 0
 
-The supports that bear hold some of the motions; the equilibria in the other motions give y, and
-those in the held motions give f. Each choice of bearing supports is tried. Clearances are
-neglected, as those of linings are.
+A support that bears (V y = 0) prevents one motion. The equilibria in the motions that remain free
+give y, and the equilibria in the prevented motions give f. Every set of bearing supports is tried.
+The clearances of supports and linings are neglected.
 """
 
 import math
@@ -49,30 +50,33 @@ from drumlin.laws.shoe_contact import (
 )
 
 MOST_HALVED_FRICTIONS = 30
-"""Number of times that friction is halved until the supports that bear under it are found.
+"""Largest number of times that the friction is halved in search of an equilibrium.
 
-A brake above its limit of self-locking has no solution that tells them. Thirty halvings end at
-1e-9 of the friction, where the brake is as good as frictionless; the number changes no result.
+A brake whose friction is above mu_lock has no equilibrium that shows which supports bear. After
+thirty halvings the friction is 1e-9 of its value, where the brake is as good as frictionless; the
+number changes no result.
 """
 SAME_FORCES = 1e-6
-"""Relative difference of the supports' forces below which two equilibria count as the same.
+"""Relative difference of the support forces below which two equilibria count as the same.
 
-Without friction a support may bear with no force: then two choices of supports have one solution.
-The value lies far above round-off, and far below the difference of two real equilibria.
+A support may touch its shoe with zero force: the sets of bearing supports with and without it then
+have the same equilibrium. The value lies far above round-off, and far below the difference of two
+real equilibria.
 """
 
 
 class _ShoesOnAnchors(NamedTuple):
-    """Shoes on one-sided supports that are in equilibrium together, without their friction.
+    """The geometry of shoes on one-sided supports whose equilibria are solved together.
 
     Attributes
     ----------
     members : positions of the shoes in the brake
-    faces, freedoms : friction surface, and rigid-body modes, of each shoe
-    stiffness : stiffness (shoes,) E/t of each lining per area, over that of the first lining
-    supports : the supports of the shoes
-    opening : opening (m, k) of the supports per unit of each rigid-body mode
-    sizes : amount (k,) of each mode that displaces points of the brake by about 1 m
+    faces, freedoms : friction surface of each shoe, and rigid-body modes of each shoe
+    stiffness : (shoes,) stiffness E/t of each lining, divided by E/t of the first lining; ones if
+        any E/t is unknown
+    supports : the m one-sided supports of the shoes
+    opening : (m, k) growth of the gap at each support per unit of each rigid-body mode
+    sizes : (k,) amplitude of each mode at which points of the shoe move by about 1 m
     """
 
     members: tuple[int, ...]
@@ -87,8 +91,10 @@ class _ShoesOnAnchors(NamedTuple):
 class SolvedShoesOnAnchors(NamedTuple):
     """Shoes on their bearing supports in equilibrium.
 
-    `forces` (m,) [N] are those of the supports, and `mu_lock` is the friction coefficient at which
-    the shoes lock on these supports and these arcs.
+    `bearing` tells which supports bear, `contacts` has the contact of each shoe by its name, and
+    `forces` (m,) [N] are the forces of the supports on the shoes. `mu_lock` is the friction
+    coefficient at which the shoes lock, if the same supports bear and the same arcs of the linings
+    touch.
     """
 
     shoes: _ShoesOnAnchors
@@ -99,7 +105,7 @@ class SolvedShoesOnAnchors(NamedTuple):
 
 
 def _shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesOnAnchors:
-    """The shoes of a brake with these positions, on their one-sided supports."""
+    """Collect the shoes at the positions `members` of a brake, with their one-sided supports."""
     shoes = [brake.shoes[i] for i in members]
     freedoms = tuple(shoe.freedoms() for shoe in shoes)
     supports = tuple(
@@ -112,7 +118,7 @@ def _shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesOnAnchors
         for side in support.sides:
             k = members.index(side.shoe)
             opening[j, 3 * k : 3 * k + 3] = work_of_push_in_motions(shoes[k], side.push)
-    # The linings count alike unless all of their stiffnesses are known.
+    # If any lining has no stated stiffness, all linings are taken as equally stiff.
     stiffness = np.ones(len(shoes))
     linings = [shoe.lining for shoe in shoes]
     if all(lining.material is not None and lining.thickness for lining in linings):
@@ -129,9 +135,10 @@ def _shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesOnAnchors
 
 
 class _Matrices(NamedTuple):
-    """The matrices N and F (k, k) of shoes on given arcs, times the stiffness of their linings.
+    """Matrices N and F (k, k) of shoes on given arcs, weighted by the linings' stiffness.
 
-    F is also times the friction coefficient of each lining over that of the brake.
+    The weight is E/t relative to the first lining. F is also multiplied by the friction coefficient
+    of each lining relative to the friction coefficient of the brake.
     """
 
     normal: Floats
@@ -153,7 +160,11 @@ def _matrices_on_arcs(brake: Brake, on: _ShoesOnAnchors, arcs: list[Arcs]) -> _M
 
 
 def _motions_held_and_free(on: _ShoesOnAnchors, bearing: Bearing) -> HeldMotions | None:
-    """The motions that bearing supports hold and leave free; None if they do not hold the shoes."""
+    """The motions that bearing supports prevent and leave free; None if the shoes stay loose.
+
+    Shoes are loose if a free motion closes no gap, so that no pressure resists it. Redundant
+    supports give None as well.
+    """
     motions = divide_motions_by_supports(on.opening[np.array(bearing, dtype=bool)], on.sizes)
     if motions is None:
         return None
@@ -167,13 +178,13 @@ def _motions_held_and_free(on: _ShoesOnAnchors, bearing: Bearing) -> HeldMotions
 
 
 class _SettledContact(NamedTuple):
-    """The equilibrium of shoes on given free motions, on the arcs where the pressure is positive.
+    """The equilibrium of shoes with given free motions, on the arcs where the pressure is positive.
 
     Attributes
     ----------
     matrices : N and F of the shoes on these arcs
-    y : (k,) rigid-body motions, in the unit of the pressure over the first lining's stiffness
-    c : factors (2,) of the shape functions in the pressure of each shoe [Pa]
+    y : (k,) rigid-body motions, times E/t of the first lining
+    c : for each shoe the factors (2,) [Pa] of the face's two shape functions in its pressure
     arcs : arcs in contact of each shoe
     """
 
@@ -183,10 +194,10 @@ class _SettledContact(NamedTuple):
     arcs: list[Arcs]
 
 
-def _contact_on_free_motions(
+def _equilibrium_in_free_motions(
     brake: Brake, on: _ShoesOnAnchors, free: Floats, work: Floats
 ) -> _SettledContact | None:
-    """The equilibrium of shoes that move in the free motions (k, k') only; None if there is none.
+    """The equilibrium of shoes that can move only in the free motions (k, k'); None without one.
 
     The arcs in contact are changed until they are those where the pressure is positive. `work` (k,)
     is the work of the actuation on each motion.
@@ -213,7 +224,8 @@ def _contact_on_free_motions(
         ]
         if all(map(is_same_set_of_arcs, after, arcs)):
             return _SettledContact(matrices, y, c, arcs)
-        # Without an arc a shoe leaves the surface, and arcs that come back go on in a circle.
+        # A shoe without an arc in contact lifts off. If arcs of an earlier iteration come back, the
+        # iteration would go round in a circle.
         back = any(all(map(is_same_set_of_arcs, after, each)) for each in before)
         if back or not all(after):
             break
@@ -225,12 +237,16 @@ def _contact_on_free_motions(
 def _solve_on_bearing_supports(
     brake: Brake, on: _ShoesOnAnchors, bearing: Bearing
 ) -> SolvedShoesOnAnchors | None:
-    """The equilibrium of shoes on bearing supports; None without one, or if a support pulls."""
+    """The equilibrium of shoes on a given set of bearing supports; None if this set is wrong.
+
+    It is wrong if there is no equilibrium or the shoes lock, if a bearing support would pull, or if
+    another support would overlap its shoe.
+    """
     motions = _motions_held_and_free(on, bearing)
     if motions is None:
         return None
     work = np.concatenate([modes.work + modes.further_work for modes in on.freedoms])
-    settled = _contact_on_free_motions(brake, on, motions.free, work)
+    settled = _equilibrium_in_free_motions(brake, on, motions.free, work)
     if settled is None:
         return None
     (normal, friction), free, y = settled.matrices, motions.free, settled.y
@@ -255,7 +271,7 @@ def _solve_on_bearing_supports(
 def _is_bearing_as_assumed(
     on: _ShoesOnAnchors, bearing: Bearing, y: Floats, forces: Floats
 ) -> bool:
-    """Whether no bearing support pulls and no open support overlaps its shoe.
+    """Whether no bearing support pulls its shoe, and no other support overlaps its shoe.
 
     Parameters
     ----------
@@ -273,10 +289,12 @@ def _is_bearing_as_assumed(
     return not (pulls or overlaps)
 
 
-def _equilibria(brake: Brake, members: tuple[int, ...]) -> Iterator[SolvedShoesOnAnchors]:
-    """Yield the equilibria of shoes on anchors, one for each choice of bearing supports with one.
+def _equilibria_of_shoes_on_anchors(
+    brake: Brake, members: tuple[int, ...]
+) -> Iterator[SolvedShoesOnAnchors]:
+    """Yield each equilibrium of shoes on anchors, trying one set of bearing supports after another.
 
-    Choices that lead to the same forces of the supports count once.
+    Sets of bearing supports that lead to the same forces give only one equilibrium.
     """
     on = _shoes_on_anchors(brake, members)
     found: list[Floats] = []
@@ -290,13 +308,15 @@ def _equilibria(brake: Brake, members: tuple[int, ...]) -> Iterator[SolvedShoesO
             yield solved
 
 
-def _equilibrium(brake: Brake, members: tuple[int, ...]) -> SolvedShoesOnAnchors:
+def _first_equilibrium_of_shoes_on_anchors(
+    brake: Brake, members: tuple[int, ...]
+) -> SolvedShoesOnAnchors:
     """The first equilibrium of shoes on anchors. Raises NoAnswer if there is none."""
-    first = next(_equilibria(brake, members), None)
+    first = next(_equilibria_of_shoes_on_anchors(brake, members), None)
     if first is not None:
         return first
     names = brake.names(members)
-    limit = _locking_friction(brake, members)
+    limit = _locking_friction_of_group_of_shoes(brake, members)
     if brake.friction >= limit:
         raise NoAnswer(
             f"{names}: self-locking, friction {brake.friction:g} is not below mu_lock = "
@@ -305,53 +325,60 @@ def _equilibrium(brake: Brake, members: tuple[int, ...]) -> SolvedShoesOnAnchors
     raise NoAnswer(f"{names}: {NOT_HELD_TEXT}")
 
 
-def _locking_friction(brake: Brake, members: tuple[int, ...]) -> float:
+def _locking_friction_of_group_of_shoes(brake: Brake, members: tuple[int, ...]) -> float:
     """The friction coefficient at which shoes on anchors lock; inf if they never do.
 
-    It is that of the supports that bear at the brake's friction, or at the largest of its halves
-    that has an equilibrium.
+    The supports are those that bear at the brake's friction. If there is no equilibrium at this
+    friction, it is halved until there is one.
     """
     friction = brake.friction
     for _ in range(MOST_HALVED_FRICTIONS):
-        found = next(_equilibria(brake.brake_with_scaled_friction(friction), members), None)
+        found = next(
+            _equilibria_of_shoes_on_anchors(brake.brake_with_scaled_friction(friction), members),
+            None,
+        )
         if found is not None:
             return found.mu_lock
         friction /= 2
     return math.inf
 
 
-def _group_of_shoe(brake: Brake, index: int) -> tuple[int, ...]:
-    """The positions of the shoes that are in equilibrium together with shoe `index`."""
+def _members_of_group_with_shoe(brake: Brake, index: int) -> tuple[int, ...]:
+    """The positions of all shoes whose equilibria are solved together with shoe `index`."""
     return next(group for group in groups_of_shoes_on_anchors(brake) if index in group)
 
 
 def contact_of_shoe_on_anchors(brake: Brake, index: int) -> RigidShoeContact:
     """The contact of shoe `index`, which is on anchors.
 
-    Raises NoAnswer if the shoe locks itself, or if no choice of its supports holds it.
+    Raises NoAnswer if the shoe locks itself, or if no set of its supports holds it.
     """
-    return _equilibrium(brake, _group_of_shoe(brake, index)).contacts[brake.shoes[index].name]
+    return _first_equilibrium_of_shoes_on_anchors(
+        brake, _members_of_group_with_shoe(brake, index)
+    ).contacts[brake.shoes[index].name]
 
 
 def locking_friction_of_shoes_on_anchors(brake: Brake, index: int) -> float:
     """The friction coefficient at which shoe `index`, which is on anchors, locks; inf if never.
 
-    The friction coefficients of all linings grow in proportion; the result is that of this shoe.
+    The friction coefficients of all linings are scaled in proportion until the shoe locks. The
+    result is the coefficient of this shoe's lining.
     """
-    limit = _locking_friction(brake, _group_of_shoe(brake, index))
+    limit = _locking_friction_of_group_of_shoes(brake, _members_of_group_with_shoe(brake, index))
     return limit * brake.relative_friction_of_shoe(brake.shoes[index])
 
 
-def bearing_of_rigid_shoes(brake: Brake, members: tuple[int, ...]) -> Bearing:
-    """Which one-sided supports of some shoes bear by the law, in the order of the brake.
+def bearing_supports_of_rigid_shoes(brake: Brake, members: tuple[int, ...]) -> Bearing:
+    """Which one-sided supports of some shoes bear by the rigid-shoe law, in the order of the brake.
 
-    It is () if the law has no equilibrium. `members` are the positions of the shoes in the brake.
+    The result is () if the shoes have no equilibrium. `members` are the positions of the shoes in
+    the brake.
     """
     bears: dict[str, bool] = {}
     for group in groups_of_shoes_on_anchors(brake):
         if group[0] not in members:
             continue
-        found = next(_equilibria(brake, group), None)
+        found = next(_equilibria_of_shoes_on_anchors(brake, group), None)
         if found is None:
             return ()
         names = [support.name for support in found.shoes.supports]
@@ -361,14 +388,14 @@ def bearing_of_rigid_shoes(brake: Brake, members: tuple[int, ...]) -> Bearing:
 
 
 class AnchoredAnswer(NamedTuple):
-    """The equilibria of all shoes on anchors of a brake by the law.
+    """The equilibria of all shoes on anchors of a brake by the rigid-shoe law.
 
     Attributes
     ----------
     contacts : contact of each shoe, by its name
     supports : forces of the one-sided supports on each shoe, by its name
-    warnings : a line for each group of shoes with more than one equilibrium, which names the
-        choices of supports that bear
+    warnings : a line of text for each group of shoes with more than one equilibrium, which names
+        the supports that bear in each
     """
 
     contacts: dict[str, RigidShoeContact]
@@ -379,13 +406,15 @@ class AnchoredAnswer(NamedTuple):
 def solve_shoes_on_anchors(brake: Brake) -> AnchoredAnswer:
     """Solve all shoes on anchors of a brake by the rigid-shoe law.
 
-    Raises NoAnswer for shoes that lock themselves or that no choice of their supports holds.
+    Raises NoAnswer for shoes that lock themselves, or that no set of their supports holds.
     """
     contacts: dict[str, RigidShoeContact] = {}
     supports: dict[str, tuple[SupportForce, ...]] = {}
     warnings = []
     for members in groups_of_shoes_on_anchors(brake):
-        found = list(_equilibria(brake, members)) or [_equilibrium(brake, members)]
+        found = list(_equilibria_of_shoes_on_anchors(brake, members)) or [
+            _first_equilibrium_of_shoes_on_anchors(brake, members)
+        ]
         first = found[0]
         contacts |= first.contacts
         for i in members:

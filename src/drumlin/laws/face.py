@@ -3,8 +3,8 @@
 A rigid-body motion of the shoe closes the gap between lining and surface by c_1 g_1 + c_2 g_2. The
 shape functions g_1, g_2 are cos and sin of the angle on a drum, and 1 and x on a plane. The
 pressure of a rigid shoe is proportional to the closing of the gap. Whatever the shoe's support, the
-pressure is therefore p = c_1 g_1 + c_2 g_2, too. `DrumFace` and `PlaneFace` hold everything in the
-rigid-shoe law that differs between a drum and a plane. All integrals are in closed form.
+pressure is therefore p = c_1 g_1 + c_2 g_2, too. `DrumFace` and `PlaneFace` hold the formulas of
+the rigid-shoe law that differ between a drum and a plane. All integrals are in closed form.
 """
 
 import math
@@ -37,14 +37,14 @@ class DrumFace(NamedTuple):
     sign: int
 
     def gap_closing_by_motions(self, motions: Floats) -> Floats:
-        """Factors (k, 2) of cos and sin in the closing of the gap by k rigid-body motions.
+        """Factors (k, 2) of cos and sin in the closing of the gap [m] by k rigid-body motions.
 
         A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
         """
         return self.sign * motions[:, :2]
 
     def slide_by_rigid_shoe_motions(self, motions: Floats) -> Floats:
-        """Factors (k, 3) of cos, sin and 1 in the slide along e_theta by k rigid-body motions.
+        """Factors (k, 3) of cos, sin and 1 in the slide [m] along the drum by k rigid-body motions.
 
         A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
         """
@@ -56,13 +56,14 @@ class DrumFace(NamedTuple):
         return np.array([np.cos(place), np.sin(place), np.ones(np.shape(place))])
 
     def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
-        """Integrals over the length of arcs of cos, sin and 1, each times cos and times sin.
+        """Matrix (3, 2) [m] of integrals over arcs of g_i g_j: g_i cos, sin or 1, g_j cos or sin.
 
-        The result is a matrix (3, 2) [m], with a row for each first factor.
+        The rows belong to the shape functions g_i, the columns to g_j. The integrals are over the
+        length of the arcs.
         """
         total = np.zeros((3, 2))
         for a, b in arcs:
-            # From a to b, the integral of cos^2 is half + across, that of sin^2 is half - across.
+            # The integrals from a to b are half + across for cos^2, and half - across for sin^2.
             half, across = (b - a) / 2, (math.sin(2 * b) - math.sin(2 * a)) / 4
             # The integral of the product cos sin from a to b.
             both = (math.cos(2 * a) - math.cos(2 * b)) / 4
@@ -80,7 +81,8 @@ class DrumFace(NamedTuple):
         """
         top, found = math.atan2(c[1], c[0]), []
         for turn in range(-2, 3):
-            # The pressure is positive within a quarter of a turn from its maximum at `top`.
+            # The pressure is positive at angles that differ from its maximum at `top` by less than
+            # 90 degrees.
             a = max(start, top + (2 * turn - 0.5) * math.pi)
             b = min(end, top + (2 * turn + 0.5) * math.pi)
             if b - a > 1e-12 and np.any(c):
@@ -90,7 +92,8 @@ class DrumFace(NamedTuple):
     def peak(self, c: Floats, arcs: Arcs) -> float:
         """Largest value [Pa] of the pressure c[0] cos + c[1] sin on the arcs."""
         top = math.atan2(c[1], c[0])
-        # The pressure is largest at its maximum or, if no arc contains it, at an end of an arc.
+        # The pressure is largest where c[0] cos + c[1] sin has its maximum or, if no arc contains
+        # this angle, at an end of an arc.
         tops = [top + 2 * turn * math.pi for turn in range(-2, 3)]
         places: list[float] = []
         for a, b in arcs:
@@ -103,7 +106,8 @@ class DrumFace(NamedTuple):
         Parameters
         ----------
         loads : (3,) [N], integrals of the pressure times cos, sin and 1 over the lining's area
-        drag : friction per pressure towards growing angles, mu or -mu
+        drag : friction stress on the lining towards growing angles, divided by the pressure: mu or
+            -mu
         """
         along = loads[:2]
         # Friction acts at right angles to the normal force, with the radius as its lever.
@@ -116,17 +120,19 @@ class DrumFace(NamedTuple):
     def sign_of_pressure_with_given_resultant(self, c: Floats, start: float, end: float) -> int:
         """The sign of the normal stress on a lining that can have a given resultant.
 
-        It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can.
+        It is +1 if a pressure (nowhere negative) can have the resultant, -1 if only a tension can,
+        and 0 if neither can.
 
         Parameters
         ----------
-        c : (2,), the normal force, as integrals of the pressure times cos and sin
+        c : (2,) given resultant: integrals of the normal stress times cos and sin over the lining
         start, end : begin and end of the lining [rad]
         """
         if not np.any(c):
             return 0
         middle, half = (start + end) / 2, min((end - start) / 2, math.pi)
-        # The resultant of any pressure >= 0 has a direction between the lining's two ends.
+        # The resultant of a pressure that is nowhere negative points to an angle between the
+        # lining's ends.
         off = math.remainder(math.atan2(c[1], c[0]) - middle, 2 * math.pi)
         back = math.remainder(off + math.pi, 2 * math.pi)
         slack = 1e-9  # rad
@@ -139,16 +145,16 @@ class PlaneFace(NamedTuple):
     """The plane y = 0 as the friction surface of a rigid shoe, with the linings above it.
 
     Places on the plane are x [m]. The shape functions of the pressure are 1 and x. A third shape
-    function, which is 0, gives all arrays the shapes of `DrumFace`. The methods are those of
-    `DrumFace`.
+    function, which is 0, gives all arrays the same shapes as in `DrumFace`. The methods have the
+    same meaning as in `DrumFace`.
     """
 
     def gap_closing_by_motions(self, motions: Floats) -> Floats:
-        """Factors (k, 2) of 1 and x in the closing of the gap by rigid-body motions (k, 3)."""
+        """Factors (k, 2) of 1 and x in the closing of the gap [m] by rigid-body motions (k, 3)."""
         return -motions[:, 1:]
 
     def slide_by_rigid_shoe_motions(self, motions: Floats) -> Floats:
-        """Factors (k, 3) of 1, x and 0 in the slide along +x by rigid-body motions (k, 3)."""
+        """Factors (k, 3) of 1, x and 0 in the slide [m] along +x by rigid-body motions (k, 3)."""
         return np.column_stack([motions[:, 0], np.zeros((len(motions), 2))])
 
     def shape_function_values(self, place: Floats) -> Floats:
@@ -156,9 +162,9 @@ class PlaneFace(NamedTuple):
         return np.array([np.ones(np.shape(place)), place, np.zeros(np.shape(place))])
 
     def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
-        """Integrals over the length of arcs of 1, x and 0, each times 1 and times x.
+        """Matrix (3, 2) of integrals over arcs of g_i g_j: g_i is 1, x or 0, and g_j is 1 or x.
 
-        The result is a matrix (3, 2), with a row for each first factor.
+        The rows belong to the shape functions g_i, the columns to g_j.
         """
         total = np.zeros((3, 2))
         for a, b in np.array(arcs).reshape(-1, 2):
@@ -191,7 +197,7 @@ class PlaneFace(NamedTuple):
         Parameters
         ----------
         loads : (3,), integrals of the pressure times 1 [N], x [N m] and 0 over the lining's area
-        drag : friction per pressure along +x, mu or -mu
+        drag : friction stress on the lining along +x, divided by the pressure: mu or -mu
         """
         normal, friction = np.array([0.0, loads[0]]), np.array([drag * loads[0], 0.0])
         return Resultant(normal, friction, float(loads[1]))
@@ -199,11 +205,12 @@ class PlaneFace(NamedTuple):
     def sign_of_pressure_with_given_resultant(self, c: Floats, start: float, end: float) -> int:
         """The sign of the normal stress on a lining that can have a given resultant.
 
-        It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can.
+        It is +1 if a pressure (nowhere negative) can have the resultant, -1 if only a tension can,
+        and 0 if neither can.
 
         Parameters
         ----------
-        c : (2,), the normal force and its moment, as integrals of the pressure times 1 and x
+        c : (2,) given normal force and moment: integrals of the normal stress times 1 and times x
         start, end : begin and end of the lining [m]
         """
         if c[0] == 0:

@@ -1,11 +1,12 @@
 """Laws of rigid shoes on a plane: the short shoe, and the long shoe with p proportional to x.
 
-A law states the pressure p = p_0 f(x). The place x is the distance from the hinge's foot on the
-plane, and h is the height of the hinge above the plane (UWA notes, translational shoes, eq. iii and
-iv). The sign s' is +1 if the sliding body drags the lining away from the hinge, and -1 if it drags
-the lining towards the hinge. With s' = 1 and h > 0 the friction opposes the actuation. On a lining
-of width w, pressure and friction have the moment M about the hinge. The shoe locks itself at the
-friction mu_lock:
+A law states the pressure p = p_0 f(x). The place x is the distance along the plane from the hinge's
+foot, which is the point of the plane below the hinge. The hinge is at the height h above the plane
+(UWA notes, translational shoes, eq. iii and iv). The sign s' is +1 if the sliding body drags the
+lining away from the hinge, and -1 if it drags the lining towards the hinge. With s' = 1 and h > 0
+the friction opposes the actuation. On a lining of width w, pressure and friction have the moment M
+about the hinge, which balances the moment of the actuation. The shoe locks itself at the friction
+mu_lock:
 
     M = w p_0 (Load.x + s' mu h Load.total),    mu_lock = -Load.x / (s' h Load.total)
 
@@ -95,9 +96,11 @@ class FlatLaw:
     pressure: Callable[[Floats, FlatLayout], Floats]
 
     def resisting_moment_per_amplitude(self, mu: Values, pad: FlatLayout) -> Floats:
-        """Moment that the actuation needs over w p_0: Load.x + s' mu h Load.total [m^2].
+        """Actuation moment divided by w p_0: Load.x + s' mu h Load.total [m^2].
 
-        The resistance is zero or negative if the shoe locks itself.
+        This is the moment of pressure and friction about the hinge that the actuation must balance,
+        for an amplitude p_0 = 1 and the width w = 1. It is zero or negative if the shoe locks
+        itself.
         """
         load = self.load(pad)
         return load.x + pad.s * mu * pad.h * load.total
@@ -136,7 +139,8 @@ class FlatLaw:
         """
         load = self.load(pad)
         helps = -pad.s * pad.h * load.total
-        # With a hinge almost on the plane the quotient overflows to inf, which is right.
+        # If the hinge is almost on the plane, the quotient overflows to inf, which is the right
+        # limit.
         with np.errstate(over="ignore"):
             return np.where(helps > 0, load.x / np.where(helps > 0, helps, 1.0), np.inf)
 

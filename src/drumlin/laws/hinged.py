@@ -1,9 +1,10 @@
-"""Solve drum brakes with rigid shoes on hinges by laws that assume the shape of the pressure.
+"""Solve drum brakes with hinged rigid shoes by laws that assume how the pressure varies over phi.
 
 A block that is fixed to a lever counts as a hinged shoe: its hinge is the lever's pin, and the
-actuation acts on the lever. All signs are those of the shoe's own frame. One formula therefore
-serves internal and external shoes, both rotations, and shoes on either side of their hinge. Whether
-a shoe is self-energising follows from the moments about the hinge.
+actuation acts on the lever. Angles and signs are measured in the shoe's own frame, in which the
+lining lies at positive angles from the hinge. One formula therefore serves internal and external
+shoes, both rotations, and shoes on either side of their hinge. Whether a shoe is self-energising
+follows from the moments about the hinge.
 """
 
 import math
@@ -54,7 +55,7 @@ def angles_and_radii_of_hinged_shoe(brake: Brake, shoe: Shoe) -> Layout:
 
 
 def self_locking_friction_of_hinged_shoe(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
-    """Friction coefficient mu_lock at which, by a law, the torque of a shoe becomes infinite.
+    """Friction coefficient mu_lock at which the torque of a shoe becomes infinite by a law.
 
     It is inf if friction does not help the actuation.
     """
@@ -123,15 +124,16 @@ def _notes_on_shoe_response(
 ) -> list[str]:
     """Notes for the reader on the response of shoe `index` by a law.
 
-    They say that the shoe does not touch, repeat the law's remark, or compare the force lumped at
-    the lining's middle with the resultant of the same pressure spread over the arc.
+    A note says that the shoe does not touch, repeats the law's remark, or compares the force that
+    the law lumps at the lining's middle with the resultant of the same pressure spread over the
+    arc.
     """
     said = f"shoe {response.name!r}:"
     if not response.contact_arcs:
         return [note_on_shoe_without_contact(response.name)]
     if response.lumped is None:
         return [f"{said} {law.remark}"] if law.remark else []
-    # Without lumping, the resultant is that of the pressure spread over the arc.
+    # If `lumped` is None, `resultant_of_contact_on_shoe` integrates the pressure over the arc.
     spread = resultant_of_contact_on_shoe(brake, index, replace(response, lumped=None))
     share = float(np.linalg.norm(spread.normal) / np.linalg.norm(response.lumped.normal))
     ratio = float(law.friction(angles_and_radii_of_hinged_shoe(brake, brake.shoes[index])))
@@ -157,7 +159,7 @@ def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResp
             f"of the {law.name} law"
         )
     amplitude = float(law.pressure_amplitude(moment, shoe.lining.width, mu, arc))
-    # The integrals of the pressure [Pa] are the amplitude times those of f.
+    # The integrals of the pressure are its amplitude [Pa] times the integrals of f.
     load = Load(*(amplitude * integral for integral in law.load_over_linings(arc)))
     return response_of_hinged_shoe_in_contact(
         brake,
@@ -170,11 +172,12 @@ def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResp
 
 
 def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
-    """Torque [N m] of a brake if guides let each shoe move only along its lining's middle radius.
+    """Torque [N m] of a brake whose guided shoes move only along their linings' middle radii.
 
-    The pressure of such a shoe is p_0 cos(theta - middle). Its torque is that of the lumped
-    friction mu' N at the drum's radius. N is the component of the actuation force along the middle
-    radius (NPTEL lesson 12.1). The guides bear all other forces.
+    The pressure of such a shoe is p_0 cos(theta - middle). Its torque is mu' N R, with the
+    equivalent friction coefficient mu' (`ratio_of_equivalent_friction`), the drum's radius R, and
+    the component N of the actuation force along the middle radius (NPTEL lesson 12.1). The guides
+    bear all other forces.
     """
     total = 0.0
     for shoe in brake.shoes:
@@ -202,10 +205,11 @@ def resultant_of_hinged_shoe_pressure(
     Parameters
     ----------
     brake, shoe : the brake and the shoe
-    load : integrals [Pa] over the arc of the pressure, and of the pressure times cos and sin
-    factor : factor on the lining's friction coefficient
+    load : integrals [Pa] over the angle phi of the pressure, and of the pressure times cos phi and
+        sin phi
+    factor : factor by which the lining's friction coefficient is multiplied
     """
-    # The integrals are over radians of arc: width times radius turns them into forces.
+    # The integrals are over an angle [rad]. Width times radius makes them integrals over an area.
     force = shoe.lining.width * brake.size
     along: Floats = force * np.array([load.cos, load.sin])
     across = np.array([-along[1], along[0]])
@@ -234,7 +238,7 @@ def response_of_hinged_shoe_in_contact(
     contact : resultant of pressure and friction on the shoe
     pressure : function that returns the pressure [Pa] at angles phi [rad] from the hinge
     peak_at : angle phi [rad] of the largest pressure
-    lumped : whether the law lumps the resultant at the lining's middle
+    lumped : whether the law lets the resultant act as one force at the lining's middle
     """
     sense = shoe.frame.sense
     nodes = [np.linspace(*arc, PRESSURE_NODES)[::sense] for arc in shoe.arcs][::sense]
@@ -242,7 +246,7 @@ def response_of_hinged_shoe_in_contact(
     # Round-off may make the pressure negative at an end, as sin(pi) is 1e-16.
     pressures = np.zeros(len(theta))
     pressures[on_lining] = np.maximum(pressure(np.concatenate(nodes)), 0.0)
-    # Friction is self-energising if its moment about the hinge has the actuation moment's sense.
+    # A shoe is self-energising if friction and actuation turn it about the hinge in the same sense.
     helping = contact.moment + float(planar_cross_product(-shoe.pin.xy, contact.friction))
     return ShoeResponse(
         name=shoe.name,

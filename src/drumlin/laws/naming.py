@@ -23,16 +23,19 @@ def name_of_rigid_shoe_law(brake: Brake) -> str:
 
 
 def reason_rigid_law_has_other_name(brake: Brake) -> str | None:
-    """The reason why the law called "rigid" is not offered for a brake; None if it is offered.
+    """The reason why a brake has no law named "rigid"; None if it has.
 
-    It is not offered if the rigid-shoe law of the brake has a name of its own, such as "sine".
+    It has none if the rigid-shoe law of this brake has a closed form with its own name, such as
+    "sine".
     """
     name = name_of_rigid_shoe_law(brake)
     return None if name == "rigid" else f"it is the law {name!r} of this brake"
 
 
 def solve_brake_by_its_rigid_shoe_law(brake: Brake) -> Response:
-    """Solve a brake by the rigid-shoe law, under the law's name for this brake.
+    """Solve a brake by the rigid-shoe law, and name the law in the response.
+
+    The name is that of `name_of_rigid_shoe_law`.
 
     Raises NoAnswer if a shoe has no equilibrium.
     """

@@ -1,21 +1,21 @@
 """The law of a rigid shoe on a pivot G at the end of a lever: p = A cos phi + B sin phi.
 
-The shoe has two rigid-body modes: it moves with the lever, and it turns about G. It closes the gap
-to the drum by any mixture of cos phi and sin phi, and the pressure is such a mixture, too. Two
-equilibria give A and B. Pressure and friction have no moment about the pivot G. Together with the
-actuation moment M they have no moment about the lever's pin H (UWA notes, hinged shoe with a pivot
-G):
+The shoe has two rigid-body modes: it moves with the lever, and it turns about G. These motions
+close the gap to the drum by a linear combination of cos phi and sin phi, and the pressure is
+proportional to the closing. Two moment equilibria give the factors A and B. Pressure and friction
+have no moment about the pivot G. Together with the actuation moment M they have no moment about the
+lever's pin H (UWA notes, hinged shoe with a pivot G):
 
     [ M_N - dD mu M_F ]_G A + [ M_N - dD mu M_F ]_G B = 0
     [ M_N - dD mu M_F ]_H A + [ M_N - dD mu M_F ]_H B = M / (b R)
 
-The brackets before A hold the moments of the pressure cos phi, those before B the moments of
-sin phi, both by `normal_and_friction_moments_about_point`. With phi counted from the lining's
-middle, B vanishes only if G lies on the middle radius at the distance
+Each bracket holds the moments of the pressure cos phi (before A) or sin phi (before B), as
+`normal_and_friction_moments_about_point` computes them; dD is the sign of `Layout`. With phi
+counted from the lining's middle, B vanishes only if G lies on the middle radius at the distance
 `pivot_radius_for_cosine_pressure`.
 
-The functions of this module work on arrays and assume a lining in contact over its whole length.
-Brakes are solved by `drumlin.laws.rigid`, of which this law is a special case.
+The functions of this module work on arrays and assume a lining in contact over its whole length. To
+solve a brake use `drumlin.laws.rigid`, of which this law is a special case.
 """
 
 import math
@@ -37,7 +37,7 @@ PIVOTED_ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no momen
 
 
 class MomentEquilibriumMatrix(NamedTuple):
-    """Matrix (2, 2) [m] of the two moment equilibria in the factors A and B of the pressure.
+    """Matrix (2, 2) [m] by which two moment equilibria multiply the pressure's factors A and B.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class MomentEquilibriumMatrix(NamedTuple):
 
 
 class _MatricesOfMoments(NamedTuple):
-    """Two matrices of moments: those of the normal pressure, M_N, and of the friction, M_F."""
+    """The matrices of the moments M_N of the normal pressure and M_F of the friction."""
 
     normal: MomentEquilibriumMatrix
     friction: MomentEquilibriumMatrix
@@ -66,7 +66,7 @@ class _MatricesOfMoments(NamedTuple):
 def _matrices_of_normal_and_friction_moments(
     arc: Layout, x: Values, y: Values
 ) -> _MatricesOfMoments:
-    """The matrices of M_N and M_F; the equilibria have the matrix M_N - dD mu M_F.
+    """The matrices M_N and M_F; the moment equilibria have the matrix M_N - dD mu M_F.
 
     The pivot is at x, y [m] in the shoe's frame, and the lever's pin at (a, 0).
     """
@@ -110,7 +110,7 @@ def pressure_factors_of_cos_and_sin(
 
 
 def torque_of_pivoted_shoe(moment: Values, mu: Values, arc: Layout, x: Values, y: Values) -> Floats:
-    """Torque [N m] of a shoe on a lever's pivot, of a moment >= 0.
+    """Torque [N m] of a shoe on a lever's pivot under an actuation moment that is not negative.
 
     The parameters are those of `pressure_factors_of_cos_and_sin`.
 
@@ -135,7 +135,7 @@ def torque_sensitivity_of_pivoted_shoe(mu: Values, arc: Layout, x: Values, y: Va
     """
     A, B = pressure_factors_of_cos_and_sin(1.0, 1.0, mu, arc, x, y)
     rows = _matrix_of_moment_equilibria(mu, arc, x, y)
-    # The derivatives dA, dB by mu follow from the derivative of the matrix of the equilibria.
+    # The derivatives dA/dmu and dB/dmu follow from the derivative of the equilibrium matrix.
     change = MomentEquilibriumMatrix(
         *(-arc.dD * F for F in _matrices_of_normal_and_friction_moments(arc, x, y).friction)
     )

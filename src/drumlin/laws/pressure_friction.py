@@ -1,8 +1,8 @@
-"""Laws of an even pressure, solved with a friction coefficient mu(p) that depends on the pressure.
+"""Solve laws of even pressure with a friction coefficient mu(p) that depends on the pressure.
 
-A law whose pressure p is the same everywhere on the lining has one coefficient mu(p) on a shoe. The
-law gives the pressure P(mu) of the shoe in closed form. The pressure is then the zero of
-p - P(mu(p)).
+If the pressure p is the same everywhere on a lining, the lining has one friction coefficient mu(p).
+The law gives the pressure P(mu) at a given coefficient in closed form. The pressure of the shoe is
+therefore a zero of p - P(mu(p)).
 """
 
 from collections.abc import Callable
@@ -23,14 +23,14 @@ EVEN_PRESSURE_LAWS = frozenset({"uniform", "short"})
 """Names of the laws whose pressure is the same everywhere on the lining."""
 
 PRESSURE_ROUND_OFF = 4 * float(np.finfo(float).eps)
-"""Relative accuracy to which the pressure of a shoe is found, the least that `brentq` takes."""
+"""Relative accuracy to which the pressure of a shoe is found: the finest that `brentq` accepts."""
 
 LawSolver = Callable[[Brake], Response]
 """A function that solves a brake by a law."""
 
 
 def reason_if_law_has_uneven_pressure(name: str, brake: Brake) -> str | None:
-    """Why a law does not apply to friction that depends on the pressure; None if it applies.
+    """Why a law cannot solve a brake whose friction depends on the pressure; None if it can.
 
     `name` is the name of the law.
     """
@@ -42,20 +42,21 @@ def reason_if_law_has_uneven_pressure(name: str, brake: Brake) -> str | None:
 
 
 def solve_brake_by_law_of_even_pressure(solve: LawSolver, brake: Brake) -> Response:
-    """Solve a brake by a law, with the friction coefficient of each shoe's even pressure.
+    """Solve a brake by a law, with the friction coefficient that belongs to each shoe's pressure.
 
     Raises NoAnswer if a shoe has no equilibrium.
     """
     if key_of_friction_over_pressure(brake) is None:
         return solve(brake)
     count = len(brake.shoes)
-    # The other shoes get no friction, so that they cannot lock themselves.
+    # While one shoe is solved, the other shoes get no friction, so that they cannot lock
+    # themselves.
     frictions = []
     for i, shoe in enumerate(brake.shoes):
         curve = brake.friction_curve_of_shoe(shoe)
 
         def pressure(mu: float, index: int = i) -> float:
-            """The pressure [Pa] of the shoe at a friction coefficient; inf if it locks itself."""
+            """Pressure [Pa] of shoe `index` at the friction mu; inf if the shoe locks itself."""
             alone = [mu if k == index else 0.0 for k in range(count)]
             try:
                 return solve(_brake_with_friction_of_shoes(brake, alone)).shoes[index].peak_pressure
@@ -79,9 +80,9 @@ def _brake_with_friction_of_shoes(brake: Brake, frictions: list[float]) -> Brake
 def _friction_at_equilibrium(
     curve: FrictionCurve, pressure: Callable[[float], float], name: str
 ) -> float:
-    """The friction coefficient of the least pressure at which a shoe is in equilibrium.
+    """The friction coefficient at the smallest pressure at which a shoe is in equilibrium.
 
-    It is the equilibrium that a growing force reaches.
+    A force that grows from zero reaches this equilibrium first.
 
     Parameters
     ----------
@@ -94,16 +95,17 @@ def _friction_at_equilibrium(
     NoAnswer
         if the shoe locks itself
     """
-    # The import of scipy takes time, and few brakes come here.
+    # The import of scipy takes time, and few brakes need it.
     from scipy.optimize import brentq  # noqa: PLC0415
 
     def excess(p: float) -> float:
         """The pressure p less the pressure that its friction leads to."""
-        # A shoe that locks itself has an infinite pressure; any finite one is too small.
+        # A shoe that locks itself has an infinite pressure, so that every finite p is too small.
         reached = pressure(float(curve.coefficient(np.array(p))))
         return p - reached if np.isfinite(reached) else -max(p, 1.0)
 
-    # Between two pressures of the table the coefficient is linear, so that a zero is found there.
+    # Between two pressures of the table the coefficient is linear in p, so that `brentq` finds a
+    # zero between them.
     for low, high in pairwise([0.0, *curve.pressure.tolist()]):
         if low < high and excess(low) <= 0 <= excess(high):
             p = brentq(excess, low, high, xtol=PRESSURE_ROUND_OFF * high, rtol=PRESSURE_ROUND_OFF)

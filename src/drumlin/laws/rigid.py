@@ -2,14 +2,15 @@
 
 The rigid-body mode k of a shoe moves its lining by u_k and closes the gap by f_k = n.u_k, with the
 lining's normal n. The pressure is p = sum of a_k f_k where the sum is positive, and 0 elsewhere.
-There are as many moment or force equilibria as modes. They contain the friction coefficient mu, the
-sense s of the motion, the direction t along the surface, the width w of the lining, the test modes
-v_j (brake.support), and the work Q_j of the actuation on the test mode j:
+The factors a_k follow from one equilibrium of moments or forces for each test mode v_j, of which
+there are as many as modes. The equilibria contain the friction coefficient mu, the sense s of the
+motion, the direction t along the surface, the width w of the lining, and the work Q_j of the
+actuation on the test mode v_j (see `drumlin.brake.support`):
 
     w Int p (n.v_j - mu s t.v_j) ds = Q_j     over the part of the lining where p > 0
 
-For some supports the law is a known one: sine (a hinge on a drum), A cos + B sin (a pivot or an
-abutment), cosine (a guide on a drum), linear (a hinge on a plane), uniform (a guide on a plane).
+For some supports the law has a well-known form: sine (a hinge on a drum), A cos + B sin (a pivot or
+an abutment), cosine (a guide on a drum), linear (a hinge on a plane), uniform (a guide on a plane).
 """
 
 import math
@@ -71,16 +72,16 @@ NEGLECTED_BY_RIGID_LAWS = {
 PRESSURE_NODES = 257
 """Number of nodes of the pressure over a lining on a drum.
 
-Three nodes each carry a parabola, which interpolates the pressure. Integrals over these parabolas
-are right to a relative error of 1e-10.
+A parabola through every three successive nodes interpolates the pressure (Simpson's rule).
+Integrals over these parabolas have a relative error below 1e-10.
 """
 
 
 def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
     """Friction coefficient mu_lock at which a rigid shoe with its whole lining in contact locks.
 
-    Friction at an abutment may act in two senses. The result is the smaller mu_lock of the two. A
-    shoe on anchors locks together with the shoes that a strut joins to it.
+    Friction at an abutment may act in two senses; the result is the smaller of the two values of
+    mu_lock. A shoe on anchors locks together with the shoes that a strut joins to it.
     """
     if shoe.anchors:
         return locking_friction_of_shoes_on_anchors(brake, brake.shoes.index(shoe))
@@ -94,7 +95,7 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
 
 
 def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
-    """The friction of a brake beside the smallest mu_lock of its shoes by the rigid-shoe law."""
+    """The friction of a brake, and the smallest mu_lock of its shoes by the rigid-shoe law."""
     limits = []
     for shoe in brake.shoes:
         limit = self_locking_friction_of_rigid_shoe(brake, shoe)
@@ -108,13 +109,13 @@ def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
 def find_contact_of_rigid_shoe(
     brake: Brake, shoe: Shoe, *, whole: bool = False
 ) -> RigidShoeContact | None:
-    """Find the contact of a rigid shoe; None if its force is zero or lifts the shoe off.
+    """Find the contact of a rigid shoe; None if its actuation is zero or lifts the shoe off.
 
     Parameters
     ----------
     brake, shoe : the brake and the shoe
     whole : whether the whole lining stays in contact, under tension if need be, as closed-form laws
-        assume; shoes on anchors ignore it
+        assume; without effect on shoes on anchors
 
     Raises
     ------
@@ -129,8 +130,8 @@ def find_contact_of_rigid_shoe(
     # A force that only tension on the lining could balance lifts the shoe off.
     if sign_of_pressure_that_balances_actuation(brake, shoe) < 0:
         return None
-    # Friction at an abutment must oppose the motion of the foot. The first sense of friction for
-    # which the solution fulfils this condition is the answer.
+    # Friction on the foot at an abutment must oppose the motion of the foot or hold it. The
+    # solution for the first sense of friction that fulfils this condition is the answer.
     failure: NoAnswer | None = None
     for sense in shoe.senses_of_abutment_friction_to_try:
         try:
@@ -149,8 +150,8 @@ def find_contact_of_rigid_shoe(
 def sign_of_pressure_that_balances_actuation(brake: Brake, shoe: Shoe) -> int:
     """The sign of the normal stress on a lining that can balance its shoe's actuation.
 
-    It is +1 if a pressure can, -1 if only a tension can, and 0 if neither can. Friction is left
-    out.
+    It is +1 if a pressure can balance it, -1 if only a tension can, and 0 if neither can. Friction
+    is neglected here.
     """
     face, ends = friction_surface_of_shoe(brake, shoe), (shoe.lining.start, shoe.lining.end)
     free = shoe.freedoms(shoe.senses_of_abutment_friction_to_try[-1])
@@ -195,7 +196,8 @@ def _find_contact_for_friction_sense(
     arcs: Arcs = linings
     mu_lock = locking_friction_on(arcs)
     locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
-    # With one mode the sign of the actuation's work alone tells which arcs are in contact.
+    # A shoe with one rigid-body mode moves in the sense in which its actuation does positive work.
+    # This sense tells which arcs come into contact.
     if len(shapes) == 1:
         arcs = arcs_of_positive_pressure_on_linings(
             face, shapes[0] * math.copysign(1.0, free.work_of_all_loads[0]), linings
@@ -205,7 +207,7 @@ def _find_contact_for_friction_sense(
             raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
     for _ in range(MOST_CONTACT_STEPS):
         matrices = equilibrium_matrices_of_rigid_shoe(face, free, shoe.lining.width, arcs)
-        amounts = _motions_in_equilibrium(matrices, free, mu * brake.sign_of_motion)
+        amounts = _mode_factors_in_equilibrium(matrices, free, mu * brake.sign_of_motion)
         if amounts is None:
             break
         # The next arcs are those where the pressure that follows from the present arcs is positive.
@@ -219,7 +221,8 @@ def _find_contact_for_friction_sense(
         if not after:
             break
         arcs = after
-    # Above mu_lock the shoe fails by self-locking, below mu_lock because it tips at its support.
+    # The search has found no equilibrium. If mu is above mu_lock, the shoe locks itself; otherwise
+    # it tips at its support.
     if mu >= mu_lock:
         raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
     raise NoAnswer(
@@ -228,10 +231,10 @@ def _find_contact_for_friction_sense(
     )
 
 
-def _motions_in_equilibrium(
+def _mode_factors_in_equilibrium(
     matrices: tuple[Floats, Floats], free: Freedoms, drag: float
 ) -> Floats | None:
-    """The amounts (k,) of the rigid-body modes for which the shoe is in equilibrium.
+    """The factors (k,) of the rigid-body modes in the pressure of a shoe in equilibrium.
 
     None is returned if the equations are singular.
 
@@ -239,7 +242,7 @@ def _motions_in_equilibrium(
     ----------
     matrices : N and F, see `equilibrium_matrices_of_rigid_shoe`
     free : rigid-body modes of the shoe
-    drag : friction coefficient, times the sense +1 or -1 of sliding
+    drag : friction coefficient times the sense of sliding, +1 or -1
     """
     N, F = matrices
     try:
@@ -259,11 +262,11 @@ def _contact_resultant_of_rigid_shoe(
 def response_of_rigid_shoe(
     brake: Brake, shoe: Shoe, found: RigidShoeContact | None
 ) -> ShoeResponse:
-    """The response of a rigid shoe from its contact; of a shoe that does not touch for None."""
+    """The response of a rigid shoe from its contact `found`, None if it does not touch."""
     if found is None:
         return response_of_shoe_without_contact(shoe, -shoe.force_of_all_loads)
     contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.flat
-    # The pressure on a plane is linear in x, so that two steps between nodes are enough.
+    # The pressure on a plane is linear in x, so that three nodes (two intervals) are enough.
     steps, linings = 2 if flat else PRESSURE_NODES - 1, []
     for ends in shoe.lining.arcs:
         own = tuple(arc for arc in found.arcs if ends[0] <= arc[0] and arc[1] <= ends[1])
@@ -272,13 +275,14 @@ def response_of_rigid_shoe(
     about_pin = _pressure_and_friction_moments_about_pin(shoe, contact)
     of_actuation = shoe.moment_of_all_loads_about_point(shoe.pin)
     guided = shoe.guide is not None
-    # A guide turns the shoe back, and several anchors have no common point.
+    # The reaction has a moment about the pin if a guide keeps the shoe from turning, or if several
+    # anchors act at different points.
     has_moment = guided or bool(shoe.anchors)
     reaction_moment = -about_pin.pressure - about_pin.friction - of_actuation
     # Friction is self-energising if its moment about the pin has the actuation moment's sense.
     helping = about_pin.friction * of_actuation
-    # A shoe on a guide does not turn, and one on anchors turns about no given point. There the work
-    # of the friction in the motion of the shoe decides.
+    # A shoe on a guide does not turn, and a shoe on anchors turns about no given point. For such a
+    # shoe friction is self-energising if it does positive work in the motion of the shoe.
     if has_moment:
         drag = brake.signed_friction_per_pressure(shoe)
         helping = _friction_work_in_motion_above_round_off(drag, found)
@@ -299,11 +303,11 @@ def response_of_rigid_shoe(
 
 
 def _friction_work_in_motion_above_round_off(drag: float, found: RigidShoeContact) -> float:
-    """Work of the friction as a shoe moves, less NEITHER of the pressure's work.
+    """Work of the friction in the motion of a shoe, minus NEITHER times the work of the pressure.
 
-    The result is positive if friction is self-energising. It is not positive if the guide is square
-    to the surface, where the friction does no work but round-off. `drag` is the friction stress on
-    the lining per pressure.
+    The result is positive if friction is self-energising. If the guide is square to the surface,
+    friction does no work; the second term keeps round-off from making the result positive. `drag`
+    is the friction stress on the lining divided by the pressure.
     """
     a = found.amounts
     systems = equilibrium_matrices_of_rigid_shoe(found.face, found.freedoms, 1.0, found.arcs)
@@ -314,7 +318,8 @@ def _friction_work_in_motion_above_round_off(drag: float, found: RigidShoeContac
 def pressure_of_rigid_shoe_at_places(found: RigidShoeContact | None, place: Floats) -> Floats:
     """Pressure [Pa] of a rigid shoe at places of its lining, in the shape of `place`.
 
-    It is 0 where the lining does not touch, and everywhere if `found` is None.
+    The pressure is 0 where the lining does not touch. It is 0 everywhere if `found` is None, which
+    means that the shoe does not touch.
     """
     if found is None:
         return np.zeros(np.shape(place))
@@ -329,10 +334,10 @@ class _PinMoments(NamedTuple):
 
 
 def _pressure_and_friction_moments_about_pin(shoe: Shoe, contact: Resultant) -> _PinMoments:
-    """The moments about the shoe's pin of the pressure and of the friction in a resultant."""
+    """Moments about a shoe's pin of pressure and friction, from the resultant of both."""
     pin = shoe.pin.xy
-    # The resultant's moment is about the origin. There only the pressure has a moment on a plane,
-    # and only the friction on a drum.
+    # The moment of the resultant is taken about the origin. About this point only the pressure has
+    # a moment on a plane, and only the friction on a drum.
     pressure, friction = (contact.moment, 0.0) if shoe.flat else (0.0, contact.moment)
     return _PinMoments(
         pressure - float(planar_cross_product(pin, contact.normal)),
@@ -343,16 +348,17 @@ def _pressure_and_friction_moments_about_pin(shoe: Shoe, contact: Resultant) -> 
 def node_places_of_pressure_along_lining(
     ends: tuple[float, float], arcs: Arcs, steps: int
 ) -> Floats:
-    """The places (n,) of the nodes at which the pressure over a lining is given.
+    """Choose the places (n,) of the nodes at which the pressure on a lining is given.
 
-    The nodes belong to quadratic pieces. Each end of the contact is an end of a piece, and between
-    two such ends the nodes are evenly spaced.
+    A parabola through every three successive nodes gives the pressure between them. Each end of the
+    contact is an end of a parabola, and between two ends of the contact the nodes are evenly
+    spaced.
 
     Parameters
     ----------
     ends : places where the lining begins and ends
     arcs : arcs of the lining in contact
-    steps : approximate number of steps between nodes over the whole lining
+    steps : approximate number of intervals between nodes along the whole lining
     """
     # A set holds each end once, even if an arc in contact ends where the lining ends.
     marks = sorted({*ends, *chain.from_iterable(arcs)})
@@ -363,19 +369,19 @@ def node_places_of_pressure_along_lining(
     return np.concatenate(found)
 
 
-def brake_with_forces_shared_by_rigid_law(brake: Brake, *, whole: bool = False) -> Brake:
-    """The brake whose shoes have the forces that a cam or struts give them if all is rigid.
+def brake_with_cam_and_strut_forces_by_rigid_law(brake: Brake, *, whole: bool = False) -> Brake:
+    """Set the forces of a cam and of struts on the shoes by the rigid-shoe law.
 
-    With `whole` the whole lining stays in contact, under tension if need be. Raises NoAnswer if a
-    shoe has no equilibrium.
+    Returns a changed copy of the brake. With `whole` the whole lining stays in contact, under
+    tension if need be. Raises NoAnswer if a shoe has no equilibrium.
     """
     shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}
     if brake.actuation is not None and brake.actuation.is_cam:
-        _share_cam_force_among_shoes(
+        _divide_cam_force_between_shoes(
             brake, shoes, brake.actuation.force_of_cylinder_or_sum_of_cam_forces, whole
         )
-    # A strut pushes a shoe with the force that the foot of the shoe before it exerts.
+    # A strut pushes a shoe with the force that the foot of the other shoe exerts on the strut.
     pushed = brake.names_of_shoes_pushed_by_struts
     for link in brake.links:
         if link.to not in pushed:
@@ -389,68 +395,74 @@ def brake_with_forces_shared_by_rigid_law(brake: Brake, *, whole: bool = False) 
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def _share_cam_force_among_shoes(
+def _divide_cam_force_between_shoes(
     brake: Brake, shoes: list[Shoe], total: float, whole: bool
 ) -> None:
-    """Replace the shoes under a cam, in the list `shoes`, by shoes with their parts of its force.
+    """Give the shoes under a cam, in the list `shoes`, their parts of the cam's force.
 
-    The two parts add up to `total` [N]. The cam moves the tips of both shoes equally, so that each
-    part is inverse to the motion of the shoe's tip per force. Raises NoAnswer if the cam does not
-    press a shoe. With `whole` the whole lining stays in contact, under tension if need be.
+    The two parts add up to `total` [N]. The cam moves the loaded ends of both shoes equally, so
+    that each part is inversely proportional to the displacement of the shoe's loaded end per force.
+    Raises NoAnswer if the cam does not press a shoe. With `whole` the whole lining stays in
+    contact, under tension if need be.
     """
     # A shoe behind a strut is pushed by the strut and not by the cam.
     behind = brake.names_of_shoes_pushed_by_struts
     on_cam = [i for i, shoe in enumerate(shoes) if shoe.name not in behind]
     if any(shoes[i].has_further_loads for i in on_cam):
-        first = _first_cam_force_beside_further_loads(brake, shoes, on_cam, total, whole)
+        first = _cam_force_on_first_shoe_with_further_loads(brake, shoes, on_cam, total, whole)
         for i, force in zip(on_cam, (first, total - first), strict=True):
             shoes[i] = shoes[i].shoe_with_changed_actuation_force(force)
         return
     motions_per_force = []
     for i in on_cam:
         found = find_contact_of_rigid_shoe(brake, shoes[i], whole=whole)
-        if found is None or found.tip_motion_over_compliance <= 0:
+        if found is None or found.loaded_point_motion_over_compliance <= 0:
             raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
-        motions_per_force.append(found.tip_motion_over_compliance / shoes[i].actuation.force)
-    # The tips are springs side by side: the sum of their stiffnesses carries the cam's force.
+        motions_per_force.append(
+            found.loaded_point_motion_over_compliance / shoes[i].actuation.force
+        )
+    # The loaded ends of the shoes act like springs in parallel: the sum of their stiffnesses
+    # carries the cam's force.
     stiffness = math.fsum(1 / motion for motion in motions_per_force)
     for i, motion in zip(on_cam, motions_per_force, strict=True):
         shoes[i] = shoes[i].shoe_with_changed_actuation_force(total / (motion * stiffness))
 
 
-def _first_cam_force_beside_further_loads(
+def _cam_force_on_first_shoe_with_further_loads(
     brake: Brake, shoes: list[Shoe], on_cam: list[int], total: float, whole: bool
 ) -> float:
-    """The force [N] of a cam on the first of its two shoes, on which further loads act as well.
+    """The force [N] of a cam on the first of its two shoes, if springs or other forces act as well.
 
-    Both tips move equally. The difference of their motions grows with the force on the first shoe,
-    so that its zero is bracketed by 0 and `total`. The parameters are those of
-    `_share_cam_force_among_shoes`, and `on_cam` the numbers of the two shoes. Raises NoAnswer if
-    the cam does not press both shoes.
+    The cam moves the loaded ends of both shoes equally. The difference of their displacements grows
+    with the force on the first shoe, so that it is zero at a force between 0 and `total`. The
+    parameters are those of `_divide_cam_force_between_shoes`, and `on_cam` has the positions of the
+    two shoes in `shoes`. Raises NoAnswer if the cam does not press both shoes.
     """
     # The import of scipy takes time, and few brakes come here.
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    def tip_motion(i: int, force: float) -> float:
-        """The motion of a shoe's tip over the lining's compliance [Pa]; 0 without contact."""
+    def motion_of_loaded_end(i: int, force: float) -> float:
+        """Displacement of a shoe's loaded end over its lining's compliance [Pa]; 0 if apart."""
         shoe = shoes[i].shoe_with_changed_actuation_force(force)
         found = find_contact_of_rigid_shoe(brake, shoe, whole=whole)
-        return 0.0 if found is None else found.tip_motion_over_compliance
+        return 0.0 if found is None else found.loaded_point_motion_over_compliance
 
     one, other = on_cam
 
-    def difference_of_tip_motions(force: float) -> float:
-        """The motion of the first tip minus that of the other, under a force on the first shoe."""
-        return tip_motion(one, force) - tip_motion(other, total - force)
+    def difference_of_loaded_end_motions(force: float) -> float:
+        """The motion of the first loaded end minus the second, by the force on the first shoe."""
+        return motion_of_loaded_end(one, force) - motion_of_loaded_end(other, total - force)
 
-    low, high = difference_of_tip_motions(0.0), difference_of_tip_motions(total)
+    low, high = difference_of_loaded_end_motions(0.0), difference_of_loaded_end_motions(total)
     if not low < 0 < high:
-        # A shoe that its further loads alone press too far moves away from the cam.
+        # If springs or other forces alone press a shoe too far, the shoe moves away from the cam.
         lacking = on_cam[0] if low >= 0 else on_cam[1]
         raise NoAnswer(f"shoe {shoes[lacking].name!r}: the cam does not press it")
-    force = float(brentq(difference_of_tip_motions, 0.0, total, xtol=1e-13 * total, rtol=1e-15))
+    force = float(
+        brentq(difference_of_loaded_end_motions, 0.0, total, xtol=1e-13 * total, rtol=1e-15)
+    )
     for i, part in ((one, force), (other, total - force)):
-        if tip_motion(i, part) <= 0:
+        if motion_of_loaded_end(i, part) <= 0:
             raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
     return force
 
@@ -471,7 +483,7 @@ def solve_brake_by_rigid_shoe_law(
     NoAnswer
         for a self-locking shoe, or for a shoe whose actuation no pressure balances
     """
-    under = brake_with_forces_shared_by_rigid_law(brake, whole=whole)
+    under = brake_with_cam_and_strut_forces_by_rigid_law(brake, whole=whole)
     anchored = solve_shoes_on_anchors(under)
     shoes = []
     for shoe in under.shoes:
@@ -480,7 +492,7 @@ def solve_brake_by_rigid_shoe_law(
             found = find_contact_of_rigid_shoe(under, shoe, whole=whole)
         answer = response_of_rigid_shoe(under, shoe, found)
         shoes.append(replace(answer, supports=anchored.supports.get(shoe.name, ())))
-    # If a cam or a strut shares a force, each response states the part that its shoe gets.
+    # If a cam or a strut divides a force among shoes, each response states the force on its shoe.
     if under.shoes != brake.shoes:
         shoes = [
             replace(response, force=shoe.actuation.force)
@@ -507,10 +519,11 @@ def solve_brake_by_rigid_shoe_law(
 
 
 def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
-    """A note on how a cam shares its force if its two linings have different E/t; else no note.
+    """A note on how a cam divides its force if its two linings have different E/t; else no note.
 
-    The cam moves both tips equally. A new lining under a rigid shoe is compressed by p t/E. A
-    lining that is worn in wears in proportion to p, so that E/t does not matter.
+    The cam moves the loaded ends of both shoes equally. A new lining follows by its compression p
+    t/E, so that E/t matters. A worn-in lining follows by its wear, which is proportional to p for
+    any E/t.
     """
     if brake.actuation is None or not brake.actuation.is_cam:
         return ()
@@ -532,14 +545,16 @@ def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
 
 
 UNUSED_KEYS = "keys that the law does not use: "
-"""Beginning of the line that names the keys of a brake file that a law leaves out of its answer."""
+"""Beginning of the line of text that names the keys of a brake file that a law does not use."""
 
 
 def response_with_keys_left_out(brake: Brake, response: Response) -> Response:
-    """The response of a law, which names the given keys that it does not use; others unchanged.
+    """The response of a rigid-shoe law, with a line that names the given keys that the law ignores.
 
-    Between blocks that stand back the lining does not press, so that torque and pressure of the law
-    are those of another lining. A warning says so.
+    Responses of other models are returned unchanged.
+
+    The law also ignores `misfit.blocks`. Where blocks stand back the real lining does not press, so
+    that the law's torque and pressure are wrong for it; a warning says so.
     """
     if response.left_out != NEGLECTED_BY_RIGID_LAWS[brake.surface.word]:
         return response
@@ -560,7 +575,8 @@ def response_with_keys_left_out(brake: Brake, response: Response) -> Response:
 
 def _given_keys_that_laws_do_not_use(brake: Brake) -> list[str]:
     """The keys of parts and gaps in a brake file that no rigid-shoe law uses, each once."""
-    # The harmonics of a brake also hold the growth of a heated drum, which has a line of its own.
+    # The attribute `out_of_round_harmonics` of a brake also contains the growth of a heated drum,
+    # about which there is a separate warning. The key of the file is therefore read here.
     out_of_round = getattr(getattr(brake, "drum", None), "out_of_round", ())
     parts: dict[str, object] = {"drum.ring": brake.ring, "drum.out_of_round": out_of_round}
     for shoe in brake.shoes:

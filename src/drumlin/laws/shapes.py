@@ -1,10 +1,10 @@
 """Pressure laws p = p_0 f(phi) of rigid shoes on a drum, as formulas on arrays.
 
 The angle phi is measured at the drum's centre O from the hinge, in the shoe's own frame. Forces and
-moments of a shoe need only three integrals of f over the lining's arc, which are its `Load`. With
-these integrals every law has the form of the short shoe of the UWA notes (eq. 6a). Here M is the
-actuation moment about the hinge, T the torque, b the lining's width, R the drum's radius, a the
-hinge's radius, and dD a sign (see `Layout`):
+moments of a shoe follow from three integrals of f over the lining's arc, which are its `Load`. With
+these integrals the equations of every law have the form that the UWA notes give for the short shoe
+(eq. 6a). Here M is the actuation moment about the hinge, T the torque, b the lining's width, R the
+drum's radius, a the hinge's radius, and dD a sign (see `Layout`):
 
     M = b R p_0 (M_N - dD mu M_F),   M_N = a Load.sin,   M_F = R Load.total - a Load.cos
     T = mu b R^2 p_0 Load.total,     mu_lock = M_N / (dD M_F)
@@ -22,7 +22,7 @@ from drumlin.base.arrays import Floats, Values
 
 
 class Load(NamedTuple):
-    """Integrals over the lining's arc of a pressure f(phi) of amplitude 1.
+    """Integrals over the angle phi of a pressure f(phi) of amplitude 1 on the lining's arc.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Layout(NamedTuple):
     dD : double delta of the UWA notes: +1 for an external shoe whose lining the drum drags away
         from the hinge, and for an internal shoe whose lining the drum drags towards the hinge;
         otherwise -1
-    slots : begin and end of each slot between two linings of the shoe, from the hinge [rad]
+    slots : angles from the hinge at which each slot between two linings begins and ends [rad]
     """
 
     phi_1: Values
@@ -80,7 +80,7 @@ class Layout(NamedTuple):
 def normal_and_friction_moments_about_point(
     load: Load, R: Values, x: Values, y: Values = 0.0
 ) -> tuple[Floats, Floats]:
-    """Moments M_N and M_F [m] of a pressure about a point of the shoe's frame, over b R p_0.
+    """Moments M_N and M_F [m] about a point, of pressure and friction, divided by b R p_0.
 
     The moment M_N of the normal pressure opposes the actuation. The moment M_F is that of the
     friction at mu = 1; with dD = 1 it helps the actuation.
@@ -108,7 +108,7 @@ def integrals_of_sine_pressure(arc: Layout) -> Load:
 def integrals_of_cos_phi_pressure(arc: Layout) -> Load:
     """Integrals of the pressure f = cos phi over the arc.
 
-    A shoe with two rigid-body modes has a mixture of the pressures cos phi and sin phi.
+    The pressure of a shoe with two rigid-body modes is a linear combination of cos phi and sin phi.
     """
     phi_1, phi_2 = arc.phi_1, arc.phi_2
     Ic = np.sin(phi_2) - np.sin(phi_1)
@@ -147,20 +147,20 @@ def integrals_of_lumped_cosine_pressure(arc: Layout) -> Load:
 
 
 def ratio_of_equivalent_friction(theta_0: Values) -> Floats:
-    """Ratio mu'/mu of a block's equivalent friction coefficient to the real one.
+    """Ratio mu'/mu of a block's equivalent friction coefficient to its lining's coefficient.
 
     The equivalent coefficient is mu' = T/(R N), with the torque T and the resultant normal force N.
-    For the pressure p_0 cos over the half-arc theta_0 [rad], the ratio is
+    For the pressure p_0 cos(theta - middle) on a lining of the half-arc theta_0 [rad] the ratio is
     4 sin theta_0 / (2 theta_0 + sin 2 theta_0) (NPTEL lesson 12.1).
     """
     return np.asarray(4 * np.sin(theta_0) / (2 * theta_0 + np.sin(2 * theta_0)))
 
 
 def pivot_radius_for_cosine_pressure(R: Values, theta_0: Values) -> Floats:
-    """Distance [m] from the drum's centre at which a pivot makes the pressure p = p_0 cos.
+    """Radius [m] at which a pivot makes the pressure p_0 cos(theta - middle).
 
-    The pivot lies on the middle radius of a lining of the half-arc theta_0 [rad]. The distance is
-    4 R sin theta_0 / (2 theta_0 + sin 2 theta_0).
+    The pivot lies on the middle radius of a lining of the half-arc theta_0 [rad]. Its distance from
+    the drum's centre is 4 R sin theta_0 / (2 theta_0 + sin 2 theta_0).
     """
     return np.asarray(R * ratio_of_equivalent_friction(theta_0))
 
@@ -171,7 +171,7 @@ def _sine_pressure_on_part(whole: Layout, part: Layout) -> Load:
 
 
 def _cosine_pressure_on_part(whole: Layout, part: Layout) -> Load:
-    """Integrals of f = cos(phi - middle) over a part of the arc, with the middle of the whole."""
+    """Integrals over a part of the arc of f = cos(phi - middle of the whole arc)."""
     cos, sin = np.cos(whole.middle), np.sin(whole.middle)
     of_cos, of_sin = integrals_of_cos_phi_pressure(part), integrals_of_sine_pressure(part)
     return Load(*(cos * a + sin * b for a, b in zip(of_cos, of_sin, strict=True)))
@@ -201,8 +201,8 @@ class Law:
     lumped : whether the law lets the whole contact force act at the lining's middle
     friction : function that returns the factor on mu, which is 1 unless the law lumps the forces
     remark : note for the reader of the law's results
-    load_on_part : function of the whole arc and a part that returns the integrals of f over the
-        part; None for a law that takes one lining only
+    load_on_part : function that takes the whole arc and a part of it, and returns the integrals of
+        f over the part; None for a law that cannot have several linings on a shoe
     """
 
     name: str
@@ -228,10 +228,10 @@ class Law:
         return Load(total, cos, sin)
 
     def angle_of_peak_pressure(self, arc: Layout) -> float:
-        """The angle phi [rad] of the largest pressure on one lining or on several, as numbers.
+        """The angle phi [rad] of the largest pressure on a shoe with one or several linings.
 
-        The pressure of every law has one peak. If it lies in a slot, an edge of the slot takes its
-        place.
+        The pressure of every law has one peak. If this angle lies in a slot, the pressure is
+        largest at an edge of the slot. The layout must hold numbers, not arrays.
         """
         top = float(self.peak_at(arc))
         if not arc.slots:
@@ -240,9 +240,9 @@ class Law:
         return float(places[np.argmax(self.pressure(places, arc))])
 
     def normal_and_friction_moments_about_hinge(self, arc: Layout) -> tuple[Floats, Floats]:
-        """Moments M_N of the pressure and M_F of the friction about the hinge, over b R p_0 [m].
+        """Moments M_N of pressure and M_F of friction about the hinge, divided by b R p_0 [m].
 
-        Their signs are those of `normal_and_friction_moments_about_point`.
+        M_N opposes the actuation. M_F is the moment at mu = 1; with dD = 1 it helps the actuation.
         """
         M_N, M_F = normal_and_friction_moments_about_point(
             self.load_over_linings(arc), arc.R, arc.a
@@ -250,9 +250,10 @@ class Law:
         return M_N, self.friction(arc) * M_F
 
     def resisting_moment_per_amplitude(self, mu: Values, arc: Layout) -> Floats:
-        """Moment that the actuation needs over b R p_0: M_N - dD mu M_F [m].
+        """Actuation moment divided by b R p_0: M_N - dD mu M_F [m].
 
-        The resistance is zero or negative if the shoe locks itself.
+        This is the moment of pressure and friction about the hinge that the actuation must balance.
+        It is zero or negative if the shoe locks itself.
         """
         M_N, M_F = self.normal_and_friction_moments_about_hinge(arc)
         return M_N - arc.dD * mu * M_F
@@ -300,7 +301,7 @@ class Law:
         M_N, M_F = self.normal_and_friction_moments_about_hinge(arc)
         helps = arc.dD * M_F > 0
         # If the friction force passes almost through the hinge, the quotient overflows to inf,
-        # which is right.
+        # which is the right limit.
         with np.errstate(over="ignore"):
             return np.where(helps, M_N / np.where(helps, arc.dD * M_F, 1.0), np.inf)
 
@@ -310,8 +311,9 @@ def short_shoe_moments_over_torque(
 ) -> tuple[Floats, Floats]:
     """Dimensionless moments m and n of the pressure and the friction on a short shoe.
 
-    m is the moment about the hinge of the normal force over the torque, (a/(mu r)) sin theta_m. n
-    is that of the friction over the torque, 1 - (a/r) cos theta_m (UWA notes, eq. 6a).
+    m is the moment of the normal force about the hinge divided by the torque, (a/(mu r)) sin
+    theta_m. n is the moment of the friction about the hinge divided by the torque, 1 - (a/r) cos
+    theta_m (UWA notes, eq. 6a).
 
     Parameters
     ----------

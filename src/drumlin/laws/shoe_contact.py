@@ -1,4 +1,4 @@
-"""The contact of a rigid shoe: its equilibria on given arcs, and where friction makes it lock."""
+"""The contact of a rigid shoe: its equilibria on given arcs, and the friction at which it locks."""
 
 import math
 from itertools import chain
@@ -11,7 +11,7 @@ from drumlin.brake.support import Freedoms
 from drumlin.laws.face import Arcs, Face
 
 MOST_CONTACT_STEPS = 200
-"""Largest number of iterations for the arcs of a lining in contact; beyond it the solve fails."""
+"""Largest number of iterations in search of the arcs in contact; after it the solve fails."""
 
 
 class RigidShoeContact(NamedTuple):
@@ -20,11 +20,11 @@ class RigidShoeContact(NamedTuple):
     Attributes
     ----------
     face : surface on which the shoe presses
-    c : (2,) [Pa], factors of the surface's two shape functions in the pressure
-    amounts : (k,) [Pa per m of gap], factors of the rigid-body modes in the pressure
+    c : (2,) [Pa] factors of the two shape functions of `face` in the pressure
+    amounts : (k,) [Pa per m of gap closing] factors of the rigid-body modes in the pressure
     arcs : begin and end of each arc of the lining in contact
     freedoms : rigid-body modes and test modes of the shoe
-    sense : sense in which friction acts on a foot at an abutment
+    sense : sense, +1 or -1, in which friction acts on the foot at an abutment
     """
 
     face: Face
@@ -35,8 +35,8 @@ class RigidShoeContact(NamedTuple):
     sense: int
 
     @property
-    def tip_motion_over_compliance(self) -> float:
-        """Displacement of the actuation point along its force, over the lining's compliance [Pa].
+    def loaded_point_motion_over_compliance(self) -> float:
+        """Displacement of the loaded point along its force over the lining's compliance [Pa].
 
         The compliance is the compression of the lining per pressure [m/Pa].
         """
@@ -48,8 +48,8 @@ def equilibrium_matrices_of_rigid_shoe(
 ) -> tuple[Floats, Floats]:
     """Matrices N and F (k, k) of the equilibria (N - mu s F) a = Q of a rigid shoe.
 
-    N belongs to the pressure and F to the friction. The unknowns a are the factors of the k
-    rigid-body modes in the pressure. Q is the work of the actuation on the test modes.
+    N has the work of the pressure, and F the work of the friction. The unknowns a are the factors
+    of the k rigid-body modes in the pressure. Q is the work of the actuation on the test modes.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def self_locking_friction_on_arcs(
 ) -> float:
     """Friction coefficient mu_lock at which a rigid shoe locks itself; inf if it never does.
 
-    It is the smallest mu > 0 at which the equilibria (N - mu s F) a = Q become singular.
+    It is the smallest mu > 0 at which the matrix of the equilibria (N - mu s F) a = Q is singular.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def smallest_singular_friction(N: Floats, F: Floats, spin: int) -> float:
     N and F (k, k) are the matrices of `equilibrium_matrices_of_rigid_shoe`, and `spin` is the sense
     s of the motion, +1 or -1.
     """
-    # With one mode the matrices are numbers, and N - mu s F vanishes at mu = N/(s F).
+    # With one rigid-body mode the matrices are numbers, and N - mu s F is zero at mu = N/(s F).
     if len(N) == 1:
         drags = spin * float(F[0, 0]) / float(N[0, 0]) if N[0, 0] else 0.0
         return 1 / drags if drags > 1e-14 else math.inf

@@ -1,18 +1,18 @@
 """The Double-Shoe Brake block of Simscape Driveline, with the parameters and formulas of the block.
 
-The brake has two shoes, which are mirror images about the brake's symmetry axis. The same force F
-with the arm c presses each of them. The sine law gives the torques T_LS of the leading shoe, from
-F c = M_N - M_F, and T_TS of the trailing shoe, from F c = M_N + M_F. Three relations of the block
-cannot be stated in a brake file:
+The brake has two shoes, which are mirror images about the brake's symmetry axis. Equal forces F
+with the arm c about the pin press both shoes. The sine law gives the torques T_LS of the leading
+shoe, from F c = M_N - M_F, and T_TS of the trailing shoe, from F c = M_N + M_F. Three relations of
+the block cannot be stated in a brake file:
 
     mu = mu_Coulomb tanh(4 omega / omega_threshold)
     T = T_LS + T_TS + mu_visc omega
     T = 0 for F <= 0
 
-The block's documentation page prints + mu_visc in place of + mu_visc omega, which is not a torque.
-The page calls theta_s the span of the shoe, with the default 130 deg. Its formulas, however, use
-theta_s as the angle from the hinge at which the lining ends. `DoubleShoe.reading` chooses between
-the two meanings; the meaning in the formulas is the default.
+The block's documentation page prints + mu_visc in place of + mu_visc omega. This is a misprint,
+since mu_visc alone is not a torque. The page calls theta_s the span of the shoe, with the default
+130 deg. Its formulas, however, use theta_s as the angle from the hinge at which the lining ends.
+`DoubleShoe.reading` chooses between the two meanings; the meaning in the formulas is the default.
 """
 
 import math
@@ -69,10 +69,11 @@ class DoubleShoe:
 
     def __post_init__(self) -> None:
         """Raise BadInput for parameters that the block's documentation page does not allow."""
-        # The symmetry axis, beyond which no lining may reach, is at this angle from the pin.
+        # No lining may reach beyond the symmetry axis, which is at this angle from the pin.
         widest = math.pi - self.theta_p
         least = self.theta_sb if self.reading == "end" else 0.0
-        # Each rule holds a parameter's name, its format for the message, the condition, and text.
+        # Each rule holds the parameter's name, the function that writes its value, whether the
+        # value is allowed, and the text of the message.
         rules = (
             ("r_D", mm_text, self.r_D > 0, "must be greater than 0"),
             ("r_a", mm_text, self.r_a > 0, "must be greater than 0"),
@@ -139,7 +140,7 @@ class DoubleShoe:
         return Layout(*self.arc, R=self.r_D, a=self.r_p, dD=dD)
 
     def friction(self, omega: Values) -> Floats:
-        """Friction coefficient at the speeds omega [rad/s], with their shape and sign."""
+        """Friction coefficient at speeds omega [rad/s], in omega's shape and with omega's sign."""
         return np.asarray(self.mu_Coulomb * np.tanh(4 * np.asarray(omega) / self.omega_threshold))
 
     def shoe_torques(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
@@ -172,7 +173,7 @@ class DoubleShoe:
         return leading, trailing
 
     def torque(self, force: Values, omega: Values) -> Floats:
-        """Torque T [N m] of the block against the rotation, with the sign of omega.
+        """Braking torque T [N m] of the block; it acts against the rotation and has omega's sign.
 
         The arrays `force` [N] and `omega` [rad/s] broadcast. Where the force is not positive the
         shoes do not touch, so that the viscous torque is zero as well. Raises NoAnswer if the
@@ -195,8 +196,8 @@ class DoubleShoe:
         """A Brake with the block's shoes and the friction mu_Coulomb of full speed.
 
         The brake is symmetric about the y axis, and its pins are at the bottom. The block has no
-        width, thickness and material of the lining. The torque of the sine law does not depend on
-        them.
+        width, thickness and material of the lining; the torque of the sine law does not depend on
+        these parameters.
 
         Parameters
         ----------

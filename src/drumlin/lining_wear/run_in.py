@@ -85,7 +85,7 @@ def end_of_wear_by_rigid_shoe_law(
     # The rigid-shoe law holds only if wear is proportional to the pressure.
     if setup.model == "foundation" or (law is not None and law.exponent != 1):
         return final_pressure_and_torque_of_wear_on_mesh(setup, law, torque)
-    forced = rigid.brake_with_forces_shared_by_rigid_law(setup.brake)
+    forced = rigid.brake_with_cam_and_strut_forces_by_rigid_law(setup.brake)
     pressures = []
     total: float = 0
     for surface in setup.surfaces:

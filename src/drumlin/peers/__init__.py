@@ -1,6 +1,6 @@
-"""Peers: other public finite-element programs that solve the same brake on drumlin's own mesh.
+"""Peers: the finite-element programs CalculiX and GetFEM solve a brake on drumlin's own mesh.
 
-A peer's results are put into the same kind of response as those of drumlin's models.
+The results of a peer are returned as a `Response`, like the results of drumlin's own models.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ from drumlin.peers.peer import Peer, PeerMissing
 from drumlin.response.merit import response_with_figures_of_merit
 
 PEERS = {"calculix": "CalculiX", "getfem": "GetFEM"}
-"""The peers: the name in options and files, and the name as the program writes it."""
+"""The peers: for each name in options and files, the name that the program gives itself."""
 
 __all__ = [
     "PEERS",
@@ -35,7 +35,7 @@ def solve_brake_by_calculix_or_getfem(name: str, brake: Brake, **options: Any) -
     Raises
     ------
     BadInput
-        for a brake that the peer cannot solve, and for another name
+        for a brake that the peer cannot solve, and for an unknown name
     PeerMissing
         if the peer is not installed
     NoAnswer
@@ -71,7 +71,7 @@ if not TYPE_CHECKING:
     __getattr__ = getattr_of_renamed_functions(
         __name__,
         {
-            "solve": "solve_by_peer",
+            "solve": "solve_brake_by_calculix_or_getfem",
             "missing": "install_hint_if_missing",
         },
     )

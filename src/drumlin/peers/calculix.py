@@ -1,10 +1,10 @@
-"""CalculiX as a peer: an input deck for each shoe is written and run by `ccx`; results are checked.
+"""CalculiX as a peer: write an input deck for each shoe, run `ccx` and check the results.
 
 The nodes of the drum move along their tangents, and the torque is the moment of their forces at
-their undisplaced positions. Results are then in proportion to load and rotation, as in the theory
-of small displacements. If the nodes moved on circles, results would differ by some 0.1 %. The
-moment that CalculiX prints refers to the displaced surface and is off by as much, so it is not
-used.
+their undisplaced positions. The results are then proportional to load and rotation, as in the
+theory of small displacements. If the nodes moved on circles, the results would change by some 0.1
+%. The moment that CalculiX prints refers to the displaced surface and is wrong by some 0.1 %, too,
+so it is not used.
 
 CalculiX sometimes ends normally although its state is no equilibrium. A state is accepted only
 under three conditions: forces and moments balance, enough of the lining touches the drum, and the
@@ -64,14 +64,14 @@ INSTALL_CALCULIX = (
 LARGEST_STATE_IMBALANCE = 1e-3
 """Largest relative imbalance of forces or moments of a CalculiX state that is accepted.
 
-The forces on drum and lining act at places that differ by the rotation of the drum, 1e-3 rad, which
-makes an imbalance of this size.
+The balance takes the contact forces at the undisplaced nodes of the drum. In CalculiX they act on
+the lining where the drum has moved by 1e-3 rad. This makes an imbalance of the size of 1e-3.
 """
 
 LEAST_TOUCHING = 0.1
 """Smallest fraction of the lining's elements that must touch the drum in an accepted state.
 
-With fewer elements in contact CalculiX has ended in a state without equilibrium."""
+CalculiX ended some runs with fewer elements in contact, and their states were no equilibria."""
 
 STICKING_SHEAR_RATIO = 0.99
 """Shear stress divided by mu p below which a contact point counts as sticking."""
@@ -89,11 +89,11 @@ LONGEST_CALCULIX = 3600
 class DeckFormat(NamedTuple):
     """How a shoe is written as a CalculiX deck, and how forces on the drum's arc are read back.
 
-    The shoe may be in plane stress or solid; the two need different decks.
+    Shoes in plane stress and three-dimensional shoes need different decks.
 
     Attributes
     ----------
-    text : function of a setting and a name that returns the text of the deck
+    text : function that takes the parameters and the name of a deck, and returns its text
     along : function that takes the forces (n, 2) on all nodes of the drum, and returns the forces
         on its arc, the row of nodes on the friction surface
     """
@@ -143,7 +143,7 @@ def calculix_version() -> str:
 def export_calculix_deck_of_each_shoe(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND
 ) -> tuple[list[Path], list[str]]:
-    """Write the CalculiX decks with which `solve_brake_by_calculix` begins, one for each shoe.
+    """Write the CalculiX decks with which `solve_brake_by_calculix` begins: one for each shoe.
 
     CalculiX need not be installed. Raises BadInput for a brake that `solve_brake_by_calculix`
     refuses.
@@ -167,7 +167,7 @@ def export_calculix_deck_of_each_shoe(
 
 
 class ShoeDeck(NamedTuple):
-    """A shoe under its actuation, and a function that returns its deck's text for a deck's name."""
+    """A shoe under its actuation, and a function from the name of its deck to the deck's text."""
 
     loaded: LoadedShoe
     text: Callable[[str], str]
@@ -180,7 +180,7 @@ def write_decks_of_shoes_pressed_on_drum(
 
     Parameters
     ----------
-    decks : the shoes and the texts of their decks
+    decks : the shoes and the functions that return the texts of their decks
     folder : folder in which the decks are written
     stem, ending : first and last part of the names of the deck files
 
@@ -297,7 +297,8 @@ def run_until_lining_slips(
 ) -> tuple[CalculixState, float]:
     """Run CalculiX with larger and larger rotations of the drum, until the whole lining slips.
 
-    Returns the state of the last run and its rotation [rad]. The time is that of the last run only.
+    Returns the state of the last run and its rotation [rad]. The state holds the time of the last
+    run, without the runs before.
 
     Parameters
     ----------
@@ -372,10 +373,11 @@ class _Results(NamedTuple):
 
     Attributes
     ----------
-    drum : a row for each node of the drum: its label and the force (3,) on it [N]
+    drum : (n, 4) for each node of the drum its label and the force on it (x, y, z) [N]
     pin : displacement (2,) of the pin [mm]
     turn : rotation of the shoe about the pin [rad]
-    stress : a row for each contact point: element, face, pressure and two shear stresses [MPa]
+    stress : (points, 5) for each contact point the element, its face, the pressure and two shear
+        stresses [MPa]
     time : fraction of the load step that was reached, 1 at its end
     """
 
@@ -434,7 +436,8 @@ def read_calculix_state(
         raise NoAnswer(f"shoe {shoe.name!r}: CalculiX wrote no contact state ({error})") from error
     if abs(results.time - 1) > 1e-6:
         raise NoAnswer(f"shoe {shoe.name!r}: CalculiX ended at {results.time:g} of its step")
-    # The deck has a fraction of the lining's width: its forces are divided by this fraction.
+    # The deck models only a fraction of the lining's width, so that its forces are divided by this
+    # fraction.
     size = setting.thickness
     along = (posed or plane_stress_deck_format(brake, loaded)).along
     stress = results.stress
@@ -460,9 +463,9 @@ def read_calculix_state(
 
 
 def _rows_of_numbers_below_each_heading(dat: str) -> dict[str, str]:
-    """The rows of numbers in CalculiX's file of results, by the heading above them.
+    """The lines with numbers in CalculiX's file of results, by the heading above them.
 
-    If a heading comes several times, the rows below the last one are returned.
+    If a heading occurs several times, the lines below its last occurrence are returned.
     """
     found: dict[str, str] = {}
     heading = ""
@@ -481,7 +484,7 @@ def _rows_of_numbers_below_each_heading(dat: str) -> dict[str, str]:
 def _numbers_below_heading(blocks: dict[str, str], start: str) -> Floats:
     """The numbers (rows, columns) below the heading that begins with `start`.
 
-    Raises LookupError if no heading does, or if no numbers are below it.
+    Raises LookupError if there is no such heading, or if no numbers are below it.
     """
     for heading, text in blocks.items():
         if heading.startswith(start) and text:
@@ -511,8 +514,8 @@ def shoe_response_of_calculix_state(
 ) -> tuple[ShoeResponse, Balance]:
     """The response of a shoe from CalculiX's results, and the relative imbalance of its forces.
 
-    The pressure is computed from the nodal forces: pressure and shear along the lining are chosen
-    so that their nodal forces equal those that CalculiX gives on the drum.
+    Pressure and shear stress along the lining are found by solving linear equations: their nodal
+    forces equal the nodal forces on the drum by CalculiX.
     """
     shoe, frame = loaded.shoe, loaded.shoe.frame
     # The nodes of the drum's arc in the order of growing phi, the angle in the shoe's frame.
@@ -520,7 +523,7 @@ def shoe_response_of_calculix_state(
     phi = frame.phi(angles_of_drum_nodes(loaded))[:: frame.sense]
     radius = float(np.hypot(*loaded.parts.line.xy).mean())
     xy = radius * np.array([np.cos(phi), np.sin(phi)])
-    # Each piece of the line is an edge of three nodes.
+    # Three successive nodes are the nodes of an element edge, and two edges share an end node.
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
     coupling = weak_coupling_of_contact_line(

@@ -1,10 +1,11 @@
 """A shoe against its drum as an input deck for CalculiX, from drumlin's own mesh; units mm, N, MPa.
 
-The elements are plane stress elements CPS8 or CPS6 of one small thickness, since in CalculiX thick
-ones are not exactly in plane stress. All forces are in proportion to this thickness. A layer wider
-than the lining has a larger modulus instead of a larger thickness. Multi-point constraints let the
-hinge's line rotate about the pin. The drum is an arc of elements with prescribed displacements at
-all nodes; it reaches past the lining's ends. Contact is face-to-face with a penalty and friction.
+All elements are plane stress elements CPS8 or CPS6 of the same small thickness, since thick
+elements of CalculiX are not exactly in plane stress. All forces are proportional to this thickness.
+A layer that is wider than the lining has a larger modulus in place of a larger thickness.
+Multi-point constraints let the nodes at the hinge rotate about the pin as a rigid line. The drum is
+an arc of elements with prescribed displacements at all nodes, which reaches past the lining's ends.
+Contact is face-to-face with a penalty and friction.
 """
 
 import math
@@ -34,12 +35,13 @@ MPA_PER_PASCAL = 1e-6
 """Megapascals in a pascal: the stresses of a deck are in MPa."""
 
 DECK_CELLS = {"quad9": ("quad8", 4), "triangle6": ("triangle6", 3)}
-"""For each kind of cell of drumlin's mesh, the kind of cell in a deck and its number of corners."""
+"""For each kind of cell in drumlin's mesh: the kind of cell in a deck, and its corner count."""
 
 DRUM_LAYER = 1 / 30
 """Thickness of the drum's arc of elements, relative to the radius of the drum.
 
-It has no effect on results, since the displacements of all nodes of the drum are prescribed."""
+The value has no effect on results, since the displacements of all nodes of the drum are
+prescribed."""
 
 BEYOND_ANGLE = math.radians(3)
 """Angle [rad] by which the drum's arc reaches past each end of the lining."""
@@ -50,8 +52,8 @@ BEYOND_ELEMENTS = 2
 BEARING_STIFFNESS = 1e10
 """Stiffness of the springs that support the pin [N/mm].
 
-The hinge reaction is computed from the displacement of the pin. Under 1 kN the pin moves by
-1e-7 mm, which changes no result, and CalculiX prints the displacement with all its digits."""
+The hinge reaction is computed from the displacement of the pin. Under 1 kN the pin moves by 1e-7
+mm. This is too little to change a result, and CalculiX still prints it with all digits."""
 
 DRUM_MODULUS = 1e-6
 """Young's modulus of the drum, relative to that of the lining.
@@ -67,8 +69,9 @@ class DeckSetting(NamedTuple):
     ----------
     rotation : rotation of the drum [rad]
     thickness : thickness of all elements, relative to the lining's width
-    penalty : normal contact stiffness, relative to Young's modulus / thickness of the lining
-    stick : tangential stiffness of a sticking contact, relative to the same ratio
+    penalty : normal contact stiffness, relative to the lining's Young's modulus divided by its
+        thickness
+    stick : tangential stiffness of a sticking contact, relative to the same quotient
     steps : smallest number of increments of the load step
     accuracy : CalculiX's relative tolerance of the residual forces
     """
@@ -84,9 +87,9 @@ class DeckSetting(NamedTuple):
 class DeckGrid(NamedTuple):
     """A shoe's mesh in the form of a CalculiX deck.
 
-    Labels are CalculiX's numbers of nodes and elements, from 1 on. The nodes `pin` and `turn` come
-    after those of the mesh, then the nodes of the drum. The elements of the drum and the springs
-    come after the elements of the shoe.
+    Labels are CalculiX's numbers of nodes and elements, from 1 on. The nodes of the mesh come
+    first, then the nodes `pin` and `turn`, then the nodes of the drum. The elements of the drum and
+    the springs come after the elements of the shoe.
 
     Attributes
     ----------
@@ -94,7 +97,7 @@ class DeckGrid(NamedTuple):
     cells : numbers (m, k) of the nodes of each cell, from 0 on, corners first
     corners : number of corners of a cell
     kind : CalculiX's name of the element type
-    edges : for each boundary by its name, the numbers of the nodes of its edges
+    edges : for each boundary, by its name, the numbers of the nodes on its edges
     pin : label of the pin's node
     turn : label of a node whose displacement along x is the rotation of the shoe [rad]
     bearing : label of the first of the two springs at the pin
@@ -118,7 +121,7 @@ class FirstLabels(NamedTuple):
 
 
 class DrumMesh(NamedTuple):
-    """The drum's mesh: the deck's lines of its nodes and elements, and its nodes (n, 2) [mm]."""
+    """The drum's mesh: deck lines of its nodes and elements, and the nodes' places (n, 2) [mm]."""
 
     lines: list[str]
     xy: Floats
@@ -200,7 +203,8 @@ def _deck_lines_of_shoe_mesh(loaded: LoadedShoe, grid: DeckGrid) -> list[str]:
     """The lines of a deck for the nodes and elements of a shoe."""
     hinge = loaded.shoe.pin.xy * MM_PER_METRE
     lines = ["*NODE, NSET=NSHOE"]
-    # CalculiX's cells have no node in the middle, so the middle nodes of drumlin are left out.
+    # CalculiX's quadrilaterals have no node in their middle, so drumlin's middle nodes are left
+    # out.
     used = np.unique(grid.cells)
     lines += map(_deck_line_of_node, used + 1, grid.xy[used])
     lines += ["*NODE, NSET=PIN", _deck_line_of_node(grid.pin, hinge)]
@@ -221,7 +225,8 @@ def _deck_line_of_node(label: int, xy: Floats) -> str:
 def _deck_lines_of_materials(loaded: LoadedShoe, setting: DeckSetting) -> list[str]:
     """The lines of a deck for the materials and the thickness of the parts of a shoe.
 
-    All parts have one thickness. A part that is wider than the lining gets a larger modulus.
+    All parts have the same thickness. A part that is wider than the lining gets a larger modulus in
+    place of a larger thickness.
     """
     lining = loaded.shoe.lining
     thickness = setting.thickness * lining.width * MM_PER_METRE
@@ -250,8 +255,9 @@ def _deck_lines_of_orthotropic_material(material: Orthotropic, times: float) -> 
     """The lines of a deck for an orthotropic material, with its moduli multiplied by `times`.
 
     CalculiX's directions 1, 2, 3 are through, along and across the layer, as in its cylindrical
-    coordinates. Constants across the layer do not matter in plane stress. If the brake file gives
-    none, the material gets Poisson's ratios of zero across the layer.
+    coordinates. Constants across the layer (the width direction) do not matter in plane stress. If
+    the brake file does not give them, Poisson's ratios across the layer are zero, and its moduli
+    equal E_along and G_along_through.
     """
     along, through = material.E_along, material.E_through
     E = [through, along, material.E_across or along]
@@ -262,7 +268,7 @@ def _deck_lines_of_orthotropic_material(material: Orthotropic, times: float) -> 
     ]
     shear = material.G_along_through
     G = [shear, material.G_through_across or shear, material.G_along_across or shear]
-    # CalculiX reads three moduli, three Poisson's ratios, three shear moduli.
+    # CalculiX reads three Young's moduli, then three Poisson's ratios, then three shear moduli.
     moduli = times * MPA_PER_PASCAL * np.array([E, G])
     values = list(map("{:.12e}".format, [*moduli[0], *nu, *moduli[1]]))
     return ["*ELASTIC, TYPE=ENGINEERING CONSTANTS", ", ".join(values[:8]) + ",", values[8]]
@@ -317,10 +323,11 @@ def deck_lines_of_contact(
 def deck_lines_of_hinge(loaded: LoadedShoe, grid: DeckGrid) -> list[str]:
     """The lines of a deck for the hinge and its pin.
 
-    The nodes of the hinge move as a rigid line with the node of the pin and the rotation. Stiff
-    springs support the pin: CalculiX prints no reaction at a node that is part of a constraint.
+    The nodes at the hinge move as a rigid line with the pin and turn about it. Stiff springs
+    support the pin, because CalculiX prints no reaction at a node that is part of a constraint.
     """
-    # A node moves with the pin, and perpendicular to its lever arm about the pin.
+    # A node moves by the pin's displacement, plus the rotation times the node's lever arm about the
+    # pin, at right angles to this arm.
     lines = ["** the hinge's line turns about the pin", "*EQUATION"]
     for i in np.unique(grid.edges["hinge"]):
         x, y = grid.xy[i] - loaded.shoe.pin.xy * MM_PER_METRE
@@ -370,8 +377,8 @@ def deck_lines_of_load_step(
 def _deck_lines_of_actuation(loaded: LoadedShoe, setting: DeckSetting, grid: DeckGrid) -> list[str]:
     """The lines of a deck for the actuation of a shoe.
 
-    They are nodal forces on the loaded end of the shoe, the same as in drumlin. For a rigid shoe
-    they are a force and a couple on the pin.
+    The actuation is the same nodal forces on the loaded end of the body as in drumlin's own solve,
+    or for a rigid shoe a force and a couple on the pin.
     """
     if "actuation" not in grid.edges:
         return deck_lines_of_load_on_pin(loaded, setting, grid)
@@ -440,7 +447,7 @@ def cells_with_nodes_counter_clockwise(xy: Floats, cells: Ints, corners: int) ->
     """
     x, y = xy[cells[:, :corners]].transpose(2, 0, 1)
     area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
-    # The reverse order of a cell's nodes; its first corner stays the first.
+    # `back` reverses the order of a cell's corners, and keeps the first corner in its place.
     back = [0, *range(corners - 1, 0, -1)]
     middles = list(range(2 * corners - 1, corners - 1, -1))
     return np.where((area > 0)[:, None], cells, cells[:, back + middles])
@@ -457,7 +464,7 @@ def deck_lines_of_element_faces(cells: Ints, along: Ints, corners: int) -> list[
     along : numbers (3, edges) of the nodes of each edge, from end to end
     corners : number of corners of a cell
     """
-    # An edge is known by its two ends, in either order.
+    # An edge is identified by the set of its two end nodes, so that their order does not matter.
     wanted = set(map(frozenset, along[[0, -1]].T.tolist()))
     lines = []
     for number, row in enumerate(cells[:, :corners].tolist(), start=1):
@@ -470,11 +477,11 @@ def deck_lines_of_element_faces(cells: Ints, along: Ints, corners: int) -> list[
 def angles_of_drum_nodes(loaded: LoadedShoe) -> Floats:
     """The angles theta [rad] of the nodes of the drum's arc in a CalculiX deck.
 
-    They are the angles of the lining's nodes, so that the curved edges of both leave no gap, and a
-    few more angles beyond the lining's ends.
+    The drum has nodes at the same angles as the lining, so that no gap is left between the curved
+    edges of both, and a few more nodes beyond the lining's ends.
     """
     theta = np.sort(loaded.shoe.frame.theta(loaded.parts.line.phi))
-    # The two ends of the arc must not meet.
+    # The drum's arc must not close to a full circle.
     beyond = min(BEYOND_ANGLE, 0.49 * (2 * math.pi - np.ptp(theta)))
     more = np.linspace(0.0, beyond, 2 * BEYOND_ELEMENTS + 1)[1:]
     return np.concatenate([theta[0] - more[::-1], theta, theta[-1] + more])
@@ -483,20 +490,21 @@ def angles_of_drum_nodes(loaded: LoadedShoe) -> Floats:
 def mesh_drum_arc(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> DrumMesh:
     """The mesh of the drum in a CalculiX deck: one layer of elements CPS8 along the arc.
 
-    The face S1 of the elements lies on the friction surface of an internal shoe, S3 on that of an
+    The face of the elements on the friction surface is S1 for an internal shoe, and S3 for an
     external shoe. `first` holds the labels of the first node and the first element.
     """
     shoe, R = loaded.shoe, brake.size
     theta = angles_of_drum_nodes(loaded)
     count = len(theta) // 2
     inner, outer = (R, R * (1 + DRUM_LAYER)) if shoe.sign > 0 else (R * (1 - DRUM_LAYER), R)
-    # Rows of nodes: the inner arc, the middle (every other angle), the outer arc.
+    # Rows of nodes along the arc: the inner arc, the middle of the layer (at every other angle),
+    # the outer arc.
     rows = [(inner, theta), ((inner + outer) / 2, theta[::2]), (outer, theta)]
     xy = (
         np.concatenate([r * np.column_stack([np.cos(t), np.sin(t)]) for r, t in rows])
         * MM_PER_METRE
     )
-    # The first label of each row.
+    # The label of the first node in each of the three rows.
     a, b, c = (first.node + np.cumsum([0, len(theta), count + 1])).tolist()
     lines = ["*NODE, NSET=NDRUM"]
     lines += map(_deck_line_of_node, count_from(first.node), xy)

@@ -1,8 +1,8 @@
-"""GetFEM as a peer: the brake is written as arrays, and a script solves it in another Python.
+"""GetFEM as a peer: write the brake as arrays, and solve it by a script in another Python.
 
-The script is getfem_brake.py beside this module. It imports getfem, which Debian packages for the
-system's Python, and does not import drumlin. Its unit of length is the drum's radius, its unit of
-stress Young's modulus of the lining.
+The script is getfem_brake.py beside this module. It imports getfem, which Debian provides only for
+the Python of the system, and does not import drumlin. In the script lengths are divided by the
+drum's radius, and stresses by Young's modulus of the lining.
 """
 
 import functools
@@ -62,27 +62,29 @@ FURTHER_LOAD_FRICTION = 0.9
 """Friction coefficient of the further load case whose time is measured, relative to the brake's."""
 
 LEAST_SLIPPING_RATIO = 0.99
-"""Integral of the shear over a lining, divided by that of mu p, below which the lining sticks.
+"""Ratio of the shear force on a lining to its full friction, below which the lining sticks.
 
-A state with sticking is refused."""
+The ratio is the torque of the shear stress divided by the torque of mu p. A state with sticking is
+refused."""
 
 LONGEST_GETFEM = 1800
 """Time [s] after which a run of GetFEM is stopped."""
 
 EQUAL_TIP_DISPLACEMENTS = 1e-10
-"""Relative difference of the displacements of two shoe tips below which they count as equal.
+"""Relative difference below which the displacements of two shoes' loaded ends count as equal.
 
-A cam moves both tips by the same displacement."""
+A cam moves the loaded ends of both shoes by the same displacement."""
 
 MOST_FORCE_PARTS = 12
-"""Largest number of divisions of the cam's total force between two shoes that are tried.
+"""Largest number of trials to divide a cam's total force between its two shoes.
 
-Linings that fit the drum need two: their problem is linear."""
+Shoes whose linings fit the drum need two trials, because their displacements are proportional to
+their forces."""
 
 
 @functools.cache
 def path_of_python_with_getfem() -> str:
-    """Path of a Python that can import getfem: `python3` on the PATH, or that of the system.
+    """Path of a Python that can import getfem: `python3` on the PATH, or /usr/bin/python3.
 
     Raises PeerMissing if neither can.
     """
@@ -213,12 +215,13 @@ class _Solver:
         return list(self._runs[-1].result["answers"][0])
 
     def steps_times_and_unknowns_of_all_runs(self) -> _Costs:
-        """Steps, times and unknowns of all runs so far."""
+        """The number of Newton steps, the times and the number of unknowns of all runs so far."""
         steps, unknowns, rests = [0], [0], []
         for ran in self._runs:
             steps += map(itemgetter("steps"), ran.result["answers"][0])
             unknowns.append(ran.result["unknowns"])
-            # A process may hold several solves. The time for its start counts once.
+            # A process may contain several solves. The rest of its time is the time for its start,
+            # which counts once.
             rests.append(ran.seconds - sum(map(sum, ran.result["seconds"])))
         cold = self._median_seconds_summed_over_all_runs(0)
         return _Costs(
@@ -254,7 +257,10 @@ class ShoeAnswer(NamedTuple):
 
 
 def _solve_shoes_and_return_results_by_name(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
-    """The results of all shoes by name; a shoe that pushes another shoe is solved before it."""
+    """Solve all shoes of a brake; returns their results by name.
+
+    A shoe that pushes another shoe by a strut is solved before the other shoe.
+    """
     pushed_by = {link.to: link.source for link in brake.links}
     answers: dict[str, ShoeAnswer] = {}
     if brake.actuation is not None and brake.actuation.is_cam:
@@ -265,8 +271,8 @@ def _solve_shoes_and_return_results_by_name(brake: Brake, solver: _Solver) -> di
         answers |= _shoe_results_under_cam(
             brake.actuation.force_of_cylinder_or_sum_of_cam_forces, both, solver
         )
-    # A shoe is ready to be solved if its force is known, either from the brake file or as the
-    # support reaction of the shoe that pushes it by a strut.
+    # A shoe can be solved when its force is known: from the brake file, or as the support reaction
+    # of the shoe that pushes it by a strut.
     while len(answers) < len(brake.shoes):
         ready = {}
         for i, shoe in enumerate(brake.shoes):
@@ -285,10 +291,10 @@ def _solve_shoes_and_return_results_by_name(brake: Brake, solver: _Solver) -> di
 def _shoe_results_under_cam(
     total: float, shoes: Mapping[int, Shoe], solver: _Solver
 ) -> dict[str, ShoeAnswer]:
-    """Find the forces of a cam that moves the tips of two shoes by the same displacement.
+    """Find the forces of a cam that moves the loaded ends of two shoes by the same displacement.
 
     Returns the results of the two shoes by name. If both linings fit the drum, the displacements
-    are in proportion to the forces, and the second division of the total force is exact.
+    are proportional to the forces, and the second trial is exact.
 
     Parameters
     ----------
@@ -302,8 +308,8 @@ def _shoe_results_under_cam(
         if the cam does not press a shoe, or the forces do not converge
     """
     one, other = shoes
-    # Pairs of the fraction of the force on the first shoe, and of the difference of the tips'
-    # displacements.
+    # Each trial: the fraction of the force on the first shoe, and the difference of the
+    # displacements of both loaded ends.
     tried: list[tuple[float, float]] = []
     part = 0.5
     for _ in range(MOST_FORCE_PARTS):
@@ -325,7 +331,8 @@ def _shoe_results_under_cam(
             # The fraction at which the displacements are equal if they are linear in the forces.
             part = part * b / (part * b + (1 - part) * a)
             continue
-        # The secant method; a step goes at most half of the way to a fraction of 0 or 1.
+        # The secant method. A step goes at most half of the way to the fractions 0 and 1, so that
+        # both shoes stay pressed.
         (x, f), (y, g) = tried[-2:]
         part = min(max(y - g * (y - x) / (g - f), 0.5 * y), 0.5 * (1 + y))
     raise NoAnswer(f"GetFEM: the cam's forces did not settle in {MOST_FORCE_PARTS} steps")
@@ -341,9 +348,9 @@ def _solve_shoes_trying_abutment_friction_senses(
 ) -> dict[str, ShoeAnswer]:
     """Solve some shoes; returns their results by name.
 
-    The friction at an abutment may act in several senses, which are tried in turn until the foot of
-    the shoe stays on the abutment. `shoes` are given by their number in the brake. Raises NoAnswer
-    if the foot does not stay with any sense.
+    The friction at an abutment may act in several senses. They are tried in turn until the abutment
+    pushes the foot of the shoe and the friction on the foot opposes its slide, or holds it. `shoes`
+    are given by their number in the brake. Raises NoAnswer if no sense fulfils this.
     """
     answers: dict[str, ShoeAnswer] = {}
     left = dict(shoes)
@@ -362,7 +369,7 @@ def _solve_shoes_trying_abutment_friction_senses(
         found = iter(solver.run(touching) if touching else ())
         for i, loaded in tried.items():
             if loaded.approaches:
-                answer = _shoe_result_if_foot_stays_on_abutment(
+                answer = _shoe_result_if_abutment_friction_sense_fits(
                     solver.brake, loaded, attempt, next(found)
                 )
             else:
@@ -373,22 +380,25 @@ def _solve_shoes_trying_abutment_friction_senses(
     return answers
 
 
-def _shoe_result_if_foot_stays_on_abutment(
+def _shoe_result_if_abutment_friction_sense_fits(
     brake: Brake, loaded: LoadedShoe, attempt: int, found: dict[str, Any]
 ) -> ShoeAnswer | None:
     """A shoe's result, or None if another sense of the friction at its abutment must be tried.
+
+    The result is right if the abutment pushes the foot and the friction on the foot opposes its
+    slide, or holds it.
 
     Parameters
     ----------
     brake : the brake
     loaded : the shoe under its actuation
-    attempt : number of the sense that was tried
+    attempt : number of the sense in `Shoe.senses_of_abutment_friction_to_try`
     found : the script's result for the shoe
 
     Raises
     ------
     NoAnswer
-        if the last sense gives no result
+        if the last sense gives no right result either
     """
     shoe = loaded.shoe
     is_last = attempt == len(shoe.senses_of_abutment_friction_to_try) - 1
@@ -411,7 +421,7 @@ def _shoe_result_if_foot_stays_on_abutment(
 def _brake_data_for_getfem_script(
     brake: Brake, shoes: Sequence[LoadedShoe], formulation: str, repeats: int
 ) -> dict[str, Any]:
-    """The problem as the GetFEM script reads it: arrays by name, and under "data" a JSON text.
+    """The input of the GetFEM script: arrays by name, and under "data" all other data as JSON text.
 
     The unit of length is the drum's radius, the unit of stress Young's modulus of the lining.
 
@@ -438,7 +448,8 @@ def _mesh_and_material_arrays(brake: Brake, loaded: LoadedShoe) -> dict[str, Any
     shoe, k = loaded.shoe, loaded.body
     basis, mesh = loaded.parts.basis, loaded.parts.mesh
     E, width = shoe.lining.material.E_through, shoe.lining.width
-    # The elastic constants of each cell, and the direction along its layer if that is straight.
+    # The elastic constants of each cell, and the direction along its layer if the layer is
+    # straight.
     constants, straight = np.zeros((4, mesh.nelements)), np.zeros((2, mesh.nelements))
     for name, elements in mesh.subdomains.items():
         layer = elastic_layers_of_shoe(shoe)[name]
@@ -493,7 +504,9 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
 
 
 class _Modes(NamedTuple):
-    """The rigid-body modes and test modes of a shoe, in drum radii and scaled to the norm 1.
+    """The rigid-body modes and test modes of a shoe, scaled to the norm 1.
+
+    Their displacements are divided by the drum's radius.
 
     Attributes
     ----------
@@ -508,7 +521,7 @@ class _Modes(NamedTuple):
 
 
 def _rigid_body_modes_in_drum_radii(loaded: LoadedShoe, R: float) -> _Modes:
-    """The rigid-body modes and test modes of a shoe, in units of the drum's radius R [m]."""
+    """Scale a shoe's modes to norm 1, with displacements divided by the drum's radius R [m]."""
     unit = np.array([R, R, 1.0])
     motion_sizes = np.linalg.norm(loaded.motions / unit, axis=1)
     test_sizes = np.linalg.norm(loaded.tests / unit, axis=1)
@@ -525,7 +538,8 @@ def _run_getfem_script(interpreter: str, problem: dict[str, Any]) -> _Run:
         folder = Path(name)
         source, target = folder / "problem.npz", folder / "result.json"
         np.savez(source, **problem)
-        # The script is copied, because `import getfem` beside this module would import this module.
+        # The script is copied into another folder. Beside this module `import getfem` would import
+        # this module in place of GetFEM.
         script = shutil.copy(GETFEM_SCRIPT, folder)
         command = [interpreter, str(script), str(source), str(target)]
         ended = run_command_of_peer_program(command, folder, LONGEST_GETFEM)
@@ -560,7 +574,8 @@ def _shoe_result_in_si_units(brake: Brake, loaded: LoadedShoe, found: dict[str, 
         held=size * np.array(found["hold"]) * [1, 1, R],
         torque=abs(found["torque"]) * size * brake.scale_factor,
     )
-    # The script's rigid-body modes have the norm 1 in drum radii.
+    # The script scales rigid-body modes to the norm 1, with displacements divided by the drum's
+    # radius.
     mode_sizes = np.linalg.norm(loaded.motions / [R, R, 1.0], axis=1)
     amounts = np.array(found["amounts"]) / mode_sizes
     pressure = E * np.array(found["pressure"])[order]

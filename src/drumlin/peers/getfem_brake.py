@@ -2,10 +2,10 @@
 
     python3 getfem_brake.py PROBLEM.npz RESULT.json
 
-drumlin.peers.getfem writes PROBLEM.npz. It holds the mesh of each body as arrays and, in the text
-"data", all other numbers. The model is plane stress. Each shoe has its own frame, and all forces
-are per width of the lining. The unit of length is the drum's radius, the unit of stress Young's
-modulus of the lining. There are two formulations of full slip:
+drumlin.peers.getfem writes PROBLEM.npz, which holds the mesh of each body as arrays and, in the
+text "data", all other numbers. The model is plane stress. Each shoe has its own frame. Lengths are
+divided by the drum's radius, stresses by Young's modulus of the lining, and forces by the width of
+the lining, this modulus and the drum's radius. There are two formulations of full slip:
 
     "full slip"  the drum drags the lining by mu p wherever it touches: a weak form written by
                  hand, with the pressure p as multiplier and the law  p = max(0, p + r (u.n - g))
@@ -13,8 +13,8 @@ modulus of the lining. There are two formulations of full slip:
                  slides so far that the lining slips everywhere
 
 The tangent matrices are unsymmetric; the direct solver MUMPS solves each Newton step. Shoes of
-equal shape share one model. With another friction coefficient each shoe starts from its last state,
-and keeps mesh, model and elastic stiffness.
+equal shape share one model. A solve with another friction coefficient reuses mesh, model and
+elastic stiffness, and starts from the last state of each shoe.
 """
 
 import json
@@ -39,7 +39,7 @@ REGIONS = {CONTACT_REGION: "contact", HINGE_REGION: "hinge", ACTUATION_REGION: "
 OBSTACLE_DISPLACEMENT = 1e-2
 """Displacement of the sliding drum in the "coulomb" formulation, in drum radii.
 
-It must be much larger than the displacements of the lining, so that the lining slips everywhere."""
+The drum must move much farther than the lining, so that the lining slips everywhere."""
 
 MODEL_UNKNOWNS = ("u", "hold", "p")
 """Unknowns of a GetFEM model: the displacement, the traction of the support on the shoe, and the
@@ -64,7 +64,7 @@ class CellKind(NamedTuple):
     obstacle : element of the distance from the drum in the "coulomb" formulation
     inside : integration method over the cell
     surface : integration method over the cell's edges in contact
-    order : for each node of a cell in GetFEM's order, its place in the problem file's order
+    order : for each node of a cell in GetFEM's order, its index in the problem file's order
     """
 
     geometry: str
@@ -172,8 +172,9 @@ class PeerBody:
     def _add_elastic_stiffness(self, constants: Any, straight: Any, numbers: Any) -> None:
         """Add the elastic stiffness to the model: plane stress, isotropic or orthotropic.
 
-        It is an isotropic stiffness with lambda and mu, and in an orthotropic layer two further
-        stiffnesses, against strain along and through the layer.
+        It is an isotropic stiffness with the Lame constants lambda and mu. In an orthotropic layer
+        two further stiffnesses are added, against strain along the layer and against strain through
+        it.
 
         Parameters
         ----------
@@ -215,10 +216,11 @@ class PeerBody:
             self.model.add_linear_term(self.inside, f"stiff{k}*{stretch}*{tested}")
 
     def _add_shoe_support_to_model(self, shoe: dict[str, Any]) -> None:
-        """Add the support to the model: the edge at the hinge moves by rigid-body modes only.
+        """Add the support to the model: the edge at the hinge moves only in the rigid-body modes.
 
-        The unknown traction `hold` acts on this edge. Equilibrium of the holder is that `hold` and
-        the loads on the holder do the same work on the test modes.
+        The unknown traction `hold` acts on this edge. The holder, which moves rigidly with the
+        edge, is in equilibrium if `hold` and the loads on the holder do the same work on the test
+        modes.
         """
         dofs = self.displacement.basic_dof_on_region(HINGE_REGION)
         self.model.add_fem_variable("hold", gf.MeshFem("partial", self.displacement, dofs))
@@ -253,7 +255,7 @@ class PeerBody:
             self.model.add_linear_term(self.inside, f"-{self.push}.Test_u", ACTUATION_REGION)
 
     def _add_forces_at_places_to_model(self, cells: Any, numbers: Any) -> None:
-        """Add nodal forces of further loads to the model; each solve sets their values.
+        """Add nodal forces of springs, weight and other forces; each solve sets their values.
 
         Parameters
         ----------
@@ -310,16 +312,16 @@ class PeerBody:
         self.sliding = np.array([-y, x])
 
     def integral_over_boundary(self, expression: str, region: int) -> float:
-        """The integral over a boundary of an expression in the variables of the model."""
+        """Integrate an expression of the model's variables over the boundary `region`."""
         mim = self.surface if region == CONTACT_REGION else self.inside
         return float(gf.asm_generic(mim, 0, expression, region, self.model))
 
     def vector_integrals_over_boundary(self, expression: str, region: int) -> list[float]:
-        """The integrals over a boundary of both components of a vector expression."""
+        """Integrate both components of a vector expression over the boundary `region`."""
         return [self.integral_over_boundary(f"({expression})({k})", region) for k in (1, 2)]
 
-    def start(self, shoe: dict[str, Any]) -> dict[str, Any]:
-        """The unknowns with which Newton's method starts: no displacement, all in contact."""
+    def initial_unknowns(self, shoe: dict[str, Any]) -> dict[str, Any]:
+        """The unknowns with which Newton's method starts: no displacement, all nodes touch."""
         values = {}
         for name in (*MODEL_UNKNOWNS, *self.amounts):
             values[name] = np.zeros(len(self.model.variable(name)))
@@ -340,7 +342,7 @@ class PeerBody:
         md, drag = self.model, friction * shoe["drag_sense"]
         self._set_loads_and_modes(shoe, drag)
         self._set_gap_between_lining_and_drum(shoe, drag)
-        for name, value in (shoe.get("state") or self.start(shoe)).items():
+        for name, value in (shoe.get("state") or self.initial_unknowns(shoe)).items():
             md.set_variable(name, value)
         options = {"max_iter": MOST_NEWTON_STEPS, "max_res": NEWTON_RESIDUAL, "lsolver": "mumps"}
         options |= {"lsearch": "simplest", "alpha min": 1.0}
@@ -377,7 +379,8 @@ class PeerBody:
                 "gap", np.interp(polar_angles_of_points(self.xy, shoe), shoe["phi"], shoe["gap"])
             )
             return
-        # The distance from the obstacle is that from the round drum or the plane plus clearance.
+        # The distance from the obstacle is the distance from the round drum (or the plane), plus
+        # the clearance.
         x = self.obstacle.basic_dof_nodes()
         clearance = np.interp(polar_angles_of_points(x, shoe), shoe["phi"], shoe["clearance"])
         off = x[1] if shoe["flat"] else shoe["side"] * (1 - np.hypot(*x))
@@ -392,7 +395,8 @@ class PeerBody:
     ) -> dict[str, Any]:
         """The results of a solved shoe as plain numbers for the result file.
 
-        "slipping" is the torque of the shear divided by that of mu p, which is 1 in full slip.
+        The value "slipping" is the torque of the shear stress divided by the torque of mu p; it is
+        1 in full slip.
         """
         md = self.model
         p = md.variable("p")
@@ -445,8 +449,9 @@ def polar_angles_of_points(x: Any, shoe: dict[str, Any]) -> Any:
 def solve_brake_by_getfem(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
     """Solve all shoes of a brake at each friction coefficient in turn.
 
-    Returns a dictionary: "answers" are the results of the shoes and "seconds" the processor times,
-    each for each coefficient, and "unknowns" is the number of unknowns of all models.
+    Returns a dictionary. "answers" has, for each friction coefficient, a list of the results of all
+    shoes. "seconds" has the processor time for each coefficient. "unknowns" is the number of
+    unknowns of all models together.
     """
     # Shoes with the same body, kind of load and number of rigid-body modes share one model.
     bodies: dict[tuple[int, bool, int], PeerBody] = {}
@@ -477,8 +482,8 @@ def getfem_version() -> str:
 def main(source: str, target: str) -> None:
     """Read a problem file, solve its shoes `repeats` times, and write the result file.
 
-    Each solve builds its models anew. The results are those of the last solve; times are kept of
-    all solves.
+    Each solve builds its models anew. The result file has the answers of the last solve and the
+    times of all solves.
     """
     gf.util_trace_level(0)
     gf.util_warning_level(0)

@@ -1,9 +1,9 @@
-"""A solid shoe in hexahedra: the plane mesh of its section, extruded over the widths of its parts.
+"""Mesh a solid shoe by hexahedra: its section's plane mesh, extruded over the widths of its parts.
 
-The mesh goes from the mid-plane z = 0 outwards, so that it is half of the shoe. Its elements are
-isoparametric quadratic hexahedra with 27 nodes. Its groups are those of the section. CalculiX
-solves this mesh and so judges drumlin's own model of the width, which shares only the brake with
-it.
+The mesh covers half of the shoe, from the mid-plane z = 0 to one side. Its elements are
+isoparametric quadratic hexahedra with 27 nodes. It has the same groups as the mesh of the section.
+The answers of CalculiX on this mesh test drumlin's own model of solid shoes, which does not use
+this mesh.
 """
 
 from collections.abc import Mapping
@@ -25,20 +25,20 @@ from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.substructure.interface import nodal_forces_of_unit_loads_on_loaded_end
 
 HEXAHEDRA_ALONG_LINING = 48
-"""Default number of hexahedra along a lining. The work of CalculiX grows with its fourth power."""
+"""Default number of hexahedra along a lining; CalculiX's run time grows with its fourth power."""
 SIDE_SIZE = 1 / 8
 """Size of an element at a free side, relative to an element in the middle of the width.
 
-There are few elements across the width, so that they shrink less than along the lining.
+There are few elements across the width. Their sizes therefore differ less than along the lining.
 """
 CORNERS = [2, 2, 1, 3, 1, 3, 0, 0], [1, 0, 1, 1, 0, 0, 1, 0]
 """The eight corners of skfem's hexahedra.
 
-The first list has the corner of the section's quadrilateral, the second list 1 for the outer level
-and 0 for the inner level.
+For each corner of a hexahedron the first list has the number of the section's corner below it, and
+the second list has 1 if the corner lies at the larger z and 0 if it lies at the smaller z.
 """
-# Hexahedra with 20 nodes stand in the order of VTK: the corners of the bottom and of the top, then
-# the middles of the edges.
+# VTK's order of the nodes of a hexahedron with 20 nodes: the corners of the bottom, the corners of
+# the top, then the middles of the edges.
 # fmt: off
 _BOTTOM = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 _CORNERS_IN_VTK_ORDER = np.array(
@@ -54,15 +54,15 @@ _EDGES = [
 
 @dataclass(frozen=True)
 class Solid:
-    """A meshed half of a shoe.
+    """The mesh of half a solid shoe, on one side of its mid-plane.
 
     Attributes
     ----------
-    section, plane : mesh and scalar basis of its section
-    mesh, basis : mesh and scalar basis of the hexahedra
-    z : (m,) levels of nodes [m], growing from 0
-    node : (n, m) number of the node above each node of the section, -1 where the shoe does not
-        reach that far out
+    section, plane : mesh of the shoe's section, and its scalar finite-element basis
+    mesh, basis : mesh of hexahedra, and its scalar finite-element basis
+    z : (m,) growing coordinates [m] across the width at which there are nodes, from 0 on
+    node : (n, m) for node i of the section, the number of the mesh's node at its x, y and at z[j];
+        -1 if the shoe is not that wide there
     half : half the width of each subdomain [m]
     """
 
@@ -75,7 +75,7 @@ class Solid:
     half: Mapping[str, float]
 
     def levels(self, name: str) -> int:
-        """Number of the levels of nodes that a subdomain reaches."""
+        """Number of the coordinates `z` that lie within half the width of a subdomain."""
         return int(np.searchsorted(self.z, self.half[name] * (1 + 1e-9)))
 
 
@@ -89,18 +89,19 @@ def half_width_of_each_shoe_subdomain(shoe: Shoe) -> dict[str, float]:
 def element_end_positions_over_half_width(
     half: Mapping[str, float], across: int, zone: float
 ) -> Floats:
-    """Ends (m + 1,) of the elements across half the shoe [m], one end at each free side.
+    """Ends (m + 1,) [m] of the m elements over half the shoe's width; each free side is an end.
 
     Parameters
     ----------
     half : half the width of each subdomain [m]
     across : approximate number of elements over half the lining's width
-    zone : length at each free side over which the elements are graded [m]
+    zone : distance [m] from each free side within which the elements become smaller
     """
     sides = np.unique(np.round(list(half.values()), 15))
     sides = sides[np.append(True, np.diff(sides) > 1e-9 * sides[-1])]
     size = half["lining"] / across
-    # The innermost part is graded to both of its sides, and its outer half is kept.
+    # The narrowest part is divided over its whole width, with small elements at both sides, and the
+    # half z > 0 is kept.
     first = max(1, round(sides[0] / size))
     pieces = [points_graded_to_both_ends(-sides[0], sides[0], 2 * first, zone, SIDE_SIZE)[first:]]
     pieces[0][0] = 0.0
@@ -131,7 +132,7 @@ def mesh_of_half_solid_shoe(
 
 
 def extrude_shoe_section_to_solid(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
-    """A section of quadratic quadrilaterals, extruded to a solid.
+    """Extrude a section of quadratic quadrilaterals across the width; returns the solid mesh.
 
     Parameters
     ----------
@@ -140,7 +141,8 @@ def extrude_shoe_section_to_solid(section: Any, half: Mapping[str, float], level
     levels : (m + 1,) ends of the elements over half the width [m]
     """
     cells, outer = section.t, 0.5 * (levels[1:] + levels[:-1])
-    # `exists` says whether a cell of the section has an element in a layer of elements.
+    # `exists` (layers, cells) says whether a cell of the section is extruded into a hexahedron in
+    # each layer of elements across the width.
     exists = np.zeros((len(levels) - 1, cells.shape[1]), dtype=bool)
     for name, elements in section.subdomains.items():
         exists[:, elements] = outer[:, None] < half[name]
@@ -149,7 +151,8 @@ def extrude_shoe_section_to_solid(section: Any, half: Mapping[str, float], level
         _mesh_of_hexahedra_with_straight_edges(section, levels, layer, cell)
     )
 
-    # Nodes within straight edges, faces and cells are moved to where the section has them.
+    # All nodes are moved to the x and y of the section's nodes, so that straight edges become
+    # curved where the section's edges are.
     corners = np.ascontiguousarray(section.p)
     straight_section = skfem.MeshQuad1(corners, np.ascontiguousarray(cells))
     plane = skfem.MeshQuad2.from_mesh(straight_section)
@@ -175,13 +178,14 @@ def _mesh_of_hexahedra_with_straight_edges(
 
     Parameters
     ----------
-    section, levels : as of `extrude_shoe_section_to_solid`
-    layer, cell : (e,) layer of each hexahedron, and the cell of the section below it
+    section, levels : the parameters of `extrude_shoe_section_to_solid`
+    layer, cell : (e,) number of each hexahedron's layer across the width, and of its cell in the
+        section
     """
     count = section.p.shape[1]
     corner, above = CORNERS
     corners = section.t[corner][:, cell] + count * (layer + np.array(above)[:, None])
-    # Corners without a hexahedron are left out.
+    # Corners that belong to no hexahedron are left out.
     used, t = np.unique(corners, return_inverse=True)
     points = np.vstack([section.p[:, used % count], levels[used // count]])
     return skfem.MeshHex1(np.ascontiguousarray(points), np.ascontiguousarray(t.reshape(8, -1)))
@@ -190,7 +194,8 @@ def _mesh_of_hexahedra_with_straight_edges(
 def default_hexahedra_over_half_width(shoe: Shoe, elements: int) -> int:
     """Default number of hexahedra over half the width of a lining with `elements` along it.
 
-    The pressure is uneven over about the lining's thickness from its sides, and smooth there.
+    The pressure varies across the width mainly within about a lining's thickness of the sides, and
+    smoothly, so that few elements are enough.
     """
     slender = shoe.lining.width / (2 * shoe.lining.thickness)
     return max(2, round(elements / HEXAHEDRA_ALONG_LINING * min(2 + slender, 6)))
@@ -208,18 +213,20 @@ def hexahedra_with_twenty_nodes_in_vtk_order(cells: Ints) -> Ints:
 
 
 def nodes_over_width_of_boundary(solid: Solid, boundary: str, part: str) -> Ints:
-    """The nodes (n, m) of a solid above the nodes of a boundary of its section.
+    """The nodes (n, m) of a solid on a boundary of its section, over the width of a part.
 
-    `part` is the subdomain over whose width the nodes are taken, on m levels.
+    n counts the nodes of the boundary in the section, and m the coordinates z with nodes within the
+    width of the subdomain `part`.
     """
     line = np.unique(nodes_along_element_edges(solid.plane, solid.section.boundaries[boundary]))
     return solid.node[line, : solid.levels(part)]
 
 
 def solid_nodes_that_move_with_pin(solid: Solid, shoe: Shoe) -> Ints:
-    """Nodes that move as a rigid line with the pin, across the whole width.
+    """Nodes at the hinge, across the whole width, which move rigidly with the pin.
 
-    The hinge holds the body, or the back part of a rigid shoe's lining.
+    They belong to the body. In a rigid shoe they are the back of the backing, or of the lining if
+    there is no backing.
     """
     held = "lining" if shoe.backing is None else "backing"
     return nodes_over_width_of_boundary(
@@ -230,15 +237,16 @@ def solid_nodes_that_move_with_pin(solid: Solid, shoe: Shoe) -> Ints:
 def nodal_forces_of_unit_loads_on_solid_end(solid: Solid) -> Floats:
     """Nodal forces (nodes, 3, 3) of the unit loads on the loaded end of the whole width.
 
-    The last axis counts unit force x, unit force y and unit couple, the second one the components.
-    The loads are even over the width.
+    The second axis counts the components x, y, z of a nodal force, the last axis the unit loads:
+    force x, force y and couple. The loads are uniform across the width.
     """
     edges = solid.section.boundaries["actuation"]
     line, _ = nodal_forces_of_unit_loads_on_loaded_end(solid.plane, edges)
     nodes = np.unique(nodes_along_element_edges(solid.plane, edges))
     numbers = nodes_over_width_of_boundary(solid, "actuation", "shoe")
     z = solid.z[: numbers.shape[1]]
-    # The integrals of the quadratic functions over the levels are the weights of Simpson's rule.
+    # The integrals of the quadratic shape functions across the width are the weights of Simpson's
+    # rule.
     share = np.zeros(len(z))
     for k in range(0, len(z) - 2, 2):
         share[k : k + 3] += (z[k + 2] - z[k]) / 6 * np.array([1, 4, 1])

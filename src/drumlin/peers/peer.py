@@ -1,4 +1,4 @@
-"""What the peers share: shoes in their own frames, responses from forces, runs of processes.
+"""Code that both peers use: shoes in their own frames, responses from forces, runs of processes.
 
 A peer is another public finite-element program, CalculiX or GetFEM.
 """
@@ -53,7 +53,8 @@ from drumlin.response.resultants import contact_arcs_from_nodal_pressures, plana
 NO_CONTACT_PRESSURE = 1e-3
 """Pressure, relative to the peak, below which a lining counts as not touching the drum.
 
-Peers with a contact penalty leave small pressures beside the contact."""
+A peer with a contact penalty has small pressures outside the contact, which are ignored in this
+way."""
 
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
@@ -77,8 +78,8 @@ class Peer(NamedTuple):
     response : response of the brake
     seconds : time of the peer's computation [s], without the start of its process if it is known
     process_seconds : time of all processes for one solve [s]
-    further_seconds : time of a further load case [s], another friction coefficient; the peer reuses
-        earlier results if it can
+    further_seconds : time [s] of a further load case, which is the same brake with another friction
+        coefficient; the peer reuses earlier results if it can
     unknowns : number of unknowns of all systems; equal shoes that share a system count once
     notes : lines of text about the solve
     """
@@ -94,7 +95,10 @@ class Peer(NamedTuple):
 
 
 class MeshedShoe(NamedTuple):
-    """A shoe's mesh and matrices, and a number for its shape; shoes of equal shape share both."""
+    """Mesh and matrices of a shoe, and the number of its shape.
+
+    Shoes of equal shape share mesh and matrices.
+    """
 
     body: int
     parts: AssembledShoe
@@ -111,13 +115,14 @@ class LoadedShoe:
     body : number of the shoe's shape
     force : force (2,) [N] of the actuation
     couple : couple [N m] of the actuation about `parts.load_centre`
-    drag : friction coefficient, negative if the drum drags the lining towards falling phi
+    drag : friction coefficient, negative if the drum drags the lining towards smaller phi
     approaches : whether the actuation presses the shoe on the drum anywhere
-    motions : rigid-body modes (k, 3) of the shoe's holder: dx, dy [m] and rotation at the pin
+    motions : rigid-body modes (k, 3) of the shoe's rigid holder, the part that the support guides:
+        dx, dy [m] and rotation at the pin
     tests : test modes (k, 3), in the same form; see `Held.freedoms`
     work : work (k,) of the loads on the test modes
-    at_places : nodal forces (nodes, 2) [N] of further loads that act at their own places of the
-        body; all other loads are in `force` and `couple`
+    at_places : nodal forces (nodes, 2) [N] of springs, weight and other forces that act on the body
+        at their own points; all other loads are in `force` and `couple`
     tip : displacement (k,) of the force's point of action along the force, for each rigid-body mode
     """
 
@@ -136,15 +141,15 @@ class LoadedShoe:
 
     @property
     def work_on_holder(self) -> Floats:
-        """The work (k,) on the test modes of the loads that act on the shoe's rigid holder."""
+        """Work (k,) that the loads on the shoe's rigid holder do on the test modes."""
         if self.is_force_on_body:
             return np.zeros_like(self.work)
-        # The further loads act on the holder unless they act at their own places.
+        # Forces at their own points of the body do not act on the holder. Their work is subtracted.
         return self.work - self.tests @ self.load_at_places_about_pin
 
     @property
-    def load_on_end_about_pin(self) -> Floats:
-        """`force` [N] and `couple` [N m] as the resultant (3,) about the pin."""
+    def actuation_resultant_about_pin(self) -> Floats:
+        """Resultant (3,) of the actuation about the pin: force x, y [N] and moment [N m]."""
         arm = self.parts.load_centre - self.shoe.pin_in_shoe_frame
         couple = self.couple + float(planar_cross_product(arm, self.force))
         return np.array([*self.force, couple])
@@ -186,8 +191,8 @@ def meshes_of_shoes_for_peer_program(
     Raises
     ------
     BadInput
-        for a brake with an elastic ring, with heated shoes or without friction: peers get a rigid
-        drum that slips
+        for a brake with an elastic ring, with heated shoes or without friction, because the drum of
+        the peers is rigid and slips
     """
     if brake.ring is not None:
         raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
@@ -289,14 +294,14 @@ def hinged_shoes_under_actuation(
 
 
 class PeerForces(NamedTuple):
-    """The forces on one shoe as a peer has computed them, in the shoe's frame.
+    """The forces on one shoe by a peer's computation, in the shoe's frame.
 
     Attributes
     ----------
     normal : resultant of the pressure (2,) [N]
     friction : resultant of the friction (2,) [N]
     moment : moment of pressure and friction about the origin [N m]
-    held : force [N] of the holder on the shoe, and its moment [N m] about the pin (3,)
+    held : (3,) force x, y [N] of the holder on the shoe, and its moment about the pin [N m]
     torque : braking torque on the drum [N m], positive; on a plane the braking force [N]
     """
 
@@ -327,7 +332,7 @@ def shoe_response_from_peer_forces(
     amounts : generalised coordinates (k,) of the rigid-body modes
     """
     shoe, frame, tests = loaded.shoe, loaded.shoe.frame, loaded.tests
-    load = loaded.load_on_end_about_pin
+    load = loaded.actuation_resultant_about_pin
     reaction = forces.held if loaded.is_force_on_body else forces.held - load
     drag = _friction_about_pin(loaded, forces)
     response = response_of_pressed_elastic_shoe(
@@ -345,7 +350,8 @@ def shoe_response_from_peer_forces(
         if shoe.pivot is not None
         else None,
         reaction_moment=frame.sense * float(reaction[2]) if shoe.guide is not None else 0.0,
-        # Small pressures beside the contact would hide its ends: these are located below.
+        # A peer has small pressures outside the contact, which would hide its ends. The ends are
+        # located below, without these pressures.
         located=False,
     )
     p = response.pressure
@@ -369,10 +375,10 @@ def _friction_about_pin(loaded: LoadedShoe, forces: PeerForces) -> Floats:
 def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floats) -> Balance:
     """The relative imbalance of a peer's forces on a shoe.
 
-    Three conditions are checked: the sum of the forces, their moment about the origin, and the
-    equilibrium of the shoe's holder. In the last one, forces and loads on the holder must do the
-    same work on the test modes. `load` (3,) is the force of the actuation [N] and its moment about
-    the pin [N m].
+    It is the largest of three: the sum of the forces, the sum of their moments about the origin,
+    and the imbalance of the shoe's rigid holder. The holder is in balance if its forces on the shoe
+    and the loads on the holder do the same work on each test mode. `load` (3,) is the force of the
+    actuation [N] and its moment about the pin [N m].
     """
     pin, tests = loaded.shoe.pin_in_shoe_frame, loaded.tests
     push = loaded.load_at_places_about_pin
@@ -384,7 +390,8 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
         float(planar_cross_product(pin, push[:2])),
     ]
     moments += [float(forces.held[2]), float(push[2])]
-    # This moment is added with both signs: the scale of the moments grows, but their sum does not.
+    # The normal force times the radius is added with both signs. It enlarges the scale of the
+    # relative imbalance, but not the sum of the moments.
     size = loaded.radius * normal_force
     balance = relative_sums_of_forces_and_moments(
         [forces.normal, forces.friction, forces.held[:2], push[:2]],
@@ -398,7 +405,7 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
 
 
 def zero_response_of_shoe_turned_away_from_drum(loaded: LoadedShoe) -> tuple[ShoeResponse, Balance]:
-    """The response, without pressure, of a shoe that its actuation turns away from the drum."""
+    """The response, with zero pressure, of a shoe that its actuation turns away from the drum."""
     return response_of_shoe_without_contact(loaded.shoe, -loaded.shoe.force_of_all_loads), Balance(
         0.0, 0.0
     )

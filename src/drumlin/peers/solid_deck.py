@@ -1,9 +1,9 @@
 """Half a three-dimensional shoe against its drum as an input deck for CalculiX; mm, N, MPa.
 
-The mesh is that of `peers.hexahedra`, without the nodes in the middle of faces and cells. The cells
-are then CalculiX's hexahedra with 20 nodes and reduced integration (C3D20R). The mid-plane is
-a plane of symmetry: its nodes are fixed along z, and all forces are halved. The rest of the deck
-equals that of a shoe in plane stress.
+The mesh of `peers.hexahedra` is used without the nodes in the middle of faces and cells. Its cells
+are then CalculiX's hexahedra with 20 nodes and reduced integration (C3D20R). The mid-plane is a
+plane of symmetry: its nodes are fixed along z, and all forces are halved. Everything else in the
+deck is as in the deck of a shoe in plane stress.
 """
 
 from functools import partial
@@ -61,11 +61,12 @@ from drumlin.peers.peer import (
 SOLID_DRUM_ROTATION = 4e-3
 """Rotation of the drum [rad].
 
-Friction acts along the slip. A pressed lining also widens sideways by some ten micrometres. The
-slip of the drum must be much larger, so that friction acts along the drum's circumference."""
+Friction acts in the direction of slip. A pressed lining also expands by some ten micrometres across
+its width. The displacement of the drum must be much larger, so that the slip and the friction are
+along the drum's circumference."""
 
 MODELLED_WIDTH = 0.5
-"""Fraction of the shoe's width that the deck models, in place of the thickness of a plane deck."""
+"""Fraction of the shoe's width that the deck models, in place of `DeckSetting.thickness`."""
 
 HEXAHEDRON_FACES = [
     (0, 1, 2, 3),
@@ -78,7 +79,7 @@ HEXAHEDRON_FACES = [
 """The four corners of each face S1 to S6 of CalculiX's hexahedron."""
 
 DRUM_WIDTH = 1.1
-"""Width of the drum relative to the lining's, so that the lining does not reach its edge."""
+"""Width of the drum, relative to the width of the lining, which must not reach the drum's edge."""
 
 
 class _SolidShoe(NamedTuple):
@@ -206,8 +207,8 @@ def solid_shoe_deck_text(
     held = np.intersect1d(solid_nodes_that_move_with_pin(solid, shoe), used)
     grid = _solid_shoe_mesh_for_deck(loaded, points, cells, held)
     drum_mesh = mesh_solid_drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
-    # The nodes of the mid-plane are fixed along z. In a rigid shoe so are those on the lining's
-    # back.
+    # The nodes of the mid-plane are fixed along z. In a rigid shoe the nodes at the back, where
+    # lining or backing is bonded to the shoe, are fixed along z as well.
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
     face = nodes_over_width_of_boundary(solid, "contact", "lining")
@@ -238,7 +239,8 @@ def solid_shoe_deck_text(
 def _points_and_cells_in_brake_frame(shoe: Shoe, solid: Solid) -> tuple[Floats, Ints]:
     """The nodes (n, 3) [mm] of a solid shoe in the brake's frame, and its cells (m, 20).
 
-    Nodes keep their numbers in drumlin's mesh. Those in the middle of faces and cells are unused.
+    Nodes keep their numbers in drumlin's mesh. The cells do not use the nodes in the middle of
+    faces and cells.
     """
     x = solid.basis.doflocs
     points = np.column_stack([shoe.frame.convert_to_brake_frame(x[:2].T), x[2]]) * MM_PER_METRE
@@ -256,7 +258,7 @@ def _solid_shoe_mesh_for_deck(
     loaded : the shoe under its actuation
     points : positions (n, 3) of the nodes [mm]
     cells : numbers (m, 20) of the nodes of each cell
-    held : numbers of the nodes at the hinge
+    held : numbers of the nodes at the hinge, which move with the pin
     """
     return DeckGrid(
         xy=points[:, :2],
@@ -331,7 +333,8 @@ def _deck_lines_of_solid_actuation(
 ) -> list[str]:
     """The lines of a deck for the actuation of half a shoe.
 
-    They are nodal forces on the end face of the shoe, or force and couple on a rigid shoe's pin.
+    The actuation is nodal forces on the end face of the body, or for a rigid shoe a force and a
+    couple on the pin.
     """
     if "actuation" not in solid.section.boundaries:
         return deck_lines_of_load_on_pin(loaded, setting, grid)
@@ -346,11 +349,13 @@ def _deck_lines_of_solid_actuation(
 def _forces_moved_from_face_middles(solid: Solid, forces: Floats) -> Floats:
     """Distribute nodal forces (n, 2) in the middle of faces to the other nodes of these faces.
 
-    In CalculiX's element the displacement in the middle of a face is -1/4 of the sum of those at
-    the corners plus 1/2 of the sum of those at the middles of edges. The force is distributed with
-    the same factors.
+    CalculiX's element has no such node. Its displacement in the middle of a face is 1/2 of the sum
+    of the displacements at the middles of the four edges, minus 1/4 of the sum of the displacements
+    at the four corners. The force is distributed with the same factors, so that it does the same
+    work.
     """
-    # In the unit cube a face's middle has two coordinates 1/2, the middle of an edge has one.
+    # In the unit cube two coordinates of a face's middle are 1/2, and one coordinate of an edge's
+    # middle is.
     at, dofs = skfem.ElementHex2.doflocs, solid.basis.element_dofs
     halves = (at == 0.5).sum(axis=1)
     moved, done = forces.copy(), set[int]()
@@ -361,7 +366,7 @@ def _forces_moved_from_face_middles(solid: Solid, forces: Floats) -> Floats:
         edges = face & (halves == 1)
         corners = face & (halves == 0)
         for cell in np.flatnonzero(forces[dofs[middle]].any(axis=1)):
-            # Two cells share a face: its force is moved once.
+            # Two cells may share a face, but its force must be moved only once.
             node = int(dofs[middle, cell])
             if node not in done:
                 done.add(node)
@@ -388,9 +393,10 @@ class _DrumNodeRow(NamedTuple):
 def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> DrumMesh:
     """The mesh of the drum in a three-dimensional CalculiX deck: one row of elements along the arc.
 
-    The width of the elements is half that of the lining and a little more. Their face S1 lies on
-    the friction surface. The nodes of the friction surface come first: those at z = 0, in the
-    middle of the width and on the outer side. `first` holds the first labels.
+    The elements reach from z = 0 to a little beyond the side of the lining. Their face S1 lies on
+    the friction surface. The nodes of the friction surface come first, in three rows: at z = 0, in
+    the middle of the elements and at the outer side. `first` holds the labels of the first node and
+    the first element.
     """
     shoe, R = loaded.shoe, brake.size
     theta = angles_of_drum_nodes(loaded)
@@ -427,8 +433,9 @@ def _node_labels_of_drum_element(labels: list[int], k: int, sign: int) -> Ints:
     k : number of the element along the arc
     sign : 1 for an internal shoe, -1 for an external one
     """
-    # The first letter of a row's name is f on the friction face, b on the back, m between both. The
-    # second one is 0 at z = 0, m in the middle of the width, 1 at the outer side.
+    # The first letter of a row's name is f for the friction face, b for the back, m for the middle
+    # between both. The second letter is 0 for z = 0, m for the middle of the element's width, 1 for
+    # the outer side.
     f0, fm, f1, b0, bm, b1, m0, m1 = labels
     i = 2 * k
     front = np.array([f0 + i, f0 + i + 2, f1 + i + 2, f1 + i])
@@ -436,7 +443,8 @@ def _node_labels_of_drum_element(labels: list[int], k: int, sign: int) -> Ints:
     behind = np.array([b0 + i, b0 + i + 2, b1 + i + 2, b1 + i])
     behind_edges = np.array([b0 + i + 1, bm + k + 1, b1 + i + 1, bm + k])
     between = np.array([m0 + k, m0 + k + 1, m1 + k + 1, m1 + k])
-    # The order of the nodes, face first and back later, gives the element a positive volume.
+    # The nodes on the friction face come first, so that it is the face S1. The sense around the
+    # face gives the element a positive volume.
     corners = [0, 1, 2, 3] if sign > 0 else [0, 3, 2, 1]
     edges = [0, 1, 2, 3] if sign > 0 else [3, 2, 1, 0]
     return np.concatenate(
@@ -447,8 +455,8 @@ def _node_labels_of_drum_element(labels: list[int], k: int, sign: int) -> Ints:
 def nodal_forces_on_drum_arc(loaded: LoadedShoe, forces: Floats) -> Floats:
     """The nodal forces (n, 2) on the drum's arc, summed over the width of the drum.
 
-    `forces` are those on all nodes of the drum. The sums are forces on the nodes of a quadratic
-    line along the arc.
+    `forces` has the forces on all nodes of the drum in the order of `mesh_solid_drum`. The sums are
+    forces on the nodes of a line of quadratic elements along the arc.
     """
     count = len(angles_of_drum_nodes(loaded))
     ends = (count + 1) // 2

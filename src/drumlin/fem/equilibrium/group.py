@@ -28,7 +28,7 @@ from drumlin.fem.preparation.bodies import (
 )
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
-from drumlin.laws.anchored import bearing_of_rigid_shoes
+from drumlin.laws.anchored import bearing_supports_of_rigid_shoes
 
 FOOT_LEAVES_TEXT = "no equilibrium, a foot leaves its abutment"
 """Text of the refusal of a brake in which the foot of a shoe would lift off its abutment."""
@@ -270,7 +270,7 @@ class ShoeGroup(GroupProblems):
         if not count:
             yield self
             return
-        first = self.bearing or bearing_of_rigid_shoes(self.brake, self.members)
+        first = self.bearing or bearing_supports_of_rigid_shoes(self.brake, self.members)
         for bearing in possible_bearings(count, first):
             if self.contact_on_supports_if_held(bearing, self.brake.friction) is not None:
                 yield self if bearing == self.bearing else replace(self, bearing=bearing)
