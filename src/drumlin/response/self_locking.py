@@ -1,4 +1,4 @@
-"""How far the friction of a brake is from locking it: the text and the data of an answer."""
+"""How far the friction of a brake is from self-locking, as data and as lines of text."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -7,15 +7,15 @@ from typing import Any, NamedTuple
 from drumlin.base.texts import number_as_text
 
 WARNED_SHARE = 2 / 3
-"""Friction relative to mu_lock above which a warning is printed.
+"""Ratio of friction coefficient mu to self-locking limit mu_lock above which drumlin warns.
 
-The torque grows as 1/(mu_lock - mu): at two thirds, friction that is 10 % higher gives 37 % more
+The torque grows as mu/(mu_lock - mu): at two thirds, friction that is 10 % higher gives 37 % more
 torque. The value is a judgement and changes no result.
 """
 
 
 class LockedShoes(NamedTuple):
-    """Shoes that lock together, and the friction coefficient mu_lock at which they do.
+    """Shoes that lock together, and the friction coefficient mu_lock at which they lock.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class SelfLocking(NamedTuple):
         }
 
     def line(self) -> str:
-        """A line of text on how far the friction is from each limit."""
+        """A line that states the friction relative to the limits mu_lock."""
         known = []
         if self.elastic is not None and math.isfinite(self.elastic.friction):
             known.append(self._share_in_words(self.elastic, "for the elastic brake"))
@@ -80,7 +80,7 @@ class SelfLocking(NamedTuple):
         return f"friction {self.friction:g} is {share} of mu_lock = {limit.friction:.4g} {whose}"
 
     def warnings(self) -> Iterator[str]:
-        """Yield a line on each limit of which the friction is more than two thirds."""
+        """Yield a warning for each mu_lock if the friction exceeds WARNED_SHARE times mu_lock."""
         if self.elastic is not None and self.friction > WARNED_SHARE * self.elastic.friction:
             yield (
                 f"warning: {_names_in_words(self.elastic.shoes)}: "
@@ -99,12 +99,12 @@ class SelfLocking(NamedTuple):
 
 
 def first_shoes_to_lock(limits: Sequence[LockedShoes]) -> LockedShoes:
-    """The shoes with the smallest mu_lock."""
+    """The shoes that lock first: those with the smallest mu_lock among all `limits`."""
     return min(limits, key=lambda limit: limit.friction)
 
 
 def _names_in_words(shoes: Sequence[str]) -> str:
-    """The names of shoes in words for a line of text."""
+    """The names of shoes as text, such as "shoe 'leading', shoe 'trailing'"."""
     return ", ".join(f"shoe {name!r}" for name in shoes)
 
 
