@@ -55,8 +55,8 @@ class PressureTable(NamedTuple):
 class Verdict(NamedTuple):
     """How far a pressure curve p(theta) of a shoe is from the reference values of this shoe.
 
-    Differences of the pressure p are taken at the angles that the reference lists. Angles in the
-    edge zones at the lining's ends do not count.
+    The pressures are compared at the angles that the reference lists, without angles in the edge
+    zones at the lining's ends.
 
     Attributes
     ----------
@@ -66,10 +66,10 @@ class Verdict(NamedTuple):
     at : angle or place of the largest difference, as text
     torque : torque [N m] that the curve gives by the trapezoidal rule, on a plane surface the
         braking force [N]; between the curve's last point and the lining's end p is constant
-    torque_error : difference of the torque that follows from the differences of p, relative to the
+    torque_error : torque that the differences of p give by the trapezoidal rule, relative to the
         torque of the reference
-    floor : relative uncertainty of the reference's own pressure
-    torque_floor : relative uncertainty of the reference's own torque
+    floor : relative uncertainty of the pressure curve in the reference
+    torque_floor : relative uncertainty of the torque in the reference
     """
 
     shoe: str
@@ -244,7 +244,7 @@ def _value_of_table_cell_in_si(
         for a cell that holds no finite number
     """
     cell = line[column.position]
-    # A text that is no number becomes NaN, which the comparison below refuses.
+    # A text that is no number becomes NaN, which fails the comparison below.
     cause = ""
     try:
         value = number_in_table_cell(cell, decimal_sign) * column.factor
@@ -341,7 +341,8 @@ def _verdict_on_pressure_curve(
     # The curve is interpolated linearly to the angles of the reference.
     off = np.interp(theta, *curve) - p
     worst = int(np.abs(off).argmax())
-    # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
+    # The torque is mu b R^2 times the integral of p over theta, with lining width b and drum radius
+    # R. `lever` is the factor mu b R^2.
     lever = brake.friction_of_shoe(spec) * spec.lining.width * brake.scale_factor**2
     torque_off, torque = abs(lever * float(np.trapezoid(off, theta))), known.torque.value
     return Verdict(
@@ -357,14 +358,14 @@ def _verdict_on_pressure_curve(
 
 
 def _difference_relative_to_size(difference: float, size: float) -> float:
-    """A difference divided by a size; for the size 0 infinite, or 0 if the difference is 0."""
+    """A difference divided by a size; if the size is 0, the result is infinite, or 0 for 0/0."""
     return difference / size if size else math.inf if difference else 0.0
 
 
 def _pressure_integral_along_lining(shoe: Shoe, curve: PressureTable) -> float:
     """The integral of p over theta along the lining [Pa rad], by the trapezoidal rule.
 
-    The rule's points are those of the curve inside the lining, and the two ends of the lining.
+    The rule uses the points of the curve inside the lining, and the two ends of the lining.
     """
     start, end = shoe.lining.start, shoe.lining.end
     within_lining = (curve.theta > start) & (curve.theta < end)
