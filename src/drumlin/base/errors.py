@@ -1,4 +1,4 @@
-"""The exceptions of drumlin, and the message and exit status with which any exception ends.
+"""drumlin's exceptions, and the message and exit status with which any exception ends a command.
 
 Wrong input and a brake without an answer end a command with one plain line for the user. This
 module also turns any other exception, such as a full disk, into one line and an exit status.

@@ -57,7 +57,7 @@ def register_protected_input_file(path: Path) -> None:
             inputs.append(path.stat())
 
 
-# reading
+# The functions that read files follow.
 
 _BYTE_ORDER_MARKS = (
     (codecs.BOM_UTF32_LE, "utf-32"),
@@ -92,7 +92,7 @@ def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> by
         on_disk = stat.S_ISREG(found.st_mode)
         if regular and not on_disk and not stat.S_ISDIR(found.st_mode):
             raise BadInput(f"{path}: is a pipe or a device; {what} must be a file")
-        # This also refuses the files in /proc, for which Linux states the size 0.
+        # The test of the size also refuses files in /proc, whose size Linux states as 0.
         if regular and on_disk and not found.st_size:
             raise BadInput(f"{path}: is empty; not {what}")
         with path.open("rb") as file:
@@ -130,7 +130,7 @@ def read_text(path: Path, most: int, what: str) -> str:
     return text.replace("\r\n", "\n")
 
 
-# writing
+# The functions that write files follow.
 
 
 def check_output_files_are_writable(*paths: Path | None) -> None:
@@ -215,7 +215,8 @@ def temporary_file_replacing_output(path: Path) -> Iterator[Path]:
                     file.write(partial.read_bytes())
                 return
             if found is not None:
-                # Most users may not change a file's owner, and some systems do not know owners.
+                # Most users may not change a file's owner, and some operating systems do not know
+                # owners.
                 with suppress(OSError, AttributeError):
                     os.chown(partial, found.st_uid, found.st_gid)
                 partial.chmod(stat.S_IMODE(found.st_mode) & 0o777)
@@ -277,8 +278,8 @@ def write_json(path: Path, data: object) -> None:
     write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
 
 
-# A spreadsheet takes a text that begins like this for a formula. Numbers and ranges of numbers,
-# such as "-70 to 55.1", do not match the pattern.
+# The pattern matches the beginning of a text that a spreadsheet would take for a formula. It does
+# not match numbers and ranges of numbers, such as "-70 to 55.1".
 _FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")
 
 

@@ -716,7 +716,8 @@ def _find_touching_nodes_that_balance_shoe_load(
     """
     k = len(h)
     candidates = np.flatnonzero(moved)
-    # Some candidates are dropped, evenly along the lining, until MOST_CANDIDATE_SETS sets remain.
+    # Some candidates are dropped, evenly along the lining, until there are at most
+    # MOST_CANDIDATE_SETS sets of k nodes.
     count = len(candidates)
     while math.comb(count, k) > MOST_CANDIDATE_SETS:
         count -= 1
@@ -730,7 +731,7 @@ def _find_touching_nodes_that_balance_shoe_load(
         closings.transpose(0, 2, 1)
     )
     sets, equilibria, closings = sets[holds], equilibria[holds], closings[holds]
-    # Of these only the sets are kept whose pressures under the load are positive.
+    # Of the remaining sets, only those are kept that balance the load by pressures >= 0.
     loads = np.broadcast_to(h[:, None], (len(sets), k, 1))
     p = np.linalg.solve(equilibria, loads)[..., 0]
     pressed = (p >= 0).all(axis=1)

@@ -250,7 +250,8 @@ class BorderedEquations(ContactSetEquations):
         no_pressure = np.zeros((released, *right.shape[1:]))
         wanted = np.concatenate([no_pressure, right[size:]])
         border = _solve_with_lu_factors(
-            self._schur_factors, wanted - self._released_pressures_and_added_gaps(solution)
+            self._schur_factors,
+            wanted - self._released_pressures_and_added_gaps(solution),
         )
         solution += self._base_solution_per_border_unknown @ border
         solution[self._released] = 0.0

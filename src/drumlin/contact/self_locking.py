@@ -164,7 +164,7 @@ def find_friction_limit_of_contact(
     """Find the friction coefficient mu up to which a contact has an equilibrium.
 
     The contact is solved again and again while mu grows in steps from 0. The search ends where a
-    step has no stable solution that continues the one before.
+    step has no stable solution that continues the solution before the step.
 
     Parameters
     ----------
@@ -278,7 +278,7 @@ def _solve_contact_without_friction(
 
 
 class _DirectSolution(NamedTuple):
-    """The solution at a friction coefficient that was found without following friction from mu = 0.
+    """A solution at a friction coefficient, found directly and not by following growing friction.
 
     Attributes
     ----------
@@ -355,7 +355,8 @@ def solve_contact_reached_from_zero_friction(
     try:
         end = _follow_contact_up_to_friction(problem_at, friction, at_once, areas)
     except NoAnswer:
-        # There is no solution without friction either, so that the brake is not self-locking.
+        # The contact has no stable solution at mu = 0 either, so that self-locking is not the
+        # reason.
         if at_once.stable and at_once.contact is not None:
             return at_once.contact
         raise NoAnswer(at_once.refusal) from None
@@ -484,7 +485,7 @@ def _solve_and_check_by_coarse_solution(
         found = solve_contact_by_block_pivoting(problem, first)
     except NoAnswer:
         return None
-    # The two solutions are one if the elastic work of their difference is small.
+    # The two solutions count as the same if the elastic work of their difference is small.
     off = interpolate_pressures_to_all_nodes(like.p, len(found.p)) - found.p
     work_off = float(off @ (problem.A @ off))
     work = float(found.p @ (problem.A @ found.p))
@@ -497,8 +498,8 @@ def _is_contact_reached_from_zero_friction(
 ) -> bool:
     """Whether friction that grows from mu = 0 certainly leads to a solution `found`.
 
-    The solution must be stable, and the contact force must grow by little from half of the
-    friction on. The friction must be below the limit of the rigid shoe.
+    The solution must be stable, and the contact force must grow by little from half of the friction
+    on. The function assumes that the friction is below the limit of the rigid shoe.
     """
     try:
         half = solve_contact_by_block_pivoting(
@@ -532,10 +533,10 @@ def next_friction_with_singular_contact_equations(
 ) -> float:
     """Return the smallest friction above `friction` at which a contact set (n,) has no solution.
 
-    At this friction coefficient mu the matrix K0 + mu K1 of the contact set `active` is singular.
-    The result is inf if there is no such mu. With K(mu) G = K1, each eigenvalue gamma of G gives
-    the singular friction mu - 1/gamma. Raises numpy's LinAlgError where K is singular at `friction`
-    itself.
+    At this friction coefficient the matrix K(mu) = K0 + mu K1 of the equations of the contact set
+    `active` is singular. The result is inf if there is no such mu. With K(mu) G = K1, each
+    eigenvalue gamma of G gives the singular friction mu - 1/gamma. Raises numpy's LinAlgError where
+    K is singular at `friction` itself.
     """
     system = scale_contact_problem(problem.contact_problem_at_friction_coefficient(friction))
     nodes = np.flatnonzero(active)

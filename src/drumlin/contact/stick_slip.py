@@ -266,7 +266,7 @@ class _StateEquations:
         self._factors = _scale_matrix_and_compute_lu_factors(matrix)
 
     def solve_increment_under_loads(self, q: Floats, h: Floats) -> _IncrementSolution:
-        """Return the solution of the equations under the loads q (2n,) and h (k,)."""
+        """Return the solution for gaps and slips q (2n,) without z and y, and for loads h (k,)."""
         right = np.concatenate([-q[self.unknown_numbers], h])
         solution = _solve_with_scaled_lu_factors(self._factors, right)
         basic, y = solution[: len(self.unknown_numbers)], solution[len(self.unknown_numbers) :]
@@ -405,7 +405,7 @@ def _find_stick_slip_states_from_widened_gaps(
     n = len(start)
     state = np.full(n, OPEN)
     for mode, load in enumerate(system.h):
-        # A mode without load needs no node of its own.
+        # A rigid-body mode without load is balanced without a touching node of its own.
         if load == 0:
             continue
         # Only the pressure of a bearing node can balance the load on the mode.
@@ -528,8 +528,8 @@ def _added_loads_that_make_states_hold(
     too_small = sticks & margin.enlarged.any(axis=0)
     p = np.where(slips, margin.distances[0], np.where(too_small, stick_p, p))
     t = np.where(slips, sense * system.mu * p, np.where(sticks, stick_t, t))
-    # The added loads are the residuals of the equations for these pressures, tractions, gaps and
-    # slips.
+    # The added loads are the residuals of the equations for the pressures, tractions, gaps and
+    # slips chosen above.
     z, v = np.concatenate([p, t]), np.concatenate([w, slip])
     of_q = v - (system.q + system.A @ z + system.B @ point.y)
     of_h = system.C @ z - system.h

@@ -13,7 +13,7 @@ from drumlin.response.resultants import LiningWithoutEndZones, edge_zone_that_do
 class FacePressure(NamedTuple):
     """The pressure p(theta, z) on the face of a lining, and its peak.
 
-    The pressure is a piecewise polynomial of the degree `order` of the shoe's response over theta.
+    Over theta the pressure is a piecewise polynomial of the same degree as in the shoe's response.
     Its mean over z with the weights `widths` is the pressure of the shoe's response.
 
     Attributes

@@ -97,14 +97,15 @@ class PressureDifference:
         response b, divided by the integral of p_b. Unlike the true force of p_a - p_b, it cannot
         become small because forces cancel by accident.
         """
-        # The sum of numbers with random signs is the root of the sum of their squares.
+        # The root mean square of a sum whose members have random signs is the root of the sum of
+        # their squares.
         forces = np.bincount(
             self.index_of_element_that_contains_each_piece, (self.weight * self.off).sum(axis=1)
         )
         return float(np.linalg.norm(forces) / np.vdot(self.weight, self.pressure))
 
     def relative_difference_near_peak(self, zone: float) -> float:
-        """The largest |p_a - p_b| in the element in which p_b peaks, over the peak pressure of b.
+        """The largest |p_a - p_b| in the element in which p_b peaks, relative to b's peak pressure.
 
         Pressures within `zone` [rad] of the ends of the lining do not count.
         """

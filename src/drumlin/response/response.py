@@ -333,8 +333,8 @@ class ShoeResponse:
     def curve_at_distance_from_mid_plane(self, number: int) -> tuple[Floats, Floats]:
         """Points of the pressure curve at one distance from the mid-plane, by a solid model.
 
-        `number` counts the distances in the attribute z of `surface`. The angles (m,) [rad] are
-        those that `curve` returns.
+        `number` is the index of the distance in `surface.z`. The angles (m,) [rad] are those that
+        `curve` returns.
         """
         # Only a shoe in contact, solved by a solid model, has `surface`.
         assert self.surface is not None
@@ -697,8 +697,8 @@ def length_of_edge_zone_without_peak(shoe: Shoe, scale_factor: float) -> float:
 def edge_zone_angle_in_shoe_frame(shoe: Shoe, size: float) -> float:
     """The length of the edge zone without peak, as an angle phi [rad] in the shoe's own frame.
 
-    It is the result of `length_of_edge_zone_without_peak` in the unit of phi. `size` [m] is the
-    size of the brake, on a drum its radius.
+    In the edge zone the peak pressure is not sought, see `length_of_edge_zone_without_peak`. `size`
+    [m] is the size of the brake, on a drum its radius.
     """
     unit = shoe.frame.unit
     return length_of_edge_zone_without_peak(shoe, size / unit) / unit

@@ -74,7 +74,8 @@ def gauss_lobatto_points(order: int) -> Floats:
     """
     inner = np.zeros(0)
     if order > 1:
-        # The inner points are the roots of the derivative of the Legendre polynomial.
+        # The inner points are the roots of the derivative of the Legendre polynomial of the degree
+        # `order`.
         highest = np.eye(order + 1)[order]
         inner = np.sort(legendre.legroots(legendre.legder(highest)).real)
     # The points are symmetric about 0, but for round-off in the computed roots.
@@ -96,7 +97,7 @@ def _legendre_coefficients_of_shape_functions(order: int) -> Floats:
 def lagrange_shape_function_values(order: int, xi: Floats) -> Floats:
     """The values (order + 1, *xi.shape) of the Lagrange shape functions at points xi in [-1, 1].
 
-    Their nodes are the Gauss-Lobatto points.
+    The nodes of the shape functions are the Gauss-Lobatto points.
     """
     rows = _legendre_polynomial_values(order, xi)
     return (

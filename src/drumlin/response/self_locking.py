@@ -75,7 +75,10 @@ class SelfLocking(NamedTuple):
         return f"self-locking: {'; '.join(known)}"
 
     def _share_in_words(self, limit: LockedShoes, whose: str) -> str:
-        """The friction as a part of one limit, in words."""
+        """Text such as "friction 0.3 is 60 % of mu_lock = 0.5 for the elastic brake".
+
+        `whose` are the last words of the text.
+        """
         share = number_as_text(self.friction / limit.friction, ".0%")
         return f"friction {self.friction:g} is {share} of mu_lock = {limit.friction:.4g} {whose}"
 

@@ -310,7 +310,7 @@ def compare_curves_with_reference(
 def _verdict_on_pressure_curve(
     brake: Brake, spec: Shoe, known: ShoeReference, curve: PressureTable
 ) -> Verdict:
-    """The verdict on the pressure curve of one shoe.
+    """How far the pressure curve of one shoe is from the reference values of the shoe.
 
     Parameters
     ----------

@@ -54,7 +54,7 @@ SOLID_COST_DEGREES = (1, 2, 3, 4, 5)
 """Degree across the width for each row of the table of cost of solid shoes."""
 
 LARGEST_FITTED_UNKNOWNS = 600_000
-"""Number of unknowns above which a row is not used to fit the exponent k in time ~ unknowns^k.
+"""Number of unknowns above which a row of the cost table is not used to fit time ~ unknowns^k.
 """
 
 
@@ -86,7 +86,7 @@ class Cost(NamedTuple):
 
     @property
     def solve_ratio(self) -> float:
-        """Time of a solve, divided by the times of one assembly, factorisation, substitution."""
+        """Time of a solve / sum of the times of one assembly, factorisation and substitution."""
         return self.solve / (self.assembly + self.factorisation + self.substitution)
 
     @property

@@ -170,7 +170,8 @@ def triangle_stiffness_matrices(
         inverse = np.stack([J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]], -1).reshape(
             J.shape
         )
-        # The gradients of the shape functions: G[m, n, c, q] = d psi_n / d x_c.
+        # G[m, n, c, q] is the derivative of shape function n by coordinate c, in triangle m at
+        # quadrature point q.
         G = np.einsum("ndq,mqdc->mncq", slopes, inverse / det[..., None, None])
         lam, mu = matrices[mesh.layer[part]][:, [0, 2], [1, 2]].T
         H = np.einsum("mncq,mq,mkdq->mnckd", G, np.abs(det) * weights, G, optimize=True)

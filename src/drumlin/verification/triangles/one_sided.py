@@ -147,7 +147,7 @@ def equations_on_bearing_supports(
 def is_bearing_as_assumed(
     supports: SupportEquations, bearing: Bearing, f: Floats, s: Floats, y: Floats
 ) -> bool:
-    """Whether no support that bears pulls, and no open support overlaps its shoe.
+    """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.
 
     Parameters
     ----------

@@ -311,7 +311,7 @@ def _dimensions_of_beam_shoe(shoe: Shoe, R: float, section: Section) -> _BeamSho
 
 
 def _point_map_of_beam_shoe(size: _BeamShoeDimensions, R: float) -> PointMap:
-    """The function from s and d to points of a beam shoe; R is the drum's radius [m]."""
+    """The function from coordinates (s, d) to points of a beam shoe, with drum radius R [m]."""
     axis = size.axis
 
     def points_of_beam_shoe(s: Floats, d: Floats) -> Floats:
@@ -349,7 +349,8 @@ def initial_grid_lines_of_body(
     wavelength : shortest wavelength [m] of the gap of an out-of-round drum
     points : coordinates s of places on the lining's face where the pressure is not smooth
     """
-    # The cells are smallest at the ends of the lining and at the points, and largest far from them.
+    # The cells are smallest, `least` [m], at the ends of the lining and at `points`, and largest,
+    # `most`, far from them.
     face = shape.layers[0]
     arc = (face.end - face.start) * shape.length
     thinnest = float(
@@ -368,8 +369,8 @@ def initial_grid_lines_of_body(
 
     def grid_step_along_body(s: float) -> float:
         """The distance in s between two grid lines near s."""
-        # With growing distance from a point of `dense`, grid lines are farther apart, by half of
-        # this distance.
+        # The spacing of the grid lines grows with the distance from the points of `dense`, by half
+        # of this distance.
         growing = near + 0.5 * shape.length * np.abs(dense - s)
         return min(most, float(growing.min())) / shape.length
 

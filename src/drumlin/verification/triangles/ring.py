@@ -249,11 +249,11 @@ def _grid_line_coordinates_of_first_ring_mesh(
 def condense_ring_to_lining_nodes(
     brake: Brake, ring: MeshedBody, faces: list[CondensedFace]
 ) -> CondensedRing:
-    """A meshed ring, statically condensed to the nodes opposite to those of the linings.
+    """A meshed ring, statically condensed to its nodes opposite the linings' nodes.
 
     The rim is the face of the ring that looks away from the linings. It is either fixed or free. On
-    a free rim, tractions balance the contact forces: combinations of the three rigid-body modes of
-    the rim. The mean motion of a free rim is zero.
+    a free rim, tractions in the shape of the rim's three rigid-body modes balance the contact
+    forces. The mean motion of a free rim is zero.
     """
     nodes = ring.nodes
     chosen, of = _ring_nodes_opposite_linings(brake, ring, faces)
@@ -276,8 +276,8 @@ def condense_ring_to_lining_nodes(
     held[right] = held[left, 1] = True
     found = lagrange.condense_body_to_kept_nodes(ring.K, nodes, held.ravel(), chosen, loads)
     own = rigid[(2 * chosen[:, None] + np.arange(2)).ravel()]
-    # Contact forces f are balanced by the tractions -loads l with l = (rigid^T loads)^-1 own^T f.
-    # After that the mean motion of the rim is subtracted.
+    # Tractions -loads l on the rim balance contact forces f, with l = (rigid^T loads)^-1 own^T f.
+    # Then the mean motion of the rim is subtracted from the displacements.
     share = np.linalg.solve(rigid.T @ loads, own.T)
     moved = found.of - found.loaded @ share
     mean = found.loaded.T - found.work @ share
@@ -312,10 +312,10 @@ def _displacements_of_points_by_rigid_motions(xy: Floats) -> Floats:
 def _ring_nodes_opposite_linings(
     brake: Brake, ring: MeshedBody, faces: list[CondensedFace]
 ) -> tuple[Ints, list[Ints]]:
-    """The ring's nodes opposite to those of the linings' faces.
+    """The ring's nodes that lie opposite the nodes of the linings' faces.
 
     Returned are the numbers (m,) of these ring nodes and, for each lining, the positions (n,) of
-    its opposite nodes among the m.
+    its opposite nodes among the m ring nodes.
     """
     xy = ring.nodes.xy[ring.surface]
     chosen, of, count = [], [], 0

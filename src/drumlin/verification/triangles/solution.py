@@ -165,15 +165,16 @@ def _angle_at_which_contact_arc_begins(theta: Floats, p: Floats, node: int, degr
     """The angle [rad] at which a contact begins; `node` is its first node in contact."""
     if node == 0:
         return float(theta[0])
-    # The last node of the piece (edge of a triangle) in which the contact begins, and the last node
-    # of the piece after it.
+    # `near` is the last node of the piece (edge of a triangle) in which the contact begins, and
+    # `far` the last node of the next piece.
     near = (node - 1) // degree * degree + degree
     far = near + degree
     if far >= len(theta):
         return float(theta[node])
     psi, _ = edge_shape_functions(degree, 0.5 + 0.5 * FACE_GAUSS)
     weight = psi @ (0.5 * FACE_WEIGHTS)
-    # The forces from the beginning of the contact up to these two nodes, per width.
+    # F are the forces per width [N/m] from the beginning of the contact up to the nodes near and
+    # far.
     F = np.cumsum(
         [
             (theta[b] - theta[b - degree]) * float(weight @ p[b - degree : b + 1])

@@ -251,7 +251,8 @@ def coordinates_with_position_dependent_spacing(
     """
     points = [np.array(breaks[:1])]
     for a, b in pairwise(breaks.tolist()):
-        # The integral of 1/size counts the steps; points lie where it is a whole number.
+        # The integral of 1/size from a to x counts the steps up to x. It is scaled to a whole
+        # number at b, and points lie where it is 1, 2, 3 and so on.
         x = np.linspace(a, b, 400)
         density = np.array([1 / size(float(one)) for one in x])
         count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
