@@ -419,7 +419,7 @@ def find_contact_set_by_closing_wide_gaps(problem: ContactProblem) -> tuple[Bool
         # negative. The sign of its slope therefore tells whether s grows or falls.
         if step > 0:
             direction = 1 if line.slope[last] > 0 else -1
-        reach = _steps_until_pressure_or_gap_vanishes(line, s, direction)
+        reach = _path_parameter_change_until_pressure_or_gap_vanishes(line, s, direction)
         if direction < 0 and reach.min() >= s:
             return active, step + 1
         last = int(reach.argmin())
@@ -470,7 +470,9 @@ def _pressures_and_gaps_as_linear_path_segment(
     return _PathSegment(np.where(active, x[:n], w), np.where(active, dx[:n], dw))
 
 
-def _steps_until_pressure_or_gap_vanishes(line: _PathSegment, s: float, direction: int) -> Floats:
+def _path_parameter_change_until_pressure_or_gap_vanishes(
+    line: _PathSegment, s: float, direction: int
+) -> Floats:
     """Return for each node the change of s (n,) after which its pressure or gap is zero.
 
     The change is inf where the pressure or gap grows. `direction` is the sense, +1 or -1, in which

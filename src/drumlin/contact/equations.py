@@ -216,7 +216,9 @@ class BorderedEquations(ContactSetEquations):
         self._rows_of_added_nodes = K[added[:, None], base._free_numbers]
         # The Schur complement (r + a, r + a) holds the pressures of the r released nodes and the
         # weighted gaps of the a added nodes, per unknown of the border.
-        schur = self._released_pressures_and_added_gaps(self._base_solution_per_border_unknown)
+        schur = self._pressures_of_released_and_gaps_of_added_nodes(
+            self._base_solution_per_border_unknown
+        )
         schur[released:, released:] += K[added[:, None], added]
         self._schur_factors = _lu_factors_and_pivots_of_transposed_matrix(schur)
 
@@ -231,7 +233,7 @@ class BorderedEquations(ContactSetEquations):
             self._schur_factors
         )
 
-    def _released_pressures_and_added_gaps(self, solution: Floats) -> Floats:
+    def _pressures_of_released_and_gaps_of_added_nodes(self, solution: Floats) -> Floats:
         """Return the pressures of released nodes, and then the weighted gaps of added nodes.
 
         `solution` holds the free unknowns of the base.
@@ -251,7 +253,7 @@ class BorderedEquations(ContactSetEquations):
         wanted = np.concatenate([no_pressure, right[size:]])
         border = _solve_with_lu_factors(
             self._schur_factors,
-            wanted - self._released_pressures_and_added_gaps(solution),
+            wanted - self._pressures_of_released_and_gaps_of_added_nodes(solution),
         )
         solution += self._base_solution_per_border_unknown @ border
         solution[self._released] = 0.0

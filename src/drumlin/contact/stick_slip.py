@@ -155,14 +155,14 @@ def solve_load_increment(
         _find_stick_and_slip_by_newton,
         _find_stick_slip_states_from_balanced_load,
         _find_stick_slip_states_from_widened_gaps,
-        _find_stick_and_slip_by_patient_newton,
+        _find_stick_and_slip_by_newton_without_early_stop,
     ):
         try:
             settled = method(system, start)
         except NoAnswer as error:
             # The last method is the first one again with more steps, so that its error tells
             # nothing new.
-            if method is not _find_stick_and_slip_by_patient_newton:
+            if method is not _find_stick_and_slip_by_newton_without_early_stop:
                 reason = str(error)
             continue
         state, point, steps = settled
@@ -306,7 +306,7 @@ corrects it.
 """
 
 
-def _find_stick_and_slip_by_patient_newton(
+def _find_stick_and_slip_by_newton_without_early_stop(
     system: _FrictionalSystem, start: Ints
 ) -> _SettledStates:
     """Find the states by Newton's method, which goes on even if the wrong states do not get fewer.

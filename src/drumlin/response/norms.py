@@ -60,7 +60,7 @@ class PressureDifference:
         off = (pa - pb).reshape(theta.shape)
         return cls(b, theta, half * WEIGHTS, off, pb.reshape(theta.shape))
 
-    def is_piece_outside_end_zones(self, zone: float) -> Bools:
+    def mark_pieces_outside_end_zones(self, zone: float) -> Bools:
         """Mark the pieces (pieces,) farther than `zone` [rad] from both ends of the lining.
 
         Pieces in a slot between two linings, or in a zone beside a slot, are not marked.
@@ -77,7 +77,7 @@ class PressureDifference:
         If p_b vanishes outside the zones at the lining's ends, the result is 0 if p_a vanishes
         there, too, and infinite otherwise.
         """
-        inside = self.is_piece_outside_end_zones(zone)
+        inside = self.mark_pieces_outside_end_zones(zone)
         weight, off, p = self.weight[inside], self.off[inside], self.pressure[inside]
         size = float(np.vdot(weight, p**2))
         if size > 0:
@@ -110,7 +110,7 @@ class PressureDifference:
         Pressures within `zone` [rad] of the ends of the lining do not count.
         """
         inside, columns = (
-            self.is_piece_outside_end_zones(zone),
+            self.mark_pieces_outside_end_zones(zone),
             self.index_of_element_that_contains_each_piece,
         )
         highest = np.where(inside, self.pressure.max(axis=1), -math.inf).argmax()

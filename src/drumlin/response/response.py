@@ -736,7 +736,7 @@ def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> 
         return None
     theta, pressure = response.curve()
     zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
-    inside = _is_angle_outside_end_zones(theta, zone, response.slots)
+    inside = _mark_angles_outside_end_zones(theta, zone, response.slots)
     # A response does not tell whether its peak pressure was sought on the whole lining or outside
     # the end zones only. The largest value of the curve is found for both cases, and the case whose
     # value is nearer to the peak pressure counts.
@@ -755,11 +755,11 @@ def largest_nodal_pressure_outside_zones(
     If the pressure is zero at all these nodes, the largest of all nodal pressures is returned. With
     `slots` between several linings, each lining has a zone at both of its ends.
     """
-    inside = _is_angle_outside_end_zones(theta, zone, slots)
+    inside = _mark_angles_outside_end_zones(theta, zone, slots)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
 
 
-def _is_angle_outside_end_zones(theta: Floats, zone: float, slots: Slots = ()) -> Bools:
+def _mark_angles_outside_end_zones(theta: Floats, zone: float, slots: Slots = ()) -> Bools:
     """Mark the angles (n,) that lie in no end zone and in no slot between linings.
 
     The end zones are `zone` long and lie at both ends of each lining.

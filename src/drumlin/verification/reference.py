@@ -310,7 +310,7 @@ def compute_reference_values(
     return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
 
 
-def _first_value_and_largest_distance_from_others(values: Sequence[Any]) -> UncertainValue:
+def _value_with_largest_distance_as_uncertainty(values: Sequence[Any]) -> UncertainValue:
     """The first of `values`, with its largest distance from the other values as its uncertainty.
 
     The distance is infinite if the arrays have different shapes, for example if two solutions have
@@ -353,9 +353,7 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
         quantity: Callable[[ShoeResponse], Any],
     ) -> UncertainValue:
         """A quantity of the shoe in the reference solution, with its uncertainty."""
-        return _first_value_and_largest_distance_from_others(
-            [quantity(answer) for answer in answers]
-        )
+        return _value_with_largest_distance_as_uncertainty([quantity(answer) for answer in answers])
 
     return ShoeReference(
         name=spec.name,

@@ -82,7 +82,7 @@ class ContactAtStart(NamedTuple):
     nodes: list[Bools]
     supports: frozenset[str] = frozenset()
 
-    def of_shoes(self, members: Sequence[int]) -> "ContactAtStart":
+    def contact_at_start_of_shoes(self, members: Sequence[int]) -> "ContactAtStart":
         """The nodes and supports in contact at the start, for the shoes numbered `members` only."""
         return ContactAtStart([self.nodes[i] for i in members], self.supports)
 
@@ -220,13 +220,14 @@ def contact_forces_of_shoes_in_one_system(
             failure = failure or error
             continue
         if all(
-            _is_foot_on_abutment(brake, *of) for of in zip(faces, shoes, found, chosen, strict=True)
+            _is_abutment_friction_sense_confirmed(brake, *of)
+            for of in zip(faces, shoes, found, chosen, strict=True)
         ):
             return found
     raise failure or NoAnswer("a foot leaves its abutment")
 
 
-def _is_foot_on_abutment(
+def _is_abutment_friction_sense_confirmed(
     brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
 ) -> bool:
     """Whether a solution agrees with the sense of friction assumed at a shoe's abutment.
@@ -361,7 +362,9 @@ def _solve_on_one_sided_supports(
     first, shoes = np.concatenate(start.nodes), [place.shoe for place in places]
     supports = one_sided_supports_of_shoes(brake, shoes)
     if not supports:
-        return _contact_forces_of_each_shoe(places, solve_contact_complementarity(equations, first))
+        return _split_contact_forces_by_shoe(
+            places, solve_contact_complementarity(equations, first)
+        )
     openings = support_equations(supports, places, brake)
     failure: NoAnswer | None = None
     earlier = tuple(support.name in start.supports for support in supports)
@@ -379,13 +382,13 @@ def _solve_on_one_sided_supports(
         if is_bearing_as_assumed(openings, bearing, found.force, s, y):
             return [
                 one._replace(supports=forces_of_supports_on_shoe(supports, s, i))
-                for i, one in enumerate(_contact_forces_of_each_shoe(places, found))
+                for i, one in enumerate(_split_contact_forces_by_shoe(places, found))
             ]
     names = ", ".join(repr(shoe.name) for shoe in shoes)
     raise failure or NoAnswer(f"{names}: {NOT_HELD_TEXT}")
 
 
-def _contact_forces_of_each_shoe(
+def _split_contact_forces_by_shoe(
     places: list[ShoeInEquations], found: ContactForces
 ) -> list[ContactForces]:
     """Split a solution into the parts of the shoes, without the forces of one-sided supports."""
@@ -397,7 +400,7 @@ def _contact_forces_of_each_shoe(
     ]
 
 
-def tip_displacement_along_force(
+def loaded_point_displacement_along_force(
     brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
 ) -> float:
     """Displacement [m] of the point where the actuation force F > 0 acts, along this force.

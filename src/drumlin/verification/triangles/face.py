@@ -179,7 +179,7 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
     compliance = lagrange.condense_body_to_kept_nodes(
-        body.K, nodes, np.repeat(_are_nodes_fixed(body), 2), kept, loads
+        body.K, nodes, np.repeat(_mark_fixed_nodes_of_shoe(body), 2), kept, loads
     )
     er = np.stack([np.cos(theta), np.sin(theta)], axis=1)
     normal = shoe.sign * er
@@ -217,7 +217,7 @@ def _nodal_forces_of_unit_pushes(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
     return loads
 
 
-def _are_nodes_fixed(body: MeshedBody) -> Bools:
+def _mark_fixed_nodes_of_shoe(body: MeshedBody) -> Bools:
     """Mark the fixed nodes of a shoe, as a mask (N,).
 
     A shoe with a hinged end is fixed at this end of its body. Any other shoe is fixed at its back,

@@ -39,7 +39,7 @@ from drumlin.verification.triangles.ring import (
     condense_ring_to_lining_nodes,
     mesh_drum_ring_to_match_shoe_meshes,
 )
-from drumlin.verification.triangles.shared import solve_shoes_that_share_forces
+from drumlin.verification.triangles.shared import solve_shoes_with_cam_or_strut_forces
 from drumlin.verification.triangles.solution import ShoeSolution, solution_from_contact_forces
 
 MOST_HALVINGS_AT_CONTACT_ENDS = 13
@@ -130,7 +130,7 @@ def solve_brake_on_one_triangle_mesh(
         If a shoe does not touch the drum or no contact set solves the equations.
     """
     refusal = reason_if_ring_support_is_not_plain(brake, "the verification by triangles")
-    shared = _are_forces_shared(brake)
+    shared = _are_forces_set_by_cam_or_strut(brake)
     if refusal is None and shared:
         refusal = reason_if_shoe_has_further_loads(brake, "a cam or strut on triangles")
     if refusal is not None:
@@ -141,7 +141,7 @@ def solve_brake_on_one_triangle_mesh(
         raise NoAnswer("a shoe that is not turned towards the drum")
     earlier = [None] * len(shoes) if before is None else list(before)
     drafts = [
-        _draft_graded_to_corners_and_contact_ends(brake, shoe, its, level)
+        _mesh_shoe_graded_to_corners_and_contact_ends(brake, shoe, its, level)
         for shoe, its in zip(shoes, earlier, strict=True)
     ]
     meshes, ring = [one.mesh for one in drafts], None
@@ -158,7 +158,7 @@ def solve_brake_on_one_triangle_mesh(
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
     nodes = [
-        _is_node_in_contact_at_start(one, its) for one, its in zip(faces, earlier, strict=True)
+        _mark_nodes_in_contact_at_start(one, its) for one, its in zip(faces, earlier, strict=True)
     ]
     bore = {force.name for its in before or () for force in its.supports if force.push.force > 0}
     first = ContactAtStart(nodes, frozenset(bore))
@@ -169,7 +169,7 @@ def solve_brake_on_one_triangle_mesh(
     ]
 
 
-def _draft_graded_to_corners_and_contact_ends(
+def _mesh_shoe_graded_to_corners_and_contact_ends(
     brake: Brake, shoe: Shoe, before: ShoeSolution | None, level: TriangleLevel
 ) -> Draft:
     """The mesh of a shoe, graded to its corners and to the ends of its contact.
@@ -199,10 +199,10 @@ def _contact_forces_of_condensed_shoes(
     first : the nodes and the one-sided supports in contact at the start
     """
     shoes = list(brake.shoes)
-    if _are_forces_shared(brake):
+    if _are_forces_set_by_cam_or_strut(brake):
         if ring is not None:
             raise BadInput(f"{brake.shares}, on an elastic ring")
-        return solve_shoes_that_share_forces(brake, faces, first)
+        return solve_shoes_with_cam_or_strut_forces(brake, faces, first)
     if ring is not None:
         rim = condense_ring_to_lining_nodes(brake, ring, faces)
         return shoes, contact_forces_of_shoes_in_one_system(brake, faces, shoes, rim, first)
@@ -217,13 +217,13 @@ def _contact_forces_of_condensed_shoes(
             [faces[i] for i in members],
             [shoes[i] for i in members],
             None,
-            first.of_shoes(members),
+            first.contact_at_start_of_shoes(members),
         )
         found |= dict(zip(members, its, strict=True))
     return shoes, [found[i] for i in range(len(shoes))]
 
 
-def _are_forces_shared(brake: Brake) -> bool:
+def _are_forces_set_by_cam_or_strut(brake: Brake) -> bool:
     """Whether a cam or a strut gives the shoes their actuation forces.
 
     A strut between shoes on anchors does not count: it is a one-sided support of both shoes.
@@ -268,7 +268,7 @@ def _gap_kinks_and_contact_ends(
     return SingularPlaces((angle - shape.origin) * shape.turn, length * 0.5**most)
 
 
-def _is_node_in_contact_at_start(one: CondensedFace, before: ShoeSolution | None) -> Bools:
+def _mark_nodes_in_contact_at_start(one: CondensedFace, before: ShoeSolution | None) -> Bools:
     """Mark the nodes (n,) of a lining's face that are in contact when the contact solver starts.
 
     These are the nodes in contact in the earlier solution `before`, or all nodes if it is None.

@@ -127,8 +127,8 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     if body is not None:
         s += [body.start, body.end]
         depths = range(before_body, len(layers) + 1)
-        corners += _points_at_all_pairs((body.start, body.end), depths)
-        grip = _grip_of_arc_shoe(shoe, R)
+        corners += _points_at_all_pairs_of_coordinates((body.start, body.end), depths)
+        grip = _angles_of_gripped_part_of_arc_shoe(shoe, R)
         if grip is None:
             held, loaded = sorted(
                 (body.start, body.end), key=lambda end: abs(float(shoe.frame.phi(np.array(end))))
@@ -152,7 +152,9 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     )
 
 
-def _points_at_all_pairs(s: Iterable[float], d: Iterable[int]) -> list[tuple[float, float]]:
+def _points_at_all_pairs_of_coordinates(
+    s: Iterable[float], d: Iterable[int]
+) -> list[tuple[float, float]]:
     """The points (s, d) of every given s with every given d, in the coordinates of an outline."""
     return [(along, float(across)) for along, across in product(s, d)]
 
@@ -188,7 +190,7 @@ def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
     return layers, thickness
 
 
-def _grip_of_arc_shoe(shoe: Shoe, R: float) -> tuple[float, float] | None:
+def _angles_of_gripped_part_of_arc_shoe(shoe: Shoe, R: float) -> tuple[float, float] | None:
     """The first and last angle [rad] of the part of a shoe's back that a holder fixes, or None.
 
     The actuation force acts on the holder.

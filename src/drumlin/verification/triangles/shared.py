@@ -16,7 +16,7 @@ from drumlin.verification.triangles.contact import (
     ContactAtStart,
     ContactForces,
     contact_forces_of_shoes_in_one_system,
-    tip_displacement_along_force,
+    loaded_point_displacement_along_force,
 )
 from drumlin.verification.triangles.face import CondensedFace
 
@@ -36,7 +36,7 @@ class _SolvedShoe(NamedTuple):
     tip_travel: float
 
 
-def solve_shoes_that_share_forces(
+def solve_shoes_with_cam_or_strut_forces(
     brake: Brake, faces: list[CondensedFace], first: ContactAtStart
 ) -> tuple[list[Shoe], list[ContactForces]]:
     """Find the forces of a cam or struts; returns shoes under these forces, and contact forces.
@@ -60,7 +60,9 @@ def solve_shoes_that_share_forces(
 
     def solve_shoe(i: int, force: float) -> _SolvedShoe:
         """Solve shoe i under a force [N]."""
-        return _solve_shoe_under_force(brake, brake.shoes[i], faces[i], first.of_shoes([i]), force)
+        return _solve_shoe_under_force(
+            brake, brake.shoes[i], faces[i], first.contact_at_start_of_shoes([i]), force
+        )
 
     # Shoes that no strut pushes have a known actuation force, or are the two shoes at the cam.
     behind = {names.index(link.to) for link in brake.links}
@@ -124,7 +126,7 @@ def _solve_shoe_under_force(
         except NoAnswer as error:
             failure = failure or error
             continue
-        travel = tip_displacement_along_force(brake, face, shoe, found, sense)
+        travel = loaded_point_displacement_along_force(brake, face, shoe, found, sense)
         return _SolvedShoe(shoe, found, travel)
     assert failure is not None
     raise failure

@@ -93,7 +93,7 @@ def solution_from_contact_forces(
     a = np.flatnonzero(found.active)
     p = np.zeros(len(one.theta))
     p[a] = np.linalg.solve(one.mass[np.ix_(a, a)], found.force[a])
-    theta, p, active = _nodes_over_linings_and_slots(shoe, one, p, found.active)
+    theta, p, active = _insert_open_nodes_in_slots(shoe, one, p, found.active)
     drag = brake.signed_friction_per_pressure(shoe)
     on_normal = -(found.force[:, None] * one.normal).sum(axis=0)
     on_tangent = drag * (found.force[:, None] * one.tangent).sum(axis=0)
@@ -110,7 +110,7 @@ def solution_from_contact_forces(
     )
 
 
-def _nodes_over_linings_and_slots(
+def _insert_open_nodes_in_slots(
     shoe: Shoe, one: CondensedFace, p: Floats, active: Bools
 ) -> tuple[Floats, Floats, Bools]:
     """Angles, pressures and contact (n,) of a face's nodes, with nodes added in the slots.

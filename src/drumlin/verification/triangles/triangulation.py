@@ -42,7 +42,7 @@ class TriangleLayer:
     slots: tuple[tuple[float, float], ...] = ()
     free_strains: Floats | None = None
 
-    def has_material_at(self, s: Floats) -> Bools:
+    def mask_of_coordinates_with_material(self, s: Floats) -> Bools:
         """Whether the layer has material at each of the coordinates s, as a mask in their shape."""
         there = (s > self.start) & (s < self.end)
         for first, last in self.slots:
@@ -105,7 +105,7 @@ def triangulate_grid_of_layered_body(
     j = np.tile(np.arange(len(depths) - 1), len(s) - 1)
     layer = np.floor(0.5 * (depths[j] + depths[j + 1])).astype(int)
     middle = 0.5 * (s[i] + s[i + 1])
-    reaches = np.array([one.has_material_at(middle) for one in layers])
+    reaches = np.array([one.mask_of_coordinates_with_material(middle) for one in layers])
     there = reaches[layer, np.arange(len(layer))]
     i, j, layer = i[there], j[there], layer[there]
 
