@@ -81,7 +81,7 @@ of factorisations differ by 2 %. The solutions are the same with any limit.
 """
 
 COARSE_GUESS_FROM_NODES = 48
-"""Number of contact nodes from which on the first contact set is guessed on fewer nodes.
+"""Least number of contact nodes for which the first contact set is guessed on fewer nodes.
 
 The guess is the contact set of the same problem on every other node. Problems with fewer nodes
 start with all nodes in contact, which is as fast. In trials, other values, 24 and 96 nodes, changed

@@ -260,7 +260,7 @@ def _is_contact_set_valid_up_to_friction(
     """
     if not np.isfinite(singular_friction):
         return False
-    # The present mu may be the singular friction itself.
+    # The present mu may itself be the friction at which the equations are singular.
     if singular_friction - mu < FRICTION_RESOLUTION * max(mu, 1e-3):
         return True
     near = mu + (singular_friction - mu) * (1 - POLE_DISTANCE)
@@ -355,8 +355,8 @@ def solve_contact_reached_from_zero_friction(
     try:
         end = _follow_contact_up_to_friction(problem_at, friction, at_once, areas)
     except NoAnswer:
-        # The contact has no stable solution at mu = 0 either, so that self-locking is not the
-        # reason.
+        # The contact has no stable solution at mu = 0 either, so that the friction is not beyond a
+        # self-locking limit. A stable direct solution then counts.
         if at_once.stable and at_once.contact is not None:
             return at_once.contact
         raise NoAnswer(at_once.refusal) from None

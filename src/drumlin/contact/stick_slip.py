@@ -243,7 +243,7 @@ class _StateEquations:
         n, k = len(state), len(system.h)
         self.pressed_nodes = np.flatnonzero(state != OPEN)
         stuck = n + np.flatnonzero(state == STICK)
-        # A slipping node has the traction t = traction_per_pressure p. At a sticking node the
+        # A slipping node has the traction t = traction_per_pressure * p. At a sticking node the
         # factor is 0, because its traction is an unknown of its own.
         sense = (state == FORWARD).astype(float) - (state == BACKWARD)
         self.traction_per_pressure = (system.mu * sense)[self.pressed_nodes]

@@ -107,7 +107,7 @@ def lagrange_shape_function_values(order: int, xi: Floats) -> Floats:
 
 def _legendre_polynomial_values(order: int, xi: Floats) -> Floats:
     """The values (order + 1, *xi.shape) of the Legendre polynomials up to degree `order` at xi."""
-    # The recurrence gives each polynomial from the two polynomials of the next lower degrees.
+    # Bonnet's recurrence gives each polynomial from the two polynomials of the next lower degrees.
     rows = np.ones((order + 1, *np.shape(xi)))
     if order > 0:
         rows[1] = xi

@@ -39,7 +39,7 @@ from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin.models import model_with_name_that_applies_to_brake
 
 COST_ELEMENTS = 140
-"""Elements along each lining of a brake whose cost is measured, unless the user gives a number.
+"""Default number of elements along each lining of a brake whose cost is measured.
 
 A shoe of a car's brake then has some 20 000 unknowns.
 """

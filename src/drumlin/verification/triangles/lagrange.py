@@ -52,8 +52,8 @@ def nodes_of_reference_triangle(degree: int) -> Floats:
         np.stack([zero, 1 - x, x], 1),
         np.stack([x, zero, 1 - x], 1),
     ]
-    # The barycentric coordinates of an inner node are three Gauss-Lobatto points, scaled so that
-    # their sum is 1.
+    # The barycentric coordinates of an inner node are proportional to the Gauss-Lobatto points
+    # number i, j and k on [0, 1], with i + j + k = degree, and have the sum 1.
     full = lobatto_points_on_unit_interval(degree)
     inside = []
     for i in range(1, degree):

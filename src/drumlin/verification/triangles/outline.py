@@ -410,7 +410,7 @@ class Draft(NamedTuple):
     Attributes
     ----------
     shape : outline of the shoe
-    s : grid lines along the shoe from which the mesh was made
+    s : coordinates s of the grid lines from which the mesh was made
     sharp : places on the lining's face to which the mesh is graded
     mesh : the triangles
     """
