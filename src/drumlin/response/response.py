@@ -333,8 +333,8 @@ class ShoeResponse:
     def curve_at_distance_from_mid_plane(self, number: int) -> tuple[Floats, Floats]:
         """Points of the pressure curve at one distance from the mid-plane, by a solid model.
 
-        `number` is the index of the distance in `surface.z`. The angles (m,) [rad] are those that
-        `curve` returns.
+        `number` is the index of the distance in the array z of `surface`. The angles (m,) [rad] are
+        those that `curve` returns.
         """
         # Only a shoe in contact, solved by a solid model, has `surface`.
         assert self.surface is not None
