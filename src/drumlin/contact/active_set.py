@@ -652,7 +652,7 @@ def _sort_shoes_modes_by_load_path(
 ) -> list[list[int]]:
     """Sort the sets of modes, one set for each shoe, in the order in which shoes push each other.
 
-    A shoe that pushes another shoe comes before it. The equilibria of a set then need only the
+    A shoe comes before the shoes that it pushes. The equilibria of a set then need only the
     pressures of the same shoe and of earlier shoes.
 
     Parameters
