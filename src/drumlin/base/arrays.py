@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-# These are the types of arrays of any shape whose entries are numbers or truth values.
+# The types of arrays of any shape, by their entries: floats, integers, truth values, complex
+# numbers.
 Floats = np.ndarray[Any, np.dtype[np.float64]]
 Ints = np.ndarray[Any, np.dtype[np.int64]]
 Bools = np.ndarray[Any, np.dtype[np.bool_]]

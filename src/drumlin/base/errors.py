@@ -1,7 +1,7 @@
-"""The exceptions that drumlin raises, and the line and exit status of every exception.
+"""drumlin's exceptions, and the message and exit status with which any exception ends a command.
 
 Wrong input and a brake without an answer end a command with one plain line for the user. This
-module also gives a line and an exit status to any other exception, such as a full disk.
+module also turns any other exception, such as a full disk, into one line and an exit status.
 """
 
 import errno
@@ -12,13 +12,14 @@ from pathlib import Path
 
 from drumlin.base.texts import printable_single_line
 
-# The standard module errno has the error numbers SHORT_OF under these names.
+# These are names of the standard module errno: errors by which disk, memory, files or processes run
+# out.
 _SHORTAGES = ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
 SHORT_OF = {getattr(errno, name) for name in _SHORTAGES if hasattr(errno, name)}
 """Error numbers by which the operating system says that disk, memory, files or processes run out.
 
-The user's input does not cause these errors, so that they become NoAnswer and not BadInput. Some
-operating systems do not define all of these numbers.
+The user's input does not cause these errors. drumlin therefore reports them as NoAnswer and not as
+BadInput. Some operating systems do not define all of these numbers.
 """
 
 
@@ -53,15 +54,15 @@ class NoAnswer(DrumlinError):
 class LostDigits(NoAnswer):
     """Round-off hides an answer that exists.
 
-    Stiffnesses or sizes in the brake differ by too many orders of magnitude.
+    The cause is a brake whose stiffnesses or sizes differ by too many orders of magnitude.
     """
 
 
 class Stopped(BaseException):
     """A signal of the operating system asks the process to end.
 
-    A file that is half written is deleted. The class derives from BaseException, so that a handler
-    of ordinary exceptions does not catch it.
+    A file that is half written is deleted. The class derives from BaseException, so that code which
+    handles ordinary exceptions (`except Exception`) does not catch it.
     """
 
     def __init__(self, signal: int) -> None:
@@ -146,6 +147,7 @@ def run_and_return_exit_status(run: Callable[[], int]) -> int:
     except BaseException as error:
         line, status = error_line_and_exit_status(error)
         if line and sys.stderr is not None:
-            # The command's own printing functions have ended with the exception.
+            # The command has ended with the exception, so that its own functions for output are not
+            # used here.
             print(f"drumlin: {line}", file=sys.stderr)  # noqa: T201
         return status

@@ -26,8 +26,8 @@ With a longer suffix the name could become too long for the file system. No prog
 file needs such a suffix.
 """
 
-# The files that must not be overwritten, by their status on the disk. It is None outside a block of
-# `protect_input_files`.
+# The files that must not be overwritten, each by its status on the disk, which identifies a file
+# under all its names. The list is None outside a block of `protect_input_files`.
 _inputs: ContextVar[list[os.stat_result] | None] = ContextVar("inputs", default=None)
 
 
@@ -57,7 +57,7 @@ def register_protected_input_file(path: Path) -> None:
             inputs.append(path.stat())
 
 
-# reading
+# The functions that read files follow.
 
 _BYTE_ORDER_MARKS = (
     (codecs.BOM_UTF32_LE, "utf-32"),
@@ -66,9 +66,9 @@ _BYTE_ORDER_MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16"),
     (codecs.BOM_UTF8, "utf-8-sig"),
 )
-"""The bytes at the beginning of a file that tell its encoding, and the encoding.
+"""Byte order marks, the first bytes of a file in Unicode, each with the encoding that it tells.
 
-The mark of UTF-32 begins with the mark of UTF-16, and therefore precedes it.
+The marks of UTF-32 are tested first, because one of them begins with the bytes of a UTF-16 mark.
 """
 
 
@@ -92,7 +92,7 @@ def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> by
         on_disk = stat.S_ISREG(found.st_mode)
         if regular and not on_disk and not stat.S_ISDIR(found.st_mode):
             raise BadInput(f"{path}: is a pipe or a device; {what} must be a file")
-        # This also refuses the files in /proc, for which Linux states the size 0.
+        # The test of the size also refuses files in /proc, whose size Linux states as 0.
         if regular and on_disk and not found.st_size:
             raise BadInput(f"{path}: is empty; not {what}")
         with path.open("rb") as file:
@@ -130,15 +130,15 @@ def read_text(path: Path, most: int, what: str) -> str:
     return text.replace("\r\n", "\n")
 
 
-# writing
+# The functions that write files follow.
 
 
 def check_output_files_are_writable(*paths: Path | None) -> None:
     """Raise BadInput if one of the output files must not or cannot be written.
 
-    It is called before a long computation starts. Refused are a folder, a disk, an input file (see
-    `protect_input_files`) and a file that two outputs share. Any .toml file is
-    refused as well, because brake and sweep files are written by hand.
+    It is called before a long computation starts. It refuses a folder, a disk, an input file (see
+    `protect_input_files`) and a file that two outputs share. It also refuses any .toml file,
+    because users write brake and sweep files by hand.
     """
     targets = []
     for path in filter(None, paths):
@@ -149,7 +149,7 @@ def check_output_files_are_writable(*paths: Path | None) -> None:
 
 
 def check_path_can_be_folder(path: Path) -> None:
-    """Raise BadInput if `path` or a folder above it exists as a file, so that it is no folder."""
+    """Raise BadInput if no folder can be made at `path`, because it or a parent of it is a file."""
     try:
         # The nearest existing ancestor decides: below it all folders can be made.
         folders = (path, *path.absolute().parents)
@@ -215,7 +215,8 @@ def temporary_file_replacing_output(path: Path) -> Iterator[Path]:
                     file.write(partial.read_bytes())
                 return
             if found is not None:
-                # Most users may not change a file's owner, and some systems do not know owners.
+                # Most users may not change a file's owner, and some operating systems do not know
+                # owners.
                 with suppress(OSError, AttributeError):
                     os.chown(partial, found.st_uid, found.st_gid)
                 partial.chmod(stat.S_IMODE(found.st_mode) & 0o777)
@@ -228,11 +229,11 @@ def temporary_file_replacing_output(path: Path) -> Iterator[Path]:
 
 
 def _pipe_or_stream_to_write_into(path: Path, found: os.stat_result) -> Path | int | None:
-    """Where to write a file that cannot be replaced: a pipe, a device, or a stream's number.
+    """The pipe, device or stream number to write into if an output file cannot be replaced.
 
-    It is None for an ordinary file, which a new file can replace. If standard output or standard
-    error (streams 1 and 2) is redirected to the file, the number of the stream is returned: a new
-    file in its place would lose the lines that were printed before.
+    The result is None for an ordinary file, which a new file can replace. If standard output or
+    standard error (streams 1 and 2) is redirected to the file, the result is the number of the
+    stream: a new file in its place would lose the lines that were printed before.
 
     Parameters
     ----------
@@ -277,8 +278,8 @@ def write_json(path: Path, data: object) -> None:
     write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
 
 
-# A spreadsheet takes a text that begins like this for a formula. Numbers and ranges of numbers,
-# such as "-70 to 55.1", do not match the pattern.
+# The pattern matches the beginning of a text that a spreadsheet would take for a formula. It does
+# not match numbers and ranges of numbers, such as "-70 to 55.1".
 _FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")
 
 

@@ -31,16 +31,16 @@ except ImportError:
 LARGEST_LINE = 2**26
 """Longest line of a journal [bytes]; a longer line counts as damaged.
 
-The line of a case has some hundred bytes, that of a study's reference values some hundred thousand.
-A file with an unknown first line is searched for undamaged lines up to this many bytes from its
-beginning.
+The line of a case has some hundred bytes, and a line with a study's reference values some hundred
+thousand. A file with an unknown first line is searched for undamaged lines up to this many bytes
+from its beginning.
 """
 HEAD = b'{"stamp": "'
-"""The beginning of the first line of a journal; the stamp of the source follows it."""
+"""The beginning of a journal's first line. The stamp follows: a checksum of drumlin's source."""
 LEAD = len('{"sum": "0123456789abcdef", ')
-"""Number of bytes at the beginning of a case's line that hold its checksum."""
+"""Number of bytes before the data in the line of a case; these bytes hold the line's checksum."""
 COMPUTING = ("numpy", "scipy", "scikit-fem")
-"""Libraries of which another version may change the last digits of a result."""
+"""Libraries whose other versions may change the last digits of a result."""
 
 
 def checksum_of_source_and_libraries(*folders: Path) -> str:
@@ -110,7 +110,7 @@ class Journal(AbstractContextManager["Journal"]):
         return self._rows[journal_key_of_case(case)]
 
     def add(self, case: Mapping[str, Any], row: dict[str, Any]) -> None:
-        """Store the result `row` of a case; it is in the file when this method returns."""
+        """Store the result `row` of a case. When this method returns, the result is in the file."""
         self._rows[journal_key_of_case(case)] = row
         if self._file is not None:
             record = json.dumps({"key": journal_key_of_case(case), "row": row}).encode()
@@ -145,7 +145,7 @@ class Journal(AbstractContextManager["Journal"]):
         self.close()
 
     def _lock_and_read_file(self, path: Path) -> bool:
-        """Open and lock the file at `path` and read its cases; returns whether that was possible.
+        """Open and lock the file at `path`, and read its cases; returns whether that was done.
 
         It returns False if the file had to be renamed, by this run or another one, so that no file
         is left at `path`. Raises BlockingIOError if another run has locked the file.
@@ -178,7 +178,8 @@ class Journal(AbstractContextManager["Journal"]):
                 self._append_bytes_to_file(file, own_head)
                 return True
             is_own = head == own_head
-            # `end` is the length of the whole lines read so far. A foreign first line is damage.
+            # `end` is the length of the complete lines read so far. A first line with another stamp
+            # counts as damaged.
             end, damaged = len(head), int(not is_own)
             while (is_own or self._rows or end <= LARGEST_LINE) and (
                 line := reader.readline(LARGEST_LINE)
@@ -187,14 +188,16 @@ class Journal(AbstractContextManager["Journal"]):
                 if not line.endswith(b"\n") and len(line) < LARGEST_LINE:
                     break
                 end += len(line)
-                # The case of a line is accepted only if the checksum fits the data and the stamp.
+                # The case in a line is accepted only if the line's checksum fits its data and the
+                # stamp.
                 data = line[LEAD:-1]
                 if line == _journal_line_with_checksum(data, self._stamp):
                     record = json.loads(b"{" + data)
                     self._rows[record["key"]] = record["row"]
                 else:
                     damaged += 1
-        # In a journal of another version of the source no checksum fits, and no case is accepted.
+        # A journal of another version of the source has another stamp, so that no checksum fits and
+        # no case is accepted.
         if not is_own and not self._rows:
             self._rename_outdated_journal(path, head)
             return False
@@ -206,7 +209,7 @@ class Journal(AbstractContextManager["Journal"]):
         return True
 
     def _rename_outdated_journal(self, path: Path, head: bytes) -> None:
-        """Rename the journal of another version of the source to the next free `path.N`.
+        """Rename a journal of another version of the source to the first free name `path.N`.
 
         Raises BadInput if the first line `head` of the file is not that of a journal.
         """

@@ -1,6 +1,6 @@
 """Routines of LAPACK and BLAS for systems of linear equations, and a triangular solve.
 
-Other modules import the routines of scipy from here.
+Other modules of drumlin import these routines of scipy from this module.
 """
 
 import numpy as np

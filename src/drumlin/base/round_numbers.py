@@ -4,7 +4,7 @@ import math
 
 
 def round_numbers_about(value: float) -> tuple[float, ...]:
-    """The round numbers (4,) about a positive `value`, in growing order.
+    """Four round numbers around a positive `value`, in growing order.
 
     They are 1, 2, 5 and 10 times the largest power of ten that is not above the value.
     """
@@ -13,6 +13,6 @@ def round_numbers_about(value: float) -> tuple[float, ...]:
 
 
 def largest_round_number_up_to(value: float) -> float:
-    """The largest round number that is not above a positive `value`, but for round-off."""
+    """The largest round number that is not above a positive `value`, up to round-off."""
     slack = value * (1 + 1e-9)
     return max(number for number in round_numbers_about(value) if number <= slack)

@@ -15,22 +15,25 @@ SEPARATORS = (",", ";", "\t")
 
 
 def rows_of_separated_table(text: str) -> list[list[str]]:
-    """The rows of cells of a table; the separator is the one that the first line has most often.
+    """The rows of a table, each a list of cells.
+
+    The separator is the one of SEPARATORS that the first line has most often.
 
     Raises csv.Error for a text that is no table.
     """
     heading = text.partition("\n")[0]
-    # Of separators that the first line has equally often, such as none, the comma counts.
+    # If the first line has several separators equally often, or none at all, `max` takes the first
+    # of SEPARATORS, the comma.
     separator = max(SEPARATORS, key=heading.count)
     return list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
 
 
 def decimal_sign_of_table(cells: Iterable[str]) -> str:
-    """The decimal sign of the numbers in a table, "," or "."; "" if no cell tells it.
+    """The decimal sign, "," or ".", of the numbers in the cells of a table; "" if no cell tells it.
 
     Raises ValueError for cells of which some have a decimal comma and others a decimal point.
     """
-    # Each sign is remembered with the first cell that proves it.
+    # The first cell that proves a sign is kept for the error message.
     found: dict[str, str] = {}
     for cell in cells:
         sign = decimal_sign_of_number(cell)
@@ -49,7 +52,8 @@ def number_in_table_cell(cell: str, decimal_sign: str) -> float:
 
     Raises ValueError for a cell without a number, or with a number that has two readings.
     """
-    # A plain number of any length is read at once.
+    # A plain number needs no check of its commas. It may also be longer than LONGEST_QUANTITY,
+    # which `number_as_written` refuses.
     if decimal_sign != "," or not set(".,") & set(cell):
         try:
             return float(cell)

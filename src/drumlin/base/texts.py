@@ -22,7 +22,8 @@ square of its digits.
 MOST_KEY_PARTS = 16
 """Largest number of parts of a dotted key a.b.c in a file; a key with more is refused.
 
-The TOML parser walks through all parts for every key below them, so that such files take long.
+For each key, the TOML parser walks through all parts of its dotted name. Files with long dotted
+keys therefore take long.
 """
 
 # The pattern matches the exponent of a number below ten millions, such as e+05.
@@ -31,8 +32,8 @@ _THOUSANDS = re.compile(r"e\+0[0-6]$")
 _NOTHING = re.compile(r"[-+]0(\.0*)?%?")
 # The pattern matches a number with too many digits; TOML allows _ between digits.
 _DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
-# A part of a TOML key is a bare word or in quotes. The pattern _KEY also matches comments, so that
-# words in a comment do not count as keys.
+# A part of a TOML key is a bare word or in quotes. The pattern _KEY, below, also matches comments,
+# so that words in a comment do not count as keys.
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 # The pattern matches a comment, or a dotted key with any number of parts.
 _KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
@@ -72,7 +73,7 @@ def _command_word_with_path_cut_to_file_name(word: str) -> str:
 
 
 def number_as_text(value: float, form: str) -> str:
-    """A number as text for people: as `format(value, form)`, with three differences.
+    """A number as text for people: the text of `format(value, form)` with three changes.
 
     A space precedes the percent sign. A number that rounds to zero has no sign. With a format that
     ends in "g", a number below ten millions has no exponent.
@@ -87,8 +88,8 @@ def number_as_text(value: float, form: str) -> str:
 def did_you_mean_hint(name: str, names: Iterable[str]) -> str:
     """The hint "(did you mean ...?)" for an error message about an unknown name.
 
-    It names the one of the allowed `names` that is most like the unknown `name`. The hint is empty
-    if no allowed name is like it.
+    The hint shows the allowed name, out of `names`, that is most like the unknown `name`. It is
+    empty if no allowed name is similar.
     """
     close = difflib.get_close_matches(name, list(names), n=1)
     return f" (did you mean {close[0]!r}?)" if close else ""
@@ -108,8 +109,8 @@ def check_toml_parses_quickly(text: str) -> None:
     check_numbers_have_few_digits(text)
     for match in _KEY.finditer(text):
         key = match.group()
-        # A part in quotes may have dots itself. The parts are counted exactly only if a key has
-        # many dots.
+        # Counting the parts exactly takes time, since a part in quotes may have dots itself. The
+        # parts are therefore counted only if a key has many dots.
         if key.count(".") >= MOST_KEY_PARTS and not key.startswith("#"):
             parts = len(re.findall(_PART, key))
             if parts > MOST_KEY_PARTS:

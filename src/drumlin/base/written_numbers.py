@@ -15,20 +15,22 @@ _PLAIN_CHARACTERS = str.maketrans(
 )
 
 NUMBER_PATTERN = r"[-+]? ?(?:(?:\d+ )?\d+ ?/ ?\d+|[\d.,](?:[\d., ]*[\d.,])?(?:[eE][-+]?\d{1,3})?)"
-"""Pattern, without groups, of a text that may be a number; `number_as_written` checks its digits.
+"""Pattern of a text that may be a number; it has no capturing groups, for use in other patterns.
 
-The text has plain spaces and minus signs, see `text_with_plain_spaces_and_minus_signs`.
+The text must have plain spaces and minus signs, see `text_with_plain_spaces_and_minus_signs`.
+`number_as_written` then checks the digits.
 """
 _PLAIN_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?", re.ASCII)
 _NUMBER = re.compile(rf"\s*({NUMBER_PATTERN})\s*", re.ASCII)
 _FRACTION = re.compile(r"(?:(\d+) )?(\d+) ?/ ?(\d+)", re.ASCII)
-# A decimal point is never in doubt, because files of drumlin have always had decimal points.
+# A single point is the decimal sign, since files of drumlin have always had decimal points. The
+# exception is a table whose other numbers have decimal commas.
 _PLAIN_DIGITS = re.compile(r"\d+\.?\d*|\.\d+", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"(?:\d+|\d{1,3}(?:\.\d{3})+|\d{1,3}(?: \d{3})+|),\d+", re.ASCII)
 _GROUPS_OF_THREE = re.compile(
     r"\d{1,3}(?: \d{3})+(?:\.\d+)?|\d{1,3}(?:,\d{3})+(?:\.\d+)?|\d{1,3}(?:\.\d{3}){2,}", re.ASCII
 )
-# Such a number is 1.5 to some readers and 1500 to others.
+# This pattern matches a number such as 1,500, which is 1.5 to some readers and 1500 to others.
 _COMMA_IN_DOUBT = re.compile(r"[1-9]\d{0,2},\d{3}", re.ASCII)
 
 
@@ -43,14 +45,14 @@ def number_as_written(text: str, decimal_sign: str = "") -> float:
     Parameters
     ----------
     text : such as "150.5", "150,5", "1 500", "1.500,5", "3/4" or "-1e-5"
-    decimal_sign : "," or "." where other numbers of a table tell what a comma means; "" if unknown
+    decimal_sign : "," or ".", the decimal sign of other numbers in the same table; "" if unknown
 
     Raises
     ------
     ValueError
         for a text that is no number, or a number with two readings, in words for the user
     """
-    # Most numbers are plain, and are read at once.
+    # Most numbers are plain and need no further check.
     if decimal_sign != "," and _PLAIN_NUMBER.fullmatch(text):
         return float(text)
     match = _NUMBER.fullmatch(text_with_plain_spaces_and_minus_signs(text))
@@ -81,7 +83,7 @@ def decimal_sign_of_number(text: str) -> str:
 
 
 def _digits_with_decimal_point(digits: str, decimal_sign: str) -> str:
-    """The digits of a number without groups of three, and with a decimal point.
+    """The digits of a number with a decimal point, and without the signs between groups of three.
 
     `decimal_sign` is "," or "." if it is known. Raises ValueError for digits with two readings.
     """
@@ -102,7 +104,7 @@ def _digits_with_decimal_point(digits: str, decimal_sign: str) -> str:
 
 
 def pure_number_as_written(value: object) -> object:
-    """A number without unit that a text gives, such as "0,3" or "30 %".
+    """The number without a unit that a text such as "0,3" or "30 %" stands for.
 
     Other values, and texts that give no number, are returned unchanged. Raises ValueError for a
     number that has two readings.

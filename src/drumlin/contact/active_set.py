@@ -5,9 +5,10 @@ motions y (k,) with the weighted gaps
 
     w = q + A p + B y,    p >= 0,  w >= 0,  p w = 0,       C p = h
 
-A (n, n) is the compliance. Friction makes A unsymmetric. A penalty eps adds the compliance M/eps,
-which is zero for an infinite penalty. The rigid-body motions y are free; the motion of a hinged
-shoe is its rotation. C p = h are the equilibria in the rigid-body modes; without friction C = B^T.
+A (n, n) is the compliance. Friction makes A unsymmetric. A contact penalty eps adds the compliance
+M/eps to A, with the mass matrix M of the contact nodes; the addition is zero for an infinite
+penalty. A hinged shoe has one rigid-body motion, its rotation. C p = h are the equilibria in the
+rigid-body modes; without friction C = B^T.
 
 A trial contact set gives each node a pressure or a gap. A node is wrong if its pressure or its gap
 is negative. The active-set method is a semismooth Newton method: all wrong nodes change at once
@@ -54,8 +55,8 @@ needed, the contact problem is refused.
 GOLDEN_RATIO = (math.sqrt(5) - 1) / 2
 """Golden ratio 0.618.
 
-The fractional parts of its multiples are all different. They give each contact node an added gap
-of a different size.
+The fractional parts of its multiples are all different. A path of solutions begins with gaps added
+to the true ones, and these parts make the added gaps of all contact nodes differ.
 """
 
 SMALLEST_EXTRA_GAP = math.sqrt(np.finfo(float).eps)
@@ -64,8 +65,8 @@ SMALLEST_EXTRA_GAP = math.sqrt(np.finfo(float).eps)
 Gaps are added where a path of solutions begins. The path then leads back to the true gaps. The
 added gaps differ from node to node, so that no two nodes change between contact and separation at
 the same time. The square root of the machine precision (1.5e-8) lies as far above round-off as
-below the gaps. With added gaps as large as the gaps themselves a path may miss a solution that
-smaller added gaps find.
+below the largest gap. With added gaps as large as the true gaps a path may miss a solution that it
+finds with smaller added gaps.
 """
 
 MOST_STEPS_WITHOUT_PROGRESS = 5
@@ -75,16 +76,16 @@ A contact node is wrong if its pressure or its gap is negative. If the number of
 fallen, the solution is followed along a path on which one node changes at a time, see
 `find_contact_set_by_closing_wide_gaps`. The path needs a step for each node that changes. Judice
 and Pires (1994) wait for up to ten steps. On 50 random holding brakes a limit of one step takes 1.2
-times as many factorisations as five. Limits from five to twelve steps lie within 2 % of each other.
-The solutions are the same with any limit.
+times as many factorisations as a limit of five. With limits from five to twelve steps the numbers
+of factorisations differ by 2 %. The solutions are the same with any limit.
 """
 
 COARSE_GUESS_FROM_NODES = 48
-"""Number of contact nodes from which on the first contact set is guessed on fewer nodes.
+"""Least number of contact nodes for which the first contact set is guessed on fewer nodes.
 
 The guess is the contact set of the same problem on every other node. Problems with fewer nodes
-start with all nodes in contact, which is as fast. In trials, limits of 24 and 96 nodes changed the
-number of steps by a tenth and the time not at all.
+start with all nodes in contact, which is as fast. In trials, other values, 24 and 96 nodes, changed
+the number of steps by a tenth and the time not at all.
 """
 
 SET_ROUND_OFF = 1e-12
@@ -98,8 +99,8 @@ MOST_CANDIDATE_SETS = 2016
 """Largest number of sets of nodes among which a shoe's first points of contact are sought.
 
 A shoe with k rigid-body modes first touches at a set of k nodes. The number of sets limits the
-memory. All pairs of 64 nodes, or all triples of 23 nodes, stay below the limit. If a shoe has more
-nodes, only some of the nodes, evenly spaced, are candidates.
+memory. All pairs of 64 nodes (2016), or all triples of 23 nodes (1771), fit into the limit. If a
+shoe has more nodes, only some of them, evenly spaced, are candidates.
 """
 
 
@@ -174,7 +175,7 @@ class _TrialSolution(NamedTuple):
     x : pressures and rigid-body motions (n + k,)
     p : pressures (n,), a view of x
     w : weighted gaps (n,), a view of the residual
-    residual : weighted gaps, then the imbalance of each rigid-body mode (n + k,)
+    residual : weighted gaps (n,), then the imbalance (k,) of the forces in each rigid-body mode
     wrong : whether a node (n,) has a negative pressure or a negative gap
     """
 
@@ -191,7 +192,7 @@ def solve_contact_by_block_pivoting(
     most_steps: int = MOST_PIVOT_STEPS,
     scales_of: ScaledContactSystem | None = None,
 ) -> Contact:
-    """Solve a contact problem by changing all wrong nodes at once, and return its solution.
+    """Solve a contact problem by block pivoting, in which all wrong nodes change at once.
 
     A node is wrong if its pressure or its gap is negative.
 
@@ -215,8 +216,8 @@ def solve_contact_by_block_pivoting(
     fewest, patience = system.n + 1, MOST_STEPS_WITHOUT_PROGRESS
     base: ContactSetEquations | None = None
     for step in range(1, most_steps + 1):
-        # If the touching nodes leave a rigid-body mode free, the equations are singular. The nodes
-        # that the actuation closes first are then added.
+        # If the touching nodes leave a rigid-body mode free, the equations are singular. Therefore
+        # the nodes whose gaps the actuation closes first are added.
         if not _can_contact_set_resist_rigid_body_modes(problem, active):
             active = active | _find_nodes_that_touch_first(system.scaled_contact_problem)
         equations = _factorise_contact_set(system, active, base)
@@ -262,7 +263,8 @@ def _solve_on_trial_contact_set(
     residual = r + closed
     w = residual[:n]
     w += opened
-    # Pressures and gaps are negative only beyond the round-off of their largest members.
+    # A pressure or a gap counts as negative only if its size exceeds the round-off of the largest
+    # pressure or gap.
     largest_gap = max(np.abs(r[:n]).max(), np.abs(opened).max(), np.abs(closed[:n]).max())
     p_round_off = SET_ROUND_OFF * np.abs(p).max()
     w_round_off = SET_ROUND_OFF * largest_gap
@@ -307,7 +309,7 @@ def _next_contact_set(
     """Return the contact set (n,) of the next step of the active-set method.
 
     All wrong nodes change between contact and separation, if the new set still resists all
-    rigid-body modes. Otherwise only some of the pulling nodes leave the set.
+    rigid-body modes. Otherwise only some of the nodes with negative pressure leave the set.
 
     A stiff shoe with two rigid-body modes stands on two nodes. If one node opens, the shoe turns
     about the other node until a third node touches, see `_find_node_that_closes_first`. In this way
@@ -316,8 +318,8 @@ def _next_contact_set(
     wanted = active ^ trial.wrong
     if _can_contact_set_resist_rigid_body_modes(problem, wanted):
         return wanted
-    # All nodes that penetrate join the set. The nodes that pull leave it one after the other, the
-    # strongest pull first, as long as the remaining nodes resist all modes.
+    # All nodes with a negative gap join the set. Nodes with negative pressure leave it one after
+    # the other, the most negative first, as long as the remaining nodes resist all modes.
     found = active | trial.wrong
     leaving = np.flatnonzero(active & trial.wrong)
     leaving = leaving[np.argsort(trial.p[leaving], kind="stable")]
@@ -326,7 +328,8 @@ def _next_contact_set(
         found[node] = not _can_contact_set_resist_rigid_body_modes(problem, found)
     if not np.array_equal(found, active) or not len(leaving):
         return found
-    # No node could leave: the node that pulls most is exchanged for the first that touches.
+    # No node could leave. The node with the most negative pressure opens, and the node that then
+    # touches first takes its place.
     pulling = int(leaving[0])
     touched = _find_node_that_closes_first(system.K, equations, trial.w, pulling, found)
     if touched is None:
@@ -387,15 +390,15 @@ class _PathSegment(NamedTuple):
 def find_contact_set_by_closing_wide_gaps(problem: ContactProblem) -> tuple[Bools, int]:
     """Follow the solution of a contact problem from widened gaps to the true gaps.
 
-    The gaps are q + s e, with s = 1 where the path begins and s = 0 where it ends. At s = 1 only
-    those nodes touch that the actuation closes first; e (n,) lifts all other nodes. Between two
-    changes of the contact set the pressures and gaps are linear in s. One node changes at a time.
-    The path may turn, so that s grows again. A path ends at a solution or goes on for ever (Lemke
-    1965; Cottle, Pang & Stone, The Linear Complementarity Problem, section 4.5).
+    The gaps are q + s e, with s = 1 where the path begins and s = 0 where it ends. The added gaps e
+    (n,) are so wide that at s = 1 only those nodes touch that the actuation closes first. Between
+    two changes of the contact set the pressures and gaps are linear in s. One node changes at a
+    time. The path may turn, so that s grows again. A path ends at a solution or goes on for ever
+    (Lemke 1965; Cottle, Pang & Stone, The Linear Complementarity Problem, section 4.5).
 
     Returns
     -------
-    the contact set (n,) of the solution, and the number of steps to it
+    the contact set (n,) of the solution, and the number of contact sets solved on the path
 
     Raises
     ------
@@ -412,11 +415,11 @@ def find_contact_set_by_closing_wide_gaps(problem: ContactProblem) -> tuple[Bool
         if step == 0:
             lift[:n] = _added_gaps_that_open_other_nodes(system, equations, active)
         line = _pressures_and_gaps_as_linear_path_segment(system, equations, active, lift)
-        # The pressure or gap of the node that has changed last is zero, and must grow from zero.
-        # Its slope therefore gives the sense in which s changes.
+        # The pressure or gap of the node that has changed last is zero and must not become
+        # negative. The sign of its slope therefore tells whether s grows or falls.
         if step > 0:
             direction = 1 if line.slope[last] > 0 else -1
-        reach = _steps_until_pressure_or_gap_vanishes(line, s, direction)
+        reach = _path_parameter_change_until_pressure_or_gap_vanishes(line, s, direction)
         if direction < 0 and reach.min() >= s:
             return active, step + 1
         last = int(reach.argmin())
@@ -441,9 +444,10 @@ def find_contact_set_by_closing_wide_gaps(problem: ContactProblem) -> tuple[Bool
 def _added_gaps_that_open_other_nodes(
     system: ScaledContactSystem, equations: ContactSetEquations, active: Bools
 ) -> Floats:
-    """Return gaps (n,) which, added to the true gaps, open all nodes outside a contact set (n,).
+    """Return the gaps (n,) to add to the true gaps so that all nodes outside a contact set open.
 
-    The added gaps differ from node to node, so that no two nodes change at the same time.
+    `active` (n,) is the contact set. The added gaps differ from node to node, so that no two nodes
+    touch at the same time as the added gaps shrink.
     """
     r, n = system.r, system.n
     w = (r + system.K @ equations.solve(r))[:n]
@@ -457,7 +461,8 @@ def _pressures_and_gaps_as_linear_path_segment(
 ) -> _PathSegment:
     """Return pressures and gaps on a contact set (n,) as linear functions of s.
 
-    The gaps of the unloaded contact are q + s lift, with `lift` (n + k,) per s.
+    The path parameter s multiplies `lift` (n + k,): the scaled gaps that are added to the true
+    gaps, and k zeros.
     """
     K, r, n = system.K, system.r, system.n
     x, dx = equations.solve(r), equations.solve(lift)
@@ -465,8 +470,10 @@ def _pressures_and_gaps_as_linear_path_segment(
     return _PathSegment(np.where(active, x[:n], w), np.where(active, dx[:n], dw))
 
 
-def _steps_until_pressure_or_gap_vanishes(line: _PathSegment, s: float, direction: int) -> Floats:
-    """Return the change of s (n,) after which the pressure or gap of each node falls to zero.
+def _path_parameter_change_until_pressure_or_gap_vanishes(
+    line: _PathSegment, s: float, direction: int
+) -> Floats:
+    """Return for each node the change of s (n,) after which its pressure or gap is zero.
 
     The change is inf where the pressure or gap grows. `direction` is the sense, +1 or -1, in which
     s changes.
@@ -499,9 +506,9 @@ def guess_contact_set_from_coarse_problem(problem: ContactProblem) -> Bools:
 
 
 def contact_set_on_all_nodes(coarse: Bools, count: int) -> Bools:
-    """Return the contact set (count,) on all nodes that belongs to one on every other node.
+    """Extend a contact set on every other node to a contact set (count,) on all nodes.
 
-    The neighbours of a node of the coarse set belong to the fine set as well.
+    A node of the coarse set also adds its two neighbours, which are no nodes of the coarse problem.
     """
     active = np.empty(count, dtype=bool)
     between = count // 2
@@ -564,7 +571,7 @@ def _pressure_change_by_gap_change(
 
 
 def _can_contact_set_resist_rigid_body_modes(problem: ContactProblem, active: Bools) -> bool:
-    """Whether the nodes of a contact set (n,) can hold the shoes in place in each rigid-body mode.
+    """Whether the nodes of a contact set (n,) keep the shoes from moving in every rigid-body mode.
 
     A shoe with several modes needs at least as many touching nodes as modes.
     """
@@ -603,7 +610,7 @@ def _find_nodes_that_touch_first(
     _, q, B, C, h = problem
     n = len(q)
     touching, p = np.zeros(n, dtype=bool), np.zeros(n)
-    # The pressures of a shoe that pushes another shoe give the load on the other shoe.
+    # If a shoe pushes another shoe, its pressures p are needed for the load on the other shoe.
     for modes in _sort_shoes_modes_by_load_path(
         _group_modes_that_move_the_same_nodes(B != 0), B != 0, C != 0
     ):
@@ -643,9 +650,9 @@ def _rigid_body_motion_until_each_node_touches(
 def _sort_shoes_modes_by_load_path(
     mode_groups: list[list[int]], moves: Bools, bears: Bools
 ) -> list[list[int]]:
-    """Return the sets of modes, one for each shoe, in the order in which the load is passed on.
+    """Sort the sets of modes, one set for each shoe, in the order in which shoes push each other.
 
-    A shoe that pushes another shoe comes before it. The equilibria of a set then need only the
+    A shoe comes before the shoes that it pushes. The equilibria of a set then need only the
     pressures of the same shoe and of earlier shoes.
 
     Parameters
@@ -693,8 +700,8 @@ def _find_touching_nodes_that_balance_shoe_load(
 ) -> Ints:
     """Return the numbers of k nodes at which a shoe with k rigid-body modes touches first.
 
-    The pressures of these nodes balance the load on the modes. Of all sets of k such nodes the set
-    is taken that leaves the smallest gap of the other nodes widest.
+    Pressures at these nodes alone balance the load. Of all sets of k nodes for which this holds,
+    the set is taken with which the other nodes keep the largest minimum gap.
 
     Parameters
     ----------
@@ -711,7 +718,8 @@ def _find_touching_nodes_that_balance_shoe_load(
     """
     k = len(h)
     candidates = np.flatnonzero(moved)
-    # Some candidates are dropped, evenly along the lining, until MOST_CANDIDATE_SETS sets remain.
+    # Some candidates are dropped, evenly along the lining, until there are at most
+    # MOST_CANDIDATE_SETS sets of k nodes.
     count = len(candidates)
     while math.comb(count, k) > MOST_CANDIDATE_SETS:
         count -= 1
@@ -725,14 +733,14 @@ def _find_touching_nodes_that_balance_shoe_load(
         closings.transpose(0, 2, 1)
     )
     sets, equilibria, closings = sets[holds], equilibria[holds], closings[holds]
-    # Of these only the sets are kept whose pressures under the load are positive.
+    # Of the remaining sets, only those are kept that balance the load by pressures >= 0.
     loads = np.broadcast_to(h[:, None], (len(sets), k, 1))
     p = np.linalg.solve(equilibria, loads)[..., 0]
     pressed = (p >= 0).all(axis=1)
     if not pressed.any():
         raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
-    # Each set closes its own gaps by a motion y. The set is taken whose motion leaves the smallest
-    # gap of all candidates widest.
+    # A motion y closes the gaps of the nodes of a set. The set is taken whose motion leaves the
+    # largest minimum gap among all candidates.
     gaps = q[sets[pressed]][..., None]
     y = -np.linalg.solve(closings[pressed], gaps)[..., 0]
     smallest_gap = (q[candidates] + y @ B[candidates].T).min(axis=1)
@@ -744,7 +752,8 @@ def _mark_nonsingular_matrices(matrices: Floats) -> Bools:
 
     The rows stand for rigid-body modes and the columns for nodes.
     """
-    # The rows and columns are scaled, because the modes have different units (turns and slides).
+    # The rows and columns are scaled, because the modes have different units (rotations and
+    # translations).
     largest = np.maximum(np.abs(matrices).max(axis=(0, 2)), TINY)
     scaled = matrices / largest[:, None]
     length = np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), TINY)

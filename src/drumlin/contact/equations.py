@@ -1,10 +1,11 @@
 """Scale and factorise the linear equations of a contact set.
 
 The contact set is the set of nodes that touch. The contact problem has n nodes and k rigid-body
-modes. At a node of the contact set the weighted gap vanishes, w = q + A p + B y = 0. At all other
-nodes the pressure vanishes, p = 0. The pressures balance the actuation, C p = h. The gaps and the
-balance together are one linear system with the matrix [[A, B], [C, 0]], restricted to the rows and
-columns of the contact set.
+modes. The weighted gap of a node is the integral of the gap times the node's shape function. At a
+node of the contact set the weighted gap vanishes, w = q + A p + B y = 0. At all other nodes the
+pressure vanishes, p = 0. The pressures balance the actuation, C p = h. Both equations together are
+one linear system with the matrix [[A, B], [C, 0]], of which only the rows and columns of the
+contact set are used.
 
 The system is scaled to entries of similar size and factorised once. A contact set that differs by a
 few nodes reuses the factors through a bordered system.
@@ -19,9 +20,9 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgecon, dgetrf, dgetrs
 
 TINY = np.finfo(float).tiny
-"""Smallest normal double, 2.2e-308, and least divisor of scale factors.
+"""Smallest normal double, 2.2e-308; no scale factor is computed with a smaller divisor.
 
-A row of zeros in a matrix then does not cause a division by 0.
+A row of zeros in a matrix therefore causes no division by 0.
 """
 
 BORDERED_ABOVE_UNKNOWNS = 100
@@ -42,10 +43,11 @@ class ContactProblem(NamedTuple):
 
     Attributes
     ----------
-    A : weighted gaps (n, n) that open per pressure, the compliance; unsymmetric with friction
+    A : compliance (n, n), by which nodal pressures open the weighted gaps; unsymmetric with
+        friction
     q : weighted gaps (n,) of the unloaded contact
-    B : weighted gaps (n, k) that open per unit of a rigid-body mode
-    C : generalised forces (k, n) of pressures in the equilibria of the modes
+    B : changes (n, k) of the weighted gaps per unit of each rigid-body mode
+    C : generalised forces (k, n) of unit nodal pressures in the equilibrium of each mode
     h : generalised forces (k,) of the actuation
     """
 
@@ -60,10 +62,9 @@ class ScaledContactSystem(NamedTuple):
     """A contact problem whose rows and columns are scaled to entries of similar size.
 
     The unknowns x = (p, y) are the nodal pressures p and the rigid-body motions y of the shoes. The
-    first n values of r + K x are the gaps at the nodes, weighted by lengths. The other k values are
-    the forces and moments that do not balance. K = [[A, B], [C, 0]] has the compliance A, the gaps
-    B by rigid-body motions and the resultants C of the pressures. r = (q, -h) has the gaps q
-    without pressure and the given loads h.
+    first n values of r + K x are the weighted gaps of the nodes. The other k values are the forces
+    and moments that do not balance. K = [[A, B], [C, 0]] and r = (q, -h) consist of the arrays of
+    `ContactProblem`, but scaled.
 
     Attributes
     ----------
@@ -89,7 +90,7 @@ class ScaledContactSystem(NamedTuple):
     def mark_unknowns_of_contact_set(self, active: Bools) -> Bools:
         """Mark the unknowns (n + k,) that a contact set (n,) does not set to zero.
 
-        These are the pressures of the contact set and all rigid-body motions.
+        The marked unknowns are the pressures of the contact set and all rigid-body motions.
         """
         unknowns = np.empty(len(self.r), dtype=bool)
         unknowns[: self.n] = active
@@ -100,7 +101,7 @@ class ScaledContactSystem(NamedTuple):
 def scale_contact_problem(
     problem: ContactProblem, scales_of: ScaledContactSystem | None = None
 ) -> ScaledContactSystem:
-    """Return a scaled contact problem, in which A has a unit diagonal, B unit columns, C unit rows.
+    """Scale a contact problem so that A has a unit diagonal, and B and C entries of at most 1.
 
     The scale factors are positive, so that neither the signs of pressures and gaps nor the contact
     set change. If an earlier system `scales_of` is given, its scale factors are used.
@@ -124,10 +125,11 @@ def scale_contact_problem(
 
 
 def _scale_factors_of_contact_problem(problem: ContactProblem) -> tuple[Floats, Floats]:
-    """Return the scale factors (n + k,) of the rows, and those of the columns, of a problem."""
+    """Return the scale factors (n + k,) of the rows of K, and then those of its columns."""
     A, _, B, C, _ = problem
     k = B.shape[1]
-    # With these factors A gets a unit diagonal, and the largest entry of each mode becomes 1.
+    # With these factors A gets a unit diagonal. The largest entry of each column of B and of each
+    # row of C becomes 1.
     of_nodes = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), TINY))
     modes = np.concatenate([B, C.T], axis=1)
     largest = np.abs(modes * of_nodes[:, None]).max(axis=0)
@@ -193,10 +195,9 @@ class BorderedEquations(ContactSetEquations):
     """The equations of a contact set that differs by a few nodes from a factorised `base`.
 
     A released node has left the contact set of the base, and an added node has joined it. The
-    bordered system has two more kinds of unknowns than the base. The weighted gaps of the released
-    nodes make the pressures of these nodes vanish. The pressures of the added nodes make the
-    weighted gaps of these nodes vanish. Only the small Schur complement of the border is
-    factorised.
+    bordered system has two kinds of unknowns beside those of the base: the weighted gaps of the
+    released nodes, whose pressures must vanish, and the pressures of the added nodes, whose
+    weighted gaps must vanish. Only the small Schur complement of the border is factorised.
     """
 
     def __init__(self, base: ContactSetEquations, K: Floats, free: Bools) -> None:
@@ -206,16 +207,18 @@ class BorderedEquations(ContactSetEquations):
         added = np.flatnonzero(free & ~base.free)
         self._free_numbers = np.concatenate([base._free_numbers, added])
         released = len(self._released)
-        # The border has a column with a unit gap for each released node, and then a column with the
-        # compliance of each added node.
+        # The first columns of the border are unit gaps, one for each released node. The other
+        # columns are the compliances (columns of K) of the added nodes.
         border = np.zeros((len(base._free_numbers), released + len(added)))
         border[self._released, np.arange(released)] = -1.0
         border[:, released:] = K[base._free_numbers[:, None], added]
         self._base_solution_per_border_unknown = -base._solve_for_unknowns_of_contact_set(border)
         self._rows_of_added_nodes = K[added[:, None], base._free_numbers]
-        # The Schur complement gives pressures at released and gaps at added nodes, per unknown of
-        # the border.
-        schur = self._released_pressures_and_added_gaps(self._base_solution_per_border_unknown)
+        # The Schur complement (r + a, r + a) holds the pressures of the r released nodes and the
+        # weighted gaps of the a added nodes, per unknown of the border.
+        schur = self._pressures_of_released_and_gaps_of_added_nodes(
+            self._base_solution_per_border_unknown
+        )
         schur[released:, released:] += K[added[:, None], added]
         self._schur_factors = _lu_factors_and_pivots_of_transposed_matrix(schur)
 
@@ -230,7 +233,7 @@ class BorderedEquations(ContactSetEquations):
             self._schur_factors
         )
 
-    def _released_pressures_and_added_gaps(self, solution: Floats) -> Floats:
+    def _pressures_of_released_and_gaps_of_added_nodes(self, solution: Floats) -> Floats:
         """Return the pressures of released nodes, and then the weighted gaps of added nodes.
 
         `solution` holds the free unknowns of the base.
@@ -238,9 +241,9 @@ class BorderedEquations(ContactSetEquations):
         return np.concatenate([solution[self._released], self._rows_of_added_nodes @ solution])
 
     def _solve_for_unknowns_of_contact_set(self, right: Floats) -> Floats:
-        """Return the free unknowns: those of the base, with released ones 0, then the added ones.
+        """Return the free unknowns of the base, then the pressures of the added nodes.
 
-        `right` is the right-hand side in the same order.
+        The pressures of released nodes are 0. `right` is the right-hand side, in the same order.
         """
         size, released = len(self._base_equations._free_numbers), len(self._released)
         solution = self._base_equations._solve_for_unknowns_of_contact_set(right[:size])
@@ -249,7 +252,8 @@ class BorderedEquations(ContactSetEquations):
         no_pressure = np.zeros((released, *right.shape[1:]))
         wanted = np.concatenate([no_pressure, right[size:]])
         border = _solve_with_lu_factors(
-            self._schur_factors, wanted - self._released_pressures_and_added_gaps(solution)
+            self._schur_factors,
+            wanted - self._pressures_of_released_and_gaps_of_added_nodes(solution),
         )
         solution += self._base_solution_per_border_unknown @ border
         solution[self._released] = 0.0
@@ -261,8 +265,8 @@ def can_contact_resist_all_rigid_body_modes(
 ) -> bool:
     """Whether the contact on a contact set resists every rigid-body mode of the shoes.
 
-    The contact resists if det A > 0 and C A^-1 B has no negative real eigenvalue. Contact without
-    friction always resists.
+    With the matrices A, B and C of the contact set, the contact resists if det A > 0 and C A^-1 B
+    has no negative real eigenvalue. Contact without friction always resists.
     """
     n = system.n
     k = len(system.r) - n
@@ -270,12 +274,13 @@ def can_contact_resist_all_rigid_body_modes(
         return False
     if k < 2:
         return True
-    # The motions in the modes under unit generalised forces are the matrix (C A^-1 B)^-1.
+    # Column j of the matrix (C A^-1 B)^-1 is the rigid-body motion under a unit generalised force
+    # on mode j.
     unit_forces = np.vstack([np.zeros((n, k)), np.diag(system.row_scales[n:])])
     motions = equations.solve(unit_forces)[n:]
     yielding = system.column_scales[n:, None] * motions
     # Each mode has a unit of its own. The scaling makes the eigenvalues independent of the units
-    # and keeps their signs. A mode with a vanishing diagonal is not scaled.
+    # and keeps their signs. A mode whose diagonal entry is 0 is not scaled.
     size = np.sqrt(np.abs(np.diagonal(yielding)))
     size[size == 0] = 1.0
     values = np.linalg.eigvals(yielding / np.outer(size, size))
@@ -297,7 +302,7 @@ def _lu_factors_and_pivots_of_transposed_matrix(matrix: Floats) -> tuple[Floats,
 
 
 def _solve_with_lu_factors(factors: tuple[Floats, Ints], right: Floats) -> Floats:
-    """Return the solution for a right-hand side, by LU factors and pivots of the transpose."""
+    """Return the solution of a linear system, from LU factors and pivots of the transpose."""
     # LAPACK is called directly, since scipy's checks take longer than these small systems.
     return dgetrs(*factors, right, trans=1)[0] if len(right) else right
 

@@ -4,12 +4,12 @@ In full slip the matrices of the contact problem grow linearly with the friction
 
     A(mu) = A0 + mu A1,   C(mu) = C0 + mu C1.
 
-On a contact set pressures and rigid-body motions solve K(mu) x = r with the bordered matrix
-K = [[A, B], [C, 0]]. They grow without bound as mu approaches a value at which K0 + mu K1 is
-singular, an eigenvalue of the matrix pencil. The smallest eigenvalue above the current mu counts.
-The contact set changes as mu grows, and so does this eigenvalue. The solution is therefore followed
-from mu = 0. The limit mu_lock is the eigenvalue of a contact set that holds right up to the
-eigenvalue. Such a limit does not depend on force or clearance, which are negligible beside
+On a contact set pressures and rigid-body motions solve K(mu) x = r with the bordered matrix K =
+[[A, B], [C, 0]]. They grow without bound as mu approaches a value at which K0 + mu K1 is singular.
+Such a value is an eigenvalue of the matrix pencil (K0, -K1); the smallest one above the present mu
+counts. The contact set changes as mu grows, and so does this eigenvalue. The solution is therefore
+followed from mu = 0. The limit mu_lock is the eigenvalue of a contact set that holds right up to
+the eigenvalue. Such a limit does not depend on force or clearance, which are negligible beside
 pressures that grow without bound.
 
 The path of solutions over mu may also end where it turns back: at a change of the contact set
@@ -46,11 +46,11 @@ A brake whose limit is higher counts as a brake that never locks.
 LARGEST_FRICTION_STEP = 0.05
 """Largest step of the friction coefficient mu while mu grows from 0 up to self-locking.
 
-The contact is solved after each step. Above mu = 1 the step is relative to mu. The step changes the
-time alone. A step over which the contact set changes is halved until the contact force grows by
-less than LARGEST_FORCE_GROWTH. While the contact set stays, the determinant shows the limit. On 30
-brakes a step of 0.025 takes 1.07 times as many factorisations, a step of 0.1 as many, and a step of
-0.4 takes 1.1 times as many. The solutions are the same.
+The contact is solved after each step. Above mu = 1 the step is relative to mu. The step affects the
+computing time, not the result: a step over which the contact set changes is halved until the
+contact force grows by less than LARGEST_FORCE_GROWTH, and while the contact set stays, the
+determinant shows the limit. On 30 brakes a step of 0.025 takes 1.07 times as many factorisations as
+0.05, a step of 0.1 as many, and a step of 0.4 takes 1.1 times as many.
 """
 
 POLE_DISTANCE = 1e-8
@@ -73,22 +73,23 @@ COARSE_PATH_ABOVE_NODES = 600
 """Number of contact nodes above which only every other node is used while friction grows from 0.
 
 The solution on all nodes is then found at once and compared with the solution on every other node.
-The work grows with the cube of the number of nodes, so that this number changes the time alone. The
-solution is the same, see LARGEST_DIFFERENCE_BETWEEN_MESHES.
+The constant affects the computing time, which grows with the cube of the number of nodes. It does
+not affect the solution, see LARGEST_DIFFERENCE_BETWEEN_MESHES.
 """
 
 LARGEST_DIFFERENCE_BETWEEN_MESHES = 0.1
-"""Relative difference up to which pressures on all nodes and on every other node are one solution.
+"""Relative difference up to which the pressures on two meshes count as the same solution.
 
-The difference and the pressures are measured by their elastic work. In trials, one solution on
-all nodes and on every other node differed by 0.004, and two different solutions by 0.7. Any number
-between tells them apart; a smaller number costs time.
+One mesh has all contact nodes, the other one every other node. The difference and the pressures are
+measured by the square root of their elastic work. In trials, the pressures of the same solution on
+the two meshes differed by 0.004, and two different solutions by 0.7. Any number between tells them
+apart; a smaller number costs time.
 """
 
 FRICTION_RESOLUTION = 1e-12
 """Relative step of the friction coefficient mu below which the search for its limit ends.
 
-The limit is then a point at which the path of solutions turns back.
+The limit is then the mu at which the path of solutions over mu turns back.
 """
 
 
@@ -133,7 +134,7 @@ class FrictionLimit(NamedTuple):
     last_contact : the solution at the friction coefficient `last_friction`, with the contact set of
         the limit
     last_friction : last friction coefficient that was solved
-    steps : number of steps of friction that were tried
+    steps : number of increases of the friction coefficient that were tried
     """
 
     friction: float
@@ -163,7 +164,7 @@ def find_friction_limit_of_contact(
     """Find the friction coefficient mu up to which a contact has an equilibrium.
 
     The contact is solved again and again while mu grows in steps from 0. The search ends where a
-    step has no stable solution that continues the one before.
+    step has no stable solution that continues the solution before the step.
 
     Parameters
     ----------
@@ -195,13 +196,13 @@ def find_friction_limit_of_contact(
             step = min(2 * step, LARGEST_FRICTION_STEP * max(1.0, mu))
             found, mu = after, target
             continue
-        # The step fails. If the contact set holds up to its next singular friction, this friction
-        # is the limit. Otherwise the step is halved.
+        # The step has failed. If the contact set holds up to the next friction at which its
+        # equations are singular, this friction is the limit. Otherwise the step is halved.
         if not np.array_equal(critical_set, found.active):
             try:
                 critical = next_friction_with_singular_contact_equations(problem, mu, found.active)
             except np.linalg.LinAlgError:
-                # The last step has met the singular friction itself.
+                # The present mu is itself the friction at which the equations are singular.
                 critical = mu
             critical_set = found.active
             if _is_contact_set_valid_up_to_friction(problem, mu, critical, found.active):
@@ -220,8 +221,9 @@ def is_contact_certain_up_to_friction(
 ) -> bool:
     """Whether a contact certainly has an equilibrium from a smaller friction up to `friction`.
 
-    It has, if the solution at `friction` is stable and its contact force is larger by at most
-    LARGEST_FORCE_GROWTH. The answer False means that the limit must be followed in steps.
+    The result is True if the solution at `friction` is stable and its contact force is larger by at
+    most LARGEST_FORCE_GROWTH. If it is False, the contact must be followed in steps of friction to
+    know.
 
     Parameters
     ----------
@@ -258,7 +260,7 @@ def _is_contact_set_valid_up_to_friction(
     """
     if not np.isfinite(singular_friction):
         return False
-    # The last step may have met the singular friction itself.
+    # The present mu may itself be the friction at which the equations are singular.
     if singular_friction - mu < FRICTION_RESOLUTION * max(mu, 1e-3):
         return True
     near = mu + (singular_friction - mu) * (1 - POLE_DISTANCE)
@@ -276,7 +278,7 @@ def _solve_contact_without_friction(
 
 
 class _DirectSolution(NamedTuple):
-    """The solution at a friction coefficient that was found without following friction from mu = 0.
+    """A solution at a friction coefficient, found directly and not by following growing friction.
 
     Attributes
     ----------
@@ -327,8 +329,8 @@ def solve_contact_reached_from_zero_friction(
     Raises
     ------
     FrictionBeyondLimit
-        if the brake locks itself below this friction; the message states the limit and that of the
-        rigid shoe
+        if the brake locks itself below this friction; the message states mu_lock of the brake and
+        of the rigid shoe
     NoAnswer
         if there is no solution for another reason
     """
@@ -336,7 +338,8 @@ def solve_contact_reached_from_zero_friction(
         return _solve_contact_without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
     areas = _node_areas_or_ones(problem, areas)
-    # First, the direct solution is tried, with many nodes from the contact on every other node.
+    # First the contact is solved directly. With many nodes the direct solution starts from the
+    # contact set of the coarse problem, on every other node, and is checked by it.
     if len(problem.q) > COARSE_PATH_ABOVE_NODES:
         like = _solve_and_check_by_coarse_solution(
             problem, problem_at(0.0), friction, start, areas, rigid_law_limit
@@ -348,11 +351,12 @@ def solve_contact_reached_from_zero_friction(
     )
     if at_once.is_on_path and at_once.contact is not None:
         return at_once.contact
-    # Second, the solution is followed in steps of friction.
+    # If the direct solution is not certain, the contact is followed in steps of growing friction.
     try:
         end = _follow_contact_up_to_friction(problem_at, friction, at_once, areas)
     except NoAnswer:
-        # There is no solution without friction either, so that the brake is not self-locking.
+        # The contact has no stable solution at mu = 0 either, so that the friction is not beyond a
+        # self-locking limit. A stable direct solution then counts.
         if at_once.stable and at_once.contact is not None:
             return at_once.contact
         raise NoAnswer(at_once.refusal) from None
@@ -402,8 +406,9 @@ def _solve_contact_directly_at_friction(
 ) -> _DirectSolution:
     """Solve the contact at a friction coefficient directly, without steps of growing friction.
 
-    The contact at half of the friction is solved too. It shows whether the solution is certain.
-    `problem` is the problem at `friction`. The other parameters are those of
+    The contact at half of the friction is solved too. If the contact force grows by little from
+    there on, the solution is certainly the one that growing friction reaches. `problem` is the
+    problem at `friction`. The other parameters are those of
     `solve_contact_reached_from_zero_friction`.
     """
     found = half = None
@@ -480,7 +485,7 @@ def _solve_and_check_by_coarse_solution(
         found = solve_contact_by_block_pivoting(problem, first)
     except NoAnswer:
         return None
-    # The two solutions are one if the elastic work of their difference is small.
+    # The two solutions count as the same if the elastic work of their difference is small.
     off = interpolate_pressures_to_all_nodes(like.p, len(found.p)) - found.p
     work_off = float(off @ (problem.A @ off))
     work = float(found.p @ (problem.A @ found.p))
@@ -493,8 +498,8 @@ def _is_contact_reached_from_zero_friction(
 ) -> bool:
     """Whether friction that grows from mu = 0 certainly leads to a solution `found`.
 
-    The solution must be stable, and the contact force must grow by little from half of the
-    friction on. The friction must be below the limit of the rigid shoe.
+    The solution must be stable, and the contact force must grow by little from half of the friction
+    on. The function assumes that the friction is below the limit of the rigid shoe.
     """
     try:
         half = solve_contact_by_block_pivoting(
@@ -511,8 +516,9 @@ def _is_growth_of_contact_force_small(found: Contact, before: Contact, areas: Fl
     `before` is the earlier solution, which must be stable. The contact force is the sum of
     pressures times areas (n,).
     """
-    # A sum of pressures alone would mislead. As friction grows, the contact moves along the lining.
-    # Where the elements are narrower, more nodes press under the same force.
+    # The sum of the pressures without areas would not measure the force: as friction grows, the
+    # contact moves along the lining, and where elements are shorter, more nodes press under the
+    # same force.
     force, force_before = float(areas @ found.p), float(areas @ before.p)
     return before.stable and force <= (1 + LARGEST_FORCE_GROWTH) * force_before
 
@@ -527,22 +533,23 @@ def next_friction_with_singular_contact_equations(
 ) -> float:
     """Return the smallest friction above `friction` at which a contact set (n,) has no solution.
 
-    At this friction coefficient mu the matrix K0 + mu K1 of the contact set `active` is singular.
-    The result is inf if there is no such mu. With K(mu) G = K1, each eigenvalue gamma of G gives
-    the singular friction mu - 1/gamma. Raises numpy's LinAlgError where K is singular at `friction`
-    itself.
+    At this friction coefficient the matrix K(mu) = K0 + mu K1 of the equations of the contact set
+    `active` is singular. The result is inf if there is no such mu. With K(mu) G = K1, each
+    eigenvalue gamma of G gives the singular friction mu - 1/gamma. Raises numpy's LinAlgError where
+    K is singular at `friction` itself.
     """
     system = scale_contact_problem(problem.contact_problem_at_friction_coefficient(friction))
     nodes = np.flatnonzero(active)
     unknowns = np.flatnonzero(system.mark_unknowns_of_contact_set(active))
-    # K1 has columns of pressures alone: friction does not act on rigid-body motions.
+    # K1 has columns for pressures only, because B does not depend on friction.
     K1 = np.vstack([problem.A_per_friction[nodes][:, nodes], problem.C_per_friction[:, nodes]])
     K1 *= system.row_scales[unknowns, None] * system.column_scales[nodes]
     G = np.linalg.solve(system.K[unknowns[:, None], unknowns], K1)[: len(nodes)]
     gamma = np.linalg.eigvals(G)
     gamma = gamma[gamma.imag == 0].real
-    # Only negative gamma give a singular friction above the present friction. A gamma next to 0
-    # stands for an infinite friction.
+    # gamma are the eigenvalues of G. Each negative one gives a friction mu - 1/gamma above the
+    # present mu at which the equations are singular. An eigenvalue next to 0 stands for an infinite
+    # friction.
     falling = gamma[gamma < -1e-300]
     return float(friction - 1 / falling.min()) if len(falling) else np.inf
 
@@ -553,7 +560,8 @@ class StartSetComparison(NamedTuple):
     Attributes
     ----------
     starts : number of first contact sets
-    same : number of first sets that lead to the solution which friction growing from 0 reaches
+    same : number of first sets that lead to the known solution, which friction growing from 0
+        reaches
     others : number of first sets that lead to another stable solution
     unstable : number of first sets that lead to an unstable solution
     lost : number of first sets from which the method does not converge
@@ -605,15 +613,15 @@ def smallest_singular_friction_of_contact_sets(problem: FrictionDependentProblem
 
     Below this friction the determinants of all contact sets have the same sign, and every load and
     clearance has exactly one solution (without rigid-body modes the matrix A is a P-matrix:
-    Samelson, Thrall & Wesler 1958). A brake need not come to the contact set that is singular. All
-    2^n contact sets are tried, so that the number n of nodes must be small.
+    Samelson, Thrall & Wesler 1958). The singular contact set need not occur in the brake. All 2^n
+    contact sets are tried, so that the number n of nodes must be small.
     """
     n, k = problem.frictionless.B.shape
     sets = ((np.arange(2**n)[:, None] >> np.arange(n)) & 1).astype(bool)
     smallest = np.inf
     for active in sets[sets.sum(axis=1) >= max(k, 1)]:
-        # A contact set that leaves a mode free is singular at any friction. No solution has such a
-        # set, and its error is ignored.
+        # The matrix of a contact set that leaves a rigid-body mode free is singular at any
+        # friction. No solution has such a set, so that the error is ignored.
         with suppress(np.linalg.LinAlgError):
             smallest = min(
                 smallest, next_friction_with_singular_contact_equations(problem, 0.0, active)

@@ -22,10 +22,10 @@ changes to another state:
     stick:     slip = 0,    |t| < mu p, otherwise it slips, forward or backward by the sign of t
 
 An increment is therefore one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991).
-Newton's method solves this equation, and all nodes change at once. If Newton's method cycles, a
-path of solutions is followed (a continuation method). The load of the path goes from a load that
-the present states balance to the true load, and one node changes at a time (Lemke 1965; Eaves
-1976).
+Newton's method solves this equation; in each step all nodes that violate a condition change their
+state. If Newton's method cycles, a path of solutions is followed (a continuation method): the load
+changes from one that the present states balance to the true load, and one node changes at a time
+(Lemke 1965; Eaves 1976).
 
 The history (t_0, s_0) is an input. The functions of this module do not change the history. The
 caller passes the converged increment on as the history of the next one.
@@ -60,9 +60,9 @@ changes are needed, the increment is refused.
 STATE_ROUND_OFF = 1e-10
 """Relative amount by which a node may violate the conditions of its state and keep the state.
 
-The state is open, stick or slip. Each condition says that a difference of two numbers is positive,
-for example mu p - t of a sticking node. The amount is relative to the larger number and covers
-round-off.
+The state is open, stick or slip. Each condition says that some quantity is positive, for example mu
+p - t at a sticking node. The amount covers round-off; it is relative to the largest pressure or
+traction, or the largest gap or slip, of all nodes.
 """
 
 
@@ -155,13 +155,14 @@ def solve_load_increment(
         _find_stick_and_slip_by_newton,
         _find_stick_slip_states_from_balanced_load,
         _find_stick_slip_states_from_widened_gaps,
-        _find_stick_and_slip_by_patient_newton,
+        _find_stick_and_slip_by_newton_without_early_stop,
     ):
         try:
             settled = method(system, start)
         except NoAnswer as error:
-            # The last method repeats the first one with patience, and its error says no more.
-            if method is not _find_stick_and_slip_by_patient_newton:
+            # The last method is the first one again with more steps, so that its error tells
+            # nothing new.
+            if method is not _find_stick_and_slip_by_newton_without_early_stop:
                 reason = str(error)
             continue
         state, point, steps = settled
@@ -175,9 +176,9 @@ def solve_load_increment(
 class _FrictionalSystem(NamedTuple):
     """The scaled equations of an increment: v = q + A z + B y and C z = h.
 
-    The unknowns are z = (p, t) and v = (w, ds - Q dt), both (2n,). Scaling makes the diagonal of A
-    1 in the rows of w and -1 in the rows of the slip. The friction coefficients `mu` (n,) are
-    scaled as well.
+    The unknowns are z = (p, t) and v = (w, ds - Q dt), both (2n,). Scaling makes the diagonal
+    entries of A equal to 1 in the rows of w and -1 in the rows of the slip. The friction
+    coefficients `mu` (n,) are scaled as well.
     """
 
     A: Floats
@@ -212,8 +213,8 @@ def _scale_increment_equations(
     Pressures and tractions are z = scales z_scaled.
     """
     A = np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st - problem.Q]])
-    # The slip and traction of the last increment become constant terms: v then holds the change of
-    # the slip in this increment.
+    # The slips and tractions of the last increment become constant terms, so that v holds the
+    # change of the slip in this increment.
     q_slip = problem.q_s - history.s + problem.Q @ history.t
     q = np.concatenate([problem.q_w, q_slip])
     B = np.vstack([problem.B_w, problem.B_s])
@@ -242,14 +243,14 @@ class _StateEquations:
         n, k = len(state), len(system.h)
         self.pressed_nodes = np.flatnonzero(state != OPEN)
         stuck = n + np.flatnonzero(state == STICK)
-        # A slipping node has the traction t = traction_per_pressure p. At a sticking node the
+        # A slipping node has the traction t = traction_per_pressure * p. At a sticking node the
         # factor is 0, because its traction is an unknown of its own.
         sense = (state == FORWARD).astype(float) - (state == BACKWARD)
         self.traction_per_pressure = (system.mu * sense)[self.pressed_nodes]
         # The unknowns are the pressures of pressed nodes and the tractions of sticking nodes.
         self.unknown_numbers = np.concatenate([self.pressed_nodes, stuck])
         pressed, dragged = self.pressed_nodes, n + self.pressed_nodes
-        # The columns of pressures contain the effect of the traction that slip adds to them.
+        # At a slipping node the column of the pressure includes the effect of the traction +-mu p.
         by_pressure = system.A[:, pressed] + system.A[:, dragged] * self.traction_per_pressure
         self.columns_of_unknowns = np.hstack([by_pressure, system.A[:, stuck]])
         balance_by_pressure = (
@@ -265,7 +266,7 @@ class _StateEquations:
         self._factors = _scale_matrix_and_compute_lu_factors(matrix)
 
     def solve_increment_under_loads(self, q: Floats, h: Floats) -> _IncrementSolution:
-        """Return the solution of the equations under the loads q (2n,) and h (k,)."""
+        """Return the solution for gaps and slips q (2n,) without z and y, and for loads h (k,)."""
         right = np.concatenate([-q[self.unknown_numbers], h])
         solution = _solve_with_scaled_lu_factors(self._factors, right)
         basic, y = solution[: len(self.unknown_numbers)], solution[len(self.unknown_numbers) :]
@@ -305,12 +306,12 @@ corrects it.
 """
 
 
-def _find_stick_and_slip_by_patient_newton(
+def _find_stick_and_slip_by_newton_without_early_stop(
     system: _FrictionalSystem, start: Ints
 ) -> _SettledStates:
-    """Find the states by Newton's method, with steps to its limit although no fewer are wrong.
+    """Find the states by Newton's method, which goes on even if the wrong states do not get fewer.
 
-    Shoes on anchors may turn with the drum for a step until one of the anchors stops them.
+    Shoes on anchors need this: in some steps they turn with the drum, until an anchor stops them.
     """
     return _find_stick_and_slip_by_newton(system, start, MOST_STATE_NEWTON_STEPS)
 
@@ -371,9 +372,9 @@ def _round_off_scales_of_margins(
 ) -> Floats:
     """The sizes (2, n) to which the round-off of each node's two margins is relative.
 
-    A margin says how far a node is from another state, such as from sticking to slipping. The size
-    of a margin in stresses is the largest of all pressures and tractions. The size of a margin in
-    lengths is the largest of all gaps and slips.
+    A margin says how far a node is from a change of state, for example mu p - t from sticking to
+    slipping. For a margin that is a stress, the size is the largest pressure or traction of all
+    nodes. For a margin that is a gap or a slip, it is the largest gap or slip of all nodes.
     """
     of_z = np.abs(solution.z).max(initial=0.0)
     of_v = max(
@@ -404,7 +405,7 @@ def _find_stick_slip_states_from_widened_gaps(
     n = len(start)
     state = np.full(n, OPEN)
     for mode, load in enumerate(system.h):
-        # A mode without load needs no node of its own.
+        # A rigid-body mode without load is balanced without a touching node of its own.
         if load == 0:
             continue
         # Only the pressure of a bearing node can balance the load on the mode.
@@ -441,22 +442,23 @@ def _follow_stick_slip_states_to_true_load(
     """Follow the path of solutions under the loads q + r e and h + r f from r = 1 to r = 0.
 
     The added loads e and f are chosen so that the first states of the nodes hold at r = 1, each by
-    a margin. With `from_wide_gaps` each open node gets a margin. Between two changes of state the
-    solution is linear in r. One node changes at a time. The path may turn, so that r grows again.
-    Returns the states at r = 0 with their solution. Raises NoAnswer if the path goes on for ever.
+    a margin. With `from_wide_gaps` the gap of each open node is widened by such a margin. Between
+    two changes of state the solution is linear in r. One node changes at a time. The path may turn,
+    so that r grows again. Returns the states at r = 0 with their solution. Raises NoAnswer if the
+    path goes on for ever.
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
     equations = _StateEquations(system, state)
     e, f = _added_loads_that_make_states_hold(system, equations, from_wide_gaps)
     for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
-        # In the present states the solution is point + r slope, and so are the distances of the
-        # nodes from a change of state.
+        # In the present states the solution is point + r slope. The distances of the nodes from a
+        # change of state are value + r change.
         point = equations.solve_increment_under_loads(system.q, system.h)
         slope = equations.solve_increment_under_loads(e, f)
         value = equations.margins_before_nodes_change_state(point)
         change = equations.margins_before_nodes_change_state(slope)
-        # The node that has changed last is exactly at a limit of its new state and must move away
-        # from it. This gives the sense in which r changes.
+        # The node that has changed last is exactly at a limit of its new state, and its distance
+        # from this limit must grow. This tells whether r grows or falls.
         if node >= 0:
             direction = float(np.sign(change[edge, node]))
         met = _next_change_between_stick_and_slip(value, change, r, direction)
@@ -473,7 +475,8 @@ def _follow_stick_slip_states_to_true_load(
             state[node], edge = FORWARD if slip > 0 else BACKWARD, 0
         else:
             state[node] = NEXT_STATE[before, edge]
-            # This is the number of the condition whose violation would lead back to the old state.
+            # `edge` becomes the number of the condition whose violation would lead back to the old
+            # state.
             edge = int(NEXT_STATE[state[node], 1] == before)
         equations = _StateEquations(system, state)
     raise NoAnswer(
@@ -513,20 +516,20 @@ def _added_loads_that_make_states_hold(
     opened, sticks = state == OPEN, state == STICK
     slips = (state == FORWARD) | (state == BACKWARD)
     sense = np.where(state == BACKWARD, -1.0, 1.0)
-    # From the distances follow the gap of an open node, and the pressure and slip of a slipping
-    # node.
+    # The distances from a change of state are the gap of an open node, and the pressure and the
+    # size of the slip of a slipping node.
     w = np.where(opened, margin.distances[0], w)
     slip = np.where(slips, sense * margin.distances[1], slip)
-    # The distances of a sticking node are mu p - t and mu p + t. Their sum and their difference
-    # give its pressure and its traction.
+    # The distances of a sticking node are mu p - t and mu p + t. Their sum gives the pressure p,
+    # their difference the traction t.
     mu = np.maximum(system.mu, np.finfo(float).tiny)
     stick_p = (margin.distances[0] + margin.distances[1]) / (2 * mu)
     stick_t = 0.5 * (margin.distances[1] - margin.distances[0])
     too_small = sticks & margin.enlarged.any(axis=0)
     p = np.where(slips, margin.distances[0], np.where(too_small, stick_p, p))
     t = np.where(slips, sense * system.mu * p, np.where(sticks, stick_t, t))
-    # The added loads are the residuals of the equations for these pressures, tractions, gaps and
-    # slips.
+    # The added loads are the residuals of the equations for the pressures, tractions, gaps and
+    # slips chosen above.
     z, v = np.concatenate([p, t]), np.concatenate([w, slip])
     of_q = v - (system.q + system.A @ z + system.B @ point.y)
     of_h = system.C @ z - system.h
@@ -549,10 +552,10 @@ def _margins_enlarged_until_positive(
     solution: _IncrementSolution,
     from_wide_gaps: bool,
 ) -> _StateDistances:
-    """Return the distances of all nodes from a change of state, the negative ones made positive.
+    """Return the distances (2, n) of nodes from a change of state, negative ones made positive.
 
-    With `from_wide_gaps` the gaps of all open nodes are widened too. The additions differ from node
-    to node, so that no two nodes change at the same load.
+    With `from_wide_gaps` the gaps of all open nodes are widened too. The added distances differ
+    from node to node, so that no two nodes change their state at the same load.
     """
     state = equations.state
     n = len(state)
@@ -568,7 +571,7 @@ def _margins_enlarged_until_positive(
 
 
 class _ScaledFactors(NamedTuple):
-    """The LU factors and pivots of a matrix, and the scales that multiply its rows and columns."""
+    """The LU factors and pivots of a scaled matrix, and the scales of its rows and columns."""
 
     lu: Floats
     pivots: Ints
@@ -594,7 +597,7 @@ def _scale_matrix_and_compute_lu_factors(matrix: Floats) -> _ScaledFactors:
 
 
 def _solve_with_scaled_lu_factors(factors: _ScaledFactors, right: Floats) -> Floats:
-    """Return the solution for a right-hand side, by the LU factors of a scaled matrix."""
+    """Return the solution of a linear system from the LU factors of its scaled matrix."""
     if not right.size:
         return right
     solution, _ = dgetrs(factors.lu, factors.pivots, factors.row_scales * right)
@@ -602,11 +605,11 @@ def _solve_with_scaled_lu_factors(factors: _ScaledFactors, right: Floats) -> Flo
 
 
 def stick_and_slip_arcs(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[float, float], ...]]:
-    """Return the arcs of a lining that stick and those that slip, under the keys stick and slip.
+    """Return the arcs of a lining that stick and that slip, under the keys "stick" and "slip".
 
-    Each arc is its start and its end [rad]. An arc covers neighbouring nodes in one state and ends
-    half-way to the next node. `nodes` (n,) are the angles [rad] of the nodes, and `state` (n,) are
-    their states.
+    Each arc is given by its start and its end [rad]. An arc covers neighbouring nodes in one state;
+    its ends lie half-way to the next nodes. `nodes` (n,) are the angles [rad] of the nodes, and
+    `state` (n,) are their states.
     """
     edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
     return {

@@ -1,7 +1,7 @@
 """The result of every model: a Response for the brake with a ShoeResponse for each shoe.
 
-Further modules derive figures of merit, resultants, imbalances and differences from responses. The
-package imports the brake, and no model that computes a response.
+Other modules of the package compute figures of merit, resultants, imbalances and differences from
+responses. The package imports `drumlin.brake`, but no model that computes a response.
 """
 
 from drumlin.response.response import EDGE_ZONE, Balance, Response, ShoeResponse

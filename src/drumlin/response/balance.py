@@ -1,6 +1,6 @@
 """Compute the imbalance of a response: sums of forces and of moments on each shoe.
 
-In equilibrium each sum is zero. Each sum is divided by the largest force or moment in it.
+In equilibrium each sum is zero. Each sum is made relative to the largest force or moment in it.
 """
 
 import math
@@ -25,8 +25,8 @@ BrakeType = TypeVar("BrakeType", bound=Brake)
 def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
     """The resultant of pressure and friction on the lining of shoe `index`.
 
-    It is the integral of the pressure in the shoe's response, unless the model has lumped the
-    contact forces at one point or in sectors and states the resultant itself.
+    The resultant is the integral of the pressure in the shoe's response. A model that lumps the
+    contact forces at one point or in sectors states the resultant itself.
     """
     if response.lumped is not None:
         return response.lumped
@@ -49,7 +49,8 @@ def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeRespons
 def brake_with_forces_of_response(brake: BrakeType, response: Response) -> BrakeType:
     """The brake with the actuation forces and spring pulls that a model has found for its shoes.
 
-    Where a cam or a strut shares a force among shoes, the response states the part of each shoe.
+    If a cam or a strut determines the forces on the shoes, the response states the force on each
+    shoe.
     """
     if response.spring_pulls:
         brake = brake_with_spring_pulls(brake, response.spring_pulls)
@@ -88,8 +89,9 @@ def relative_imbalance_of_shoe(brake: Brake, index: int, response: ShoeResponse)
 def moments_that_scale_imbalance_on_guide(force: float, length: float) -> list[float]:
     """Two opposite moments [N m] that give the moments on a guided shoe a scale.
 
-    The real moments on a guided shoe may all vanish but for round-off. Their sum would then be
-    relative to round-off. The two moments are plus and minus force times half of the length.
+    The real moments on a guided shoe may all vanish but for round-off, and the imbalance would then
+    be relative to round-off. The two added moments, plus and minus half of force times length,
+    prevent this.
 
     Parameters
     ----------
@@ -102,7 +104,7 @@ def moments_that_scale_imbalance_on_guide(force: float, length: float) -> list[f
 def relative_sums_of_forces_and_moments(forces: list[Floats], moments: list[float]) -> Balance:
     """The sum of forces (2,) [N] and the sum of moments [N m], each relative to its largest member.
 
-    A sum counts as 0 if all its members are 0.
+    If all forces or all moments are 0, their relative sum is 0.
     """
     vectors = np.array(forces).reshape(-1, 2).tolist()
     largest_force = max((math.hypot(*vector) for vector in vectors), default=0.0)

@@ -13,7 +13,7 @@ from drumlin.response.resultants import LiningWithoutEndZones, edge_zone_that_do
 class FacePressure(NamedTuple):
     """The pressure p(theta, z) on the face of a lining, and its peak.
 
-    The pressure is a piecewise polynomial of the degree `order` of the shoe's response over theta.
+    Over theta the pressure is a piecewise polynomial of the same degree as in the shoe's response.
     Its mean over z with the weights `widths` is the pressure of the shoe's response.
 
     Attributes
@@ -41,19 +41,19 @@ class FacePressure(NamedTuple):
 
     @property
     def mean_over_width(self) -> Floats:
-        """The mean pressure (n,) [Pa] over the width, which is that of the shoe's response."""
+        """The mean (n,) [Pa] of the pressure over the width, as in the shoe's response."""
         return np.asarray(self.pressure @ self.widths / self.widths.sum())
 
 
 def pressure_on_face_of_lining(brake: Brake, response: Response, index: int) -> FacePressure | None:
     """The pressure on the face of the lining of shoe `index`, from the response of a solid model.
 
-    The result is None for a shoe that does not touch, and for a model without widths.
+    The result is None for a shoe that does not touch, and for a model in plane stress.
 
     Parameters
     ----------
     brake : the brake
-    response : response of a model with widths
+    response : response of the brake by a solid model, whose shoes have widths
     index : position of the shoe in the brake
     """
     answer, shoe = response.shoes[index], brake.shoes[index]
@@ -71,7 +71,8 @@ def pressure_on_face_of_lining(brake: Brake, response: Response, index: int) -> 
     half = np.arange(len(z) // 2, len(z))
     peaks = [lining.largest_value_outside_end_zones(pressure[:, column]) for column in half]
     at = int(half[int(np.argmax(peaks))])
-    # The angle of the peak is that of the highest point on the curve at the same distance z.
+    # The angle of the peak is the angle of the highest point on the pressure curve at the z of the
+    # peak.
     points, curve = answer.curve_at_distance_from_mid_plane(at)
     inside = (points >= theta[0] + zone) & (points <= theta[-1] - zone)
     return FacePressure(

@@ -9,14 +9,15 @@ from drumlin.brake.brake import Brake, Shoe
 LARGE_STRAIN = 0.05
 """Strain p/E of a lining through its thickness above which a note warns the reader.
 
-All models assume small displacements. At a strain of 5 % their answers are wrong by about 5 %, too.
+All models assume small displacements. At a strain of 5 % the error of this assumption is about 5 %,
+too.
 """
 
 LARGEST_STRAIN = 10.0
 """Mean strain of a lining through its thickness above which a brake is refused.
 
-No real load compresses a lining by ten times its thickness: the force in the brake file or its unit
-must be wrong.
+No real load compresses a lining by ten times its thickness. Above the limit the force in the brake
+file, or its unit, must be wrong.
 """
 
 
@@ -33,7 +34,7 @@ def require_lining_strain_below_limit(
     shoe : the shoe whose lining is pressed
     scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
     force : sum of the normal forces on the lining [N]
-    contact : length of the contact in the surface's coordinate [rad, on a plane m]
+    contact : length of the contact along the surface [rad, on a plane m]
     """
     lining = shoe.lining
     whole = scale_factor * (lining.end - lining.start)
@@ -50,7 +51,7 @@ def require_lining_strain_below_limit(
 def warnings_on_large_strains_and_lining_overlap(
     brake: Brake, peaks: dict[str, float]
 ) -> tuple[str, ...]:
-    """Lines for the reader that warn of strains beyond LARGE_STRAIN and of linings that overlap.
+    """Warnings, a line of text each, on strains beyond LARGE_STRAIN and on linings that overlap.
 
     `peaks` holds the peak pressure [Pa] of each shoe by its name.
     """
@@ -58,7 +59,7 @@ def warnings_on_large_strains_and_lining_overlap(
 
 
 def _warnings_on_large_strains(brake: Brake, peaks: dict[str, float]) -> Iterator[str]:
-    """A line of text for each lining that is strained beyond LARGE_STRAIN at its peak pressure."""
+    """A warning for each lining whose strain at its peak pressure exceeds LARGE_STRAIN."""
     for shoe in brake.shoes:
         # A lining without a material is rigid and has no strain.
         material = shoe.lining.material
@@ -74,14 +75,15 @@ def _warnings_on_large_strains(brake: Brake, peaks: dict[str, float]) -> Iterato
 
 
 def _warnings_on_overlapping_linings(brake: Brake) -> Iterator[str]:
-    """A line of text for each pair of linings that cover the same part of the drum or the plane."""
+    """A warning for each pair of linings that cover the same part of the drum or the plane."""
     surface = brake.surface
     text = surface.place
     for one, other in combinations(brake.shoes, 2):
         if one.side != other.side:
             continue
         a, b = one.lining, other.lining
-        # Full turns, on a drum, that bring the second lining next to the first one.
+        # `turn` [rad] is the multiple of a full turn that brings the second lining next to the
+        # first one on a drum.
         turn = surface.turns(a.start + a.end - b.start - b.end)
         start, end = max(a.start, b.start + turn), min(a.end, b.end + turn)
         # Linings that only meet at their ends, up to round-off, do not overlap.

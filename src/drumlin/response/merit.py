@@ -1,11 +1,11 @@
 """Figures of merit of a brake, such as its shoe factors, from the pressure p(theta) of any model.
 
-Pressure and friction on an arc have the forces and the torque of a short shoe. This short shoe
-stands at the angle of the resultant, on a drum of the apparent friction radius psi R (Barecki &
-Scieszka 1987, eq. 22-26). The formulas of the short shoe therefore hold for any pressure (UWA
+Pressure and friction on an arc have the same resultant force and torque as a short shoe. This short
+shoe stands at the angle of the resultant, on a drum of the apparent friction radius psi R (Barecki
+& Scieszka 1987, eq. 22-26). The formulas of the short shoe therefore hold for any pressure (UWA
 notes, eq. 8): the ratio of torque T to actuation moment M is eta = T/M = 1/(m - dD n), and the
-sensitivity to the friction coefficient is S = m eta. Here m is the moment of the normal pressure
-about the hinge over T, n the moment of the friction about the hinge over T, and dD the sign
+sensitivity to the friction coefficient is S = m eta. Here m T is the moment of the normal pressure
+about the hinge, n T the moment of the friction about the hinge, and dD the sign
 `sign_of_friction_moment_about_hinge`.
 """
 
@@ -36,11 +36,12 @@ def sign_of_friction_moment_about_hinge(brake: Brake, shoe: Shoe) -> int:
     """The sign dD (double delta) of the friction's moment in the UWA notes, eq. 6: +1 or -1.
 
     The sign is +1 for an external shoe whose lining the drum drags away from the hinge, and for an
-    internal shoe whose lining the drum drags towards the hinge. Otherwise the sign is -1. A lining
-    that lies beyond half a turn from its hinge is pressed by a moment of the opposite sense. Its
-    sign is the opposite one.
+    internal shoe whose lining the drum drags towards the hinge. Otherwise the sign is -1. On a
+    lining that lies more than half a turn from its hinge, the opposite sense of the actuation
+    moment presses, and dD has the opposite sign.
     """
-    # If the lining reaches beyond half a turn, the actuation moment tells on which side it presses.
+    # A lining that reaches beyond half a turn from the hinge is pressed on either side of this
+    # angle. The sense of the actuation moment tells on which one.
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
     beyond = shoe.arc[1] > math.pi and M * -shoe.sign * shoe.frame.sense < 0
     return shoe.sign * brake.sign_of_motion * shoe.frame.sense * (1 if beyond else -1)
@@ -56,7 +57,7 @@ def figures_of_merit_of_shoe_on_drum(
     brake : the brake with the actuation forces of the response
     index : position of the shoe in the brake
     response : the response of the shoe
-    contact : resultant of pressure and friction on the shoe
+    contact : resultant of pressure and friction on the shoe's lining
     """
     shoe = brake.shoes[index]
     R, b = brake.size, shoe.lining.width
@@ -66,7 +67,8 @@ def figures_of_merit_of_shoe_on_drum(
     M_N = float(planar_cross_product(to_centre, contact.normal))
     M_F = contact.moment + float(planar_cross_product(to_centre, contact.friction))
     N, T = float(np.linalg.norm(contact.normal)), response.torque
-    # The normal force of an external shoe is turned round, so that its angle is that of the lining.
+    # The sign makes the vector point from the drum's centre to the lining, for internal and
+    # external shoes.
     outwards = -shoe.sign * contact.normal
     angle = math.atan2(outwards[1], outwards[0])
     sum_of_forces = (
@@ -98,17 +100,17 @@ def _quotient_or_none(a: float, b: float) -> float | None:
 def barecki_shoe_factor(
     mu: Values, angle: Values, psi: Values, delta: Values, gamma: Values, sense: int
 ) -> Floats:
-    """The shoe factor T/(P R), torque over actuation force times radius, of Barecki & Scieszka.
+    """The shoe factor T/(P R) of Barecki & Scieszka: torque / (actuation force * drum radius).
 
-    It is eq. 26 of their paper of 1987.
+    The formula is eq. 26 of their paper of 1987.
 
     Parameters
     ----------
     mu : friction coefficient
-    angle : angle of the normal force's resultant from the hinge's radius [rad]
-    psi : apparent friction radius over the drum's radius R
-    delta : radius of the hinge over R
-    gamma : arm of the actuation force P about the hinge over R
+    angle : angle [rad] from the line between drum centre and hinge to the resultant of the pressure
+    psi : apparent friction radius, divided by the drum's radius R
+    delta : distance of the hinge from the drum's centre, divided by R
+    gamma : arm of the actuation force P about the hinge, divided by R
     sense : +1 for a leading shoe of the paper, -1 for a trailing shoe, as
         `sign_of_friction_moment_about_hinge`. On a leading external shoe the friction points from
         the hinge to the loaded end.
@@ -146,11 +148,11 @@ def figures_of_merit_of_shoe_on_plane(
 
 
 def brake_factor(brake: Brake, response: Response) -> float | None:
-    """The brake factor T/(F R): torque of the whole brake over mean actuation force and radius.
+    """The brake factor T/(F R), with the torque T of the whole brake and the drum's radius R.
 
-    On a plane the brake factor is the braking force over F. For shoes with equal forces the brake
-    factor is the sum of the shoe factors. The force of a strut on a shoe does not count in the mean
-    F. Without actuation the brake factor is None.
+    F is the mean actuation force of the shoes that no strut pushes. For shoes with equal forces the
+    brake factor is the sum of the shoe factors. On a plane it is the braking force divided by F.
+    Without actuation it is None.
     """
     pushed = brake.names_of_shoes_pushed_by_struts
     shoes = brake_with_forces_of_response(brake, response).shoes
@@ -160,12 +162,12 @@ def brake_factor(brake: Brake, response: Response) -> float | None:
 
 
 def response_with_figures_of_merit(brake: Brake, response: Response) -> Response:
-    """The response with figures of merit, the load on the drum's bearings, and warnings added."""
+    """Add figures of merit, the load on the drum's bearings, and warnings to a response."""
     shoes, brake = response.shoes, brake_with_forces_of_response(brake, response)
     peaks = {shoe.name: shoe.peak_pressure for shoe in shoes}
     notes = (*warnings_on_large_strains_and_lining_overlap(brake, peaks), *response.notes)
     if brake.surface.is_plane_and_not_drum:
-        # A shoe on a plane has no torque. Its braking force is one of the figures of merit.
+        # A shoe on a plane has no torque. Its figures of merit hold its braking force.
         return replace(
             response,
             shoes=tuple(replace(shoe, torque=0.0) for shoe in shoes),
@@ -226,13 +228,13 @@ def torque_sensitivity_by_differences(
 def brake_scaled_to_peak_pressure(
     brake: BrakeVar, solve: Callable[[BrakeVar], Response], peak_pressure: float
 ) -> BrakeVar:
-    """The brake with all actuation forces scaled by one factor to a given largest peak pressure.
+    """The brake with its actuation forces scaled by one factor to reach a given peak pressure.
 
     Parameters
     ----------
     brake : the brake
     solve : function that solves a brake by a model whose pressures are proportional to the forces
-    peak_pressure : peak pressure [Pa] of the shoe that has the largest one
+    peak_pressure : largest peak pressure [Pa] among the shoes of the scaled brake
 
     Raises
     ------

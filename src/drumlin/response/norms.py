@@ -1,4 +1,4 @@
-"""Relative differences between two answers for a brake: pressures (L2 norm), vectors, numbers."""
+"""Relative differences between two results: of pressures (L2 norm), of vectors, of numbers."""
 
 import math
 from dataclasses import dataclass
@@ -42,11 +42,12 @@ class PressureDifference:
         Parameters
         ----------
         a, b : the responses with the pressures p_a and p_b
-        zones : distances [rad] from the ends of the lining at which pieces must end as well
+        zones : distances [rad] from the lining's ends at which pieces must end, for integrals
+            without these zones
         """
         start, end, inner = b.theta[0], b.theta[-1], np.array(zones)
-        # The knots are the ends of all pieces. If two knots coincide, the piece between them has no
-        # length and adds nothing to an integral.
+        # The knots are the ends of all pieces. If two knots coincide, the piece between them has
+        # the length 0 and adds nothing to an integral.
         ends_of_pieces = a.theta[:: a.order], b.theta[:: b.order]
         beside_slots = [np.concatenate([first - inner, last + inner]) for first, last in b.slots]
         knots = np.sort(
@@ -59,11 +60,10 @@ class PressureDifference:
         off = (pa - pb).reshape(theta.shape)
         return cls(b, theta, half * WEIGHTS, off, pb.reshape(theta.shape))
 
-    def is_piece_outside_end_zones(self, zone: float) -> Bools:
-        """Whether each piece of the lining is farther than a zone [rad] from both its ends.
+    def mark_pieces_outside_end_zones(self, zone: float) -> Bools:
+        """Mark the pieces (pieces,) farther than `zone` [rad] from both ends of the lining.
 
-        Pieces in a slot between two linings, or in a zone beside it, are not outside. The result is
-        a mask (pieces,).
+        Pieces in a slot between two linings, or in a zone beside a slot, are not marked.
         """
         middle, ends = self.theta.mean(axis=1), self.b.theta
         inside = (middle > ends[0] + zone) & (middle < ends[-1] - zone)
@@ -74,10 +74,10 @@ class PressureDifference:
     def relative_norm_outside_end_zones(self, zone: float) -> float:
         """The L2 norm of p_a - p_b relative to the L2 norm of p_b, outside the end zones [rad].
 
-        If p_b vanishes outside the zones at the lining's ends, the distance is 0 if p_a vanishes
+        If p_b vanishes outside the zones at the lining's ends, the result is 0 if p_a vanishes
         there, too, and infinite otherwise.
         """
-        inside = self.is_piece_outside_end_zones(zone)
+        inside = self.mark_pieces_outside_end_zones(zone)
         weight, off, p = self.weight[inside], self.off[inside], self.pressure[inside]
         size = float(np.vdot(weight, p**2))
         if size > 0:
@@ -91,24 +91,26 @@ class PressureDifference:
         return np.asarray(np.searchsorted(ends, starts, side="right") - 1)
 
     def relative_force_with_random_signs(self) -> float:
-        """The force of p_a - p_b over that of p_b, if the elements' forces had random signs.
+        """The relative force of p_a - p_b, as if the forces on the elements had random signs.
 
-        The differences in the elements' forces may cancel by accident. This measure does not see
-        the cancellation.
+        It is the root of the sum of squares of the integrals of p_a - p_b over each element of
+        response b, divided by the integral of p_b. Unlike the true force of p_a - p_b, it cannot
+        become small because forces cancel by accident.
         """
-        # The sum of numbers with random signs is the root of the sum of their squares.
+        # The root mean square of a sum whose members have random signs is the root of the sum of
+        # their squares.
         forces = np.bincount(
             self.index_of_element_that_contains_each_piece, (self.weight * self.off).sum(axis=1)
         )
         return float(np.linalg.norm(forces) / np.vdot(self.weight, self.pressure))
 
     def relative_difference_near_peak(self, zone: float) -> float:
-        """The largest |p_a - p_b| in the element in which p_b peaks, over the peak pressure of b.
+        """The largest |p_a - p_b| in the element in which p_b peaks, relative to b's peak pressure.
 
-        Zones [rad] at the ends of the lining do not count.
+        Pressures within `zone` [rad] of the ends of the lining do not count.
         """
         inside, columns = (
-            self.is_piece_outside_end_zones(zone),
+            self.mark_pieces_outside_end_zones(zone),
             self.index_of_element_that_contains_each_piece,
         )
         highest = np.where(inside, self.pressure.max(axis=1), -math.inf).argmax()
@@ -121,9 +123,9 @@ def relative_distance_of_pressures(
 ) -> float:
     """The relative L2 distance between the pressures p_a and p_b of two responses of a shoe.
 
-    It is the L2 norm of p_a - p_b over theta, divided by that of p_b. Zones of `edge` [rad] at the
-    lining's ends do not count, unless half of the force of p_b acts in the zones. If p_b vanishes,
-    the distance is 0 if p_a vanishes, too, and infinite otherwise.
+    It is the L2 norm of p_a - p_b over theta, divided by the L2 norm of p_b. Zones of the length
+    `edge` [rad] at the lining's ends do not count, unless half of the force of p_b acts in the
+    zones. If p_b vanishes, the distance is 0 if p_a vanishes, too, and infinite otherwise.
     """
     edge = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, edge, b.slots)
     return PressureDifference.pressure_difference_of_two_responses(

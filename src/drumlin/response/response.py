@@ -47,15 +47,16 @@ change the answer of a model.
 SMALLEST_CURVE_PIECE = 1e-9
 """Distance [rad] from the lining's ends within which a pressure curve has no points.
 
-Angles that differ by less are the same number in a table. The pressure at a corner that is pressed
-is a polynomial on pieces as short as 1e-12 rad. Pieces within this distance of the lining's ends
-are left out of a curve. They bear 1e-5 of the force on the corner.
+Angles that differ by less are the same number in a table. Towards a corner of the lining that
+presses on the drum, the polynomial pieces of the pressure are as short as 1e-12 rad. A curve leaves
+out the pieces within this distance of the lining's ends. They bear 1e-5 of the force on the corner.
 """
 
 NEITHER = 1e-9
 """Ratio of friction work to normal-force work below which friction is not self-energising.
 
-A smaller ratio is round-off: the friction then neither helps nor opposes the actuation.
+If the ratio is smaller than that, it is round-off: the friction neither helps nor opposes the
+actuation.
 """
 
 NO_FORCE = 1e-6
@@ -66,12 +67,12 @@ NO_FORCE = 1e-6
 class Balance:
     """The imbalance of a shoe: the sum of its forces and the sum of its moments.
 
-    Both sums vanish in equilibrium. Each sum is relative to its largest member.
+    Both sums vanish in equilibrium. Each sum is divided by the largest force or moment in it.
 
     Attributes
     ----------
-    force : size of the sum of the forces over the largest force
-    moment : size of the sum of the moments over the largest moment
+    force : magnitude of the sum of the forces, relative to the largest force
+    moment : magnitude of the sum of the moments, relative to the largest moment
     """
 
     force: float
@@ -97,14 +98,14 @@ class Deformation(NamedTuple):
 
 
 class ShoeChange(NamedTuple):
-    """Relative changes of a shoe's results by one cause, such as the contact's penalty.
+    """Relative changes of a shoe's results by one cause, such as the finite contact penalty.
 
     Attributes
     ----------
     pressure : change of the pressure in the L2 norm, outside EDGE_ZONE at the lining's ends
     torque : change of the torque
     reaction : change of the support reaction
-    peak : largest change of the pressure near its peak, over the peak pressure
+    peak : largest change of the pressure near its peak, relative to the peak pressure
     """
 
     pressure: float
@@ -114,7 +115,7 @@ class ShoeChange(NamedTuple):
 
 
 NO_CHANGE = ShoeChange(0.0, 0.0, 0.0)
-"""The relative changes of a shoe's results without a cause: all are zero."""
+"""Relative changes that are all zero, for a shoe whose results have no such cause of change."""
 
 
 def reference_force_of_reaction_errors(reaction: Floats, normal_force: float) -> float:
@@ -163,9 +164,9 @@ class PressureOverWidth(NamedTuple):
     ----------
     z : (m,) [m], growing coordinates across the width, from the mid-plane of the shoe
     pressure : (n, m) [Pa], pressures at the n angles `theta` of the shoe's response and at z; a
-        quadratic polynomial of z over every two steps
-    widths : (m,) [m], width of the lining that each z stands for: the mean of a row with these
-        weights is the `pressure` of the shoe's response
+        quadratic polynomial in z from z[0] to z[2], from z[2] to z[4], and so on
+    widths : (m,) [m], width of the lining that each z stands for: the mean of `pressure` over z
+        with these weights is the `pressure` of the shoe's response
     """
 
     z: Floats
@@ -190,7 +191,7 @@ class ShoeResponse:
         each end of the lining, where the pressure at a sharp edge grows without bound.
     hinge_reaction : (2,) [N], force of the pin, or of the abutment or guide, on the shoe; of a shoe
         on anchors the sum of the forces in `supports`
-    contact_arcs : begin and end of each arc in contact [rad]
+    contact_arcs : first and last angle [rad] of each part of the lining in contact
     theta : (n,) [rad], growing angles of the nodes at which the pressure is given. Between the
         nodes the pressure is a piecewise polynomial, whose neighbouring pieces share an end node.
     pressure : (n,) [Pa], pressures at the nodes
@@ -206,7 +207,7 @@ class ShoeResponse:
     reaction_moment : moment [N m] of a guide, or of the forces in `supports`, on the shoe about
         `Held.pin`, besides the force at the pin
     supports : forces of the anchors, of the abutment and of the strut on a shoe on anchors
-    force : actuation force [N] on the shoe, if a cam or a strut shares it; otherwise None
+    force : actuation force [N] on the shoe, if a cam or a strut determines it; otherwise None
     motion : rigid-body motion of a shoe without hinge, in the shoe's frame: displacement dx, dy [m]
         of the shoe's reference point `Held.pin`, and turn [rad]
     deformation : deflections of beam and ring, by the foundation model only
@@ -214,7 +215,7 @@ class ShoeResponse:
         then means over the width
     error : estimated relative errors by their keys "pressure" (L2 norm outside the edge zones),
         "torque", "peak" and "reaction"; None if nothing was estimated
-    softness : relative changes of the results because the contact stiffness (penalty) is finite
+    softness : relative changes of the results due to the finite contact stiffness (penalty)
     lost : relative changes of the results by round-off when the unknowns inside the bodies are
         eliminated, as far as these changes are known
     """
@@ -246,7 +247,7 @@ class ShoeResponse:
 
     @property
     def length_of_shortest_lining(self) -> float:
-        """Length of the lining, or of the shortest of several, in the surface's coordinate."""
+        """Length [rad, on a plane m] of the lining, or of the shortest of several linings."""
         edges = [self.theta[0], *(edge for slot in self.slots for edge in slot), self.theta[-1]]
         return min(float(b - a) for a, b in zip(edges[::2], edges[1::2], strict=True))
 
@@ -275,12 +276,13 @@ class ShoeResponse:
             arrange_nodal_values_by_piece(self.pressure, self.order),
         )
         # The denominators of Lagrange's polynomials are products of the distances between the nodes
-        # of a piece. Ones on the diagonal leave out the distance of a node from itself.
+        # of a piece. The distance 0 of a node from itself must not count, and is replaced by 1.
         apart = x[:, :, None] - x[:, None]  # (pieces, nodes, nodes)
         unit = np.eye(self.order + 1)
         factors = (y / (apart + unit).prod(axis=2))[piece]
-        # The numerator for a node is the product of the distances from the angle to all other
-        # nodes: to those before the node, and to those behind the node.
+        # The numerator for a node is the product of the distances of the angle from all other
+        # nodes. It is computed as a product over the nodes before the node, times a product over
+        # the nodes behind it.
         off = theta[..., None] - x[piece]
         before, behind = np.ones(off.shape), np.ones(off.shape)
         np.cumprod(off[..., :-1], axis=-1, out=before[..., 1:])
@@ -323,7 +325,7 @@ class ShoeResponse:
 
     def _curve_of_one_lining(self, nodes: Floats) -> tuple[Floats, Floats]:
         """Points of the pressure curve on the lining with the given nodes (n,) [rad]."""
-        # Ends of pieces that are hardly apart from the lining's ends are left out.
+        # Ends of pieces within SMALLEST_CURVE_PIECE of the lining's ends are left out.
         ends = nodes[:: self.order]
         apart = np.minimum(ends - ends[0], ends[-1] - ends) > SMALLEST_CURVE_PIECE
         ends = np.concatenate([ends[:1], ends[apart], ends[-1:]])
@@ -339,10 +341,10 @@ class ShoeResponse:
     def curve_at_distance_from_mid_plane(self, number: int) -> tuple[Floats, Floats]:
         """Points of the pressure curve at one distance from the mid-plane, by a solid model.
 
-        `number` counts the distances in the attribute z of `surface`. The angles (m,) [rad] are
+        `number` is the index of the distance in the array z of `surface`. The angles (m,) [rad] are
         those that `curve` returns.
         """
-        # `surface` is the pressure of all models with widths, for a shoe in contact.
+        # Only a shoe in contact, solved by a solid model, has `surface`.
         assert self.surface is not None
         return replace(self, pressure=self.surface.pressure[:, number]).curve()
 
@@ -391,11 +393,11 @@ class ShoeResponse:
 
 
 def notes_on_forces_of_supports(shoes: Sequence[ShoeResponse]) -> tuple[str, ...]:
-    """The note that says with which force each one-sided support bears, or that it does not.
+    """A note, as a tuple of one line, on the force that each one-sided support bears.
 
-    There is no note if the shoes have no such supports.
+    The tuple is empty if the shoes have no one-sided supports.
     """
-    # A strut appears on both of its shoes, but is named once.
+    # A strut appears in the results of both of its shoes, but the dictionary names it once.
     forces = {support.name: support.push.force for shoe in shoes for support in shoe.supports}
     if not forces:
         return ()
@@ -421,11 +423,11 @@ class Merit(NamedTuple):
     ----------
     resultant_angle : angle [rad] of the normal pressure's resultant at O, counted with the full
         turns of the lining's angles
-    friction_radius : psi, apparent radius of the friction over R
+    friction_radius : psi, apparent radius of the friction, divided by R
     shoe_factor : T/(F R)
     mechanical_advantage : eta = T/M = 1/(m - double_delta n)
-    m : moment of the normal pressure about the hinge over T
-    n : moment of the friction about the hinge over the moment of the friction about O
+    m : moment of the normal pressure about the hinge, divided by T
+    n : moment of the friction about the hinge, divided by the moment of the friction about O
     double_delta : sign of n in the formula of eta
     sensitivity_at_fixed_shape : sensitivity (mu/eta) d eta/d mu = m eta, if the shape of the
         pressure did not change with mu
@@ -451,7 +453,7 @@ class FlatMerit(NamedTuple):
     Attributes
     ----------
     braking_force : force of the shoe against the motion [N]
-    braking_force_over_moment : braking force over the actuation's moment M [1/m]
+    braking_force_over_moment : braking force, divided by the moment of the actuation [1/m]
     sensitivity_at_fixed_shape : relative change of the braking force per relative change of mu, if
         the shape of the pressure did not change with mu
     """
@@ -483,12 +485,14 @@ class Response:
     bearing_load : (2,) [N], force of all shoes on the drum, which the drum's bearings carry
     error : estimated relative errors by their keys "pressure" (of the worst shoe, L2 norm outside
         the edge zones) and "torque"; None if nothing was estimated
-    surface : kind of surface, drum or plane, right once `response_with_figures_of_merit` has set it
+    surface : friction surface; always DRUM until `response_with_figures_of_merit` sets drum or
+        plane
     plane_stress_error : estimated error of the assumption of plane stress; None if it was not asked
         for
-    self_locking : the friction beside the friction at which the brake locks itself; None if it was
-        not asked for
-    spring_pulls : pull [N] of each spring of the brake; empty if all of them have their preloads
+    self_locking : the friction of the brake and the friction coefficients at which the brake locks
+        itself; None if they were not asked for
+    spring_pulls : pull [N] of each spring of the brake; empty if all springs pull with their
+        preloads
     """
 
     model: str
@@ -524,7 +528,7 @@ class Response:
 
     @property
     def effects(self) -> list[float]:
-        """The effect of each shoe: its torque [N m], on a plane its braking force [N]."""
+        """The effect of each shoe: a torque [N m], or on a plane a braking force [N]."""
         effects = [shoe.torque for shoe in self.shoes]
         for i, merit in enumerate(self.merits):
             effects[i] = merit.torque_or_braking_force_of_shoe(self.shoes[i])
@@ -639,7 +643,7 @@ def response_of_pressed_elastic_shoe(
     NoAnswer
         if the lining is strained beyond LARGEST_STRAIN
     """
-    # Nodes at falling angles are put into the order of growing angles.
+    # If the angles of the nodes fall, the nodes are put into reverse order.
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
     slots = () if on_lining is None else slots_between_nodes(theta, on_lining[forward])
@@ -648,8 +652,8 @@ def response_of_pressed_elastic_shoe(
         inner = LiningWithoutEndZones(theta, order, zone, slots)
         peak = _peak_pressure_outside_edge_zones(inner, pressure, located=located)
     arcs = contact_arcs_from_nodal_pressures(theta, pressure, order, located=located)
-    # The sizes of the normal forces are summed. In their vector sum, forces on opposite sides of a
-    # long arc would cancel.
+    # The force is the integral of the pressure without directions: in a vector sum, forces on
+    # opposite sides of a long arc would cancel.
     force = (
         shoe.lining.width * scale_factor * integral_of_piecewise_polynomial(theta, pressure, order)
     )
@@ -694,10 +698,10 @@ def _peak_pressure_outside_edge_zones(
 def length_of_edge_zone_without_peak(shoe: Shoe, scale_factor: float) -> float:
     """The length of the zone at each end of a lining in which the peak pressure is not sought.
 
-    In this zone a sharp edge makes the pressure steep. The zone is half the lining's thickness, or
-    a quarter of the length of a short lining. The shortest lining of a shoe with several decides.
-    The result is in the surface's coordinate, rad on a
-    drum and m on a plane. `scale_factor` is the length per unit of this coordinate.
+    In this zone a sharp edge makes the pressure steep. The zone is half a lining thickness long, or
+    a quarter of the lining's length if the lining is short. Of several linings of a shoe the
+    shortest counts. The result is in rad, on a plane in m. `scale_factor` is the drum's radius
+    [m/rad], on a plane 1.
     """
     zone = (shoe.lining.thickness or 0.0) / (2 * scale_factor)
     length = shoe.lining.length_of_shortest_lining
@@ -705,9 +709,10 @@ def length_of_edge_zone_without_peak(shoe: Shoe, scale_factor: float) -> float:
 
 
 def edge_zone_angle_in_shoe_frame(shoe: Shoe, size: float) -> float:
-    """The `length_of_edge_zone_without_peak` of a lining as an angle phi in the shoe's own frame.
+    """The length of the edge zone without peak, as an angle phi [rad] in the shoe's own frame.
 
-    `size` [m] is the size of the brake, on a drum its radius.
+    In the edge zone the peak pressure is not sought, see `length_of_edge_zone_without_peak`. `size`
+    [m] is the size of the brake, on a drum its radius.
     """
     unit = shoe.frame.unit
     return length_of_edge_zone_without_peak(shoe, size / unit) / unit
@@ -716,7 +721,7 @@ def edge_zone_angle_in_shoe_frame(shoe: Shoe, size: float) -> float:
 def length_of_uncompared_edge_zone(length: float, unit: float = 1.0) -> float:
     """The length of the zone at each end of a lining in which pressures are not compared.
 
-    It is EDGE_ZONE, or a quarter of the length of a short lining. The zone and the length are in a
+    It is EDGE_ZONE, or a quarter of the lining's `length` if that is shorter. Both lengths are in a
     coordinate that grows by `unit` per radian.
     """
     return min(unit * EDGE_ZONE, 0.25 * length)
@@ -728,7 +733,8 @@ class PeakPlace(NamedTuple):
     Attributes
     ----------
     at : angle [rad] of the peak, on a plane its place x [m]
-    zone : length [rad, on a plane m] of the zone at each end of the lining that did not count
+    zone : length [rad, on a plane m] of the zone at each end of the lining in which the peak was
+        not sought
     """
 
     at: float
@@ -746,8 +752,8 @@ def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> 
     zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
     inside = is_angle_outside_end_zones(theta, theta[0], theta[-1], zone, response.slots)
     # A response does not tell whether its peak pressure was sought on the whole lining or outside
-    # the end zones. The largest value of the curve is known for both. The value that is nearer to
-    # the peak pressure decides.
+    # the end zones only. The largest value of the curve is found for both cases, and the case whose
+    # value is nearer to the peak pressure counts.
     apart = abs(pressure[inside].max(initial=0.0) - response.peak_pressure)
     if abs(pressure.max() - response.peak_pressure) <= apart:
         inside, zone = np.ones(len(theta), dtype=bool), 0.0
@@ -760,8 +766,8 @@ def largest_nodal_pressure_outside_zones(
 ) -> float:
     """The largest nodal pressure [Pa] at nodes farther than `zone` [rad] from the lining's ends.
 
-    If the pressure is zero at all these nodes, the largest of all nodal pressures is returned.
-    `slots` are those between several linings, each of which has two ends.
+    If the pressure is zero at all these nodes, the largest of all nodal pressures is returned. With
+    `slots` between several linings, each lining has a zone at both of its ends.
     """
     inside = is_angle_outside_end_zones(theta, theta[0], theta[-1], zone, slots)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())

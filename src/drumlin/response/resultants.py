@@ -18,14 +18,14 @@ from numpy.polynomial import legendre
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.surface import FrictionSurface
 
-# Points on [-1, 1] and weights of a Gauss rule that is exact up to degree 23.
+# Points in [-1, 1] and weights of a Gauss rule that is exact for polynomials up to degree 23.
 GAUSS, WEIGHTS = legendre.leggauss(12)
 
 PEAK_SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
 """Points at which a polynomial piece is evaluated to find its largest value.
 
-The points are in the coordinate [-1, 1] of the piece. A parabola through the largest of the 25
-values and its two neighbours gives the largest value of the piece.
+The 25 points are in the coordinate [-1, 1] of the piece. The largest value of the piece is the
+vertex of the parabola through the largest value at these points and its two neighbours.
 """
 
 
@@ -33,10 +33,11 @@ Slots = tuple[tuple[float, float], ...]
 """Begin and end of each slot between two linings of a shoe, in the surface's coordinate."""
 
 JUMP = 1e-12
-"""Length [rad, on a plane m] of the pieces on which the pressure falls to 0 at a slot.
+"""Length [rad, on a plane m] of the polynomial pieces on which the pressure falls to 0 at a slot.
 
-The pressure on a shoe with several linings is one piecewise polynomial, and the pressure jumps to 0
-at the edge of a slot. The force on such a piece is 1e-12 of the force on a radian of lining.
+The pressure on a shoe with several linings is one continuous piecewise polynomial. At the edge of a
+slot between two linings it falls to 0 on a piece of this length, which bears 1e-12 of the force on
+a radian of lining.
 """
 
 
@@ -73,7 +74,8 @@ def gauss_lobatto_points(order: int) -> Floats:
     """
     inner = np.zeros(0)
     if order > 1:
-        # The inner points are the roots of the derivative of the Legendre polynomial.
+        # The inner points are the roots of the derivative of the Legendre polynomial of the degree
+        # `order`.
         highest = np.eye(order + 1)[order]
         inner = np.sort(legendre.legroots(legendre.legder(highest)).real)
     # The points are symmetric about 0, but for round-off in the computed roots.
@@ -85,7 +87,7 @@ def gauss_lobatto_points(order: int) -> Floats:
 def _legendre_coefficients_of_shape_functions(order: int) -> Floats:
     """The Legendre coefficients (order + 1, order + 1) of the Lagrange shape functions.
 
-    A column belongs to each shape function.
+    Each column belongs to one shape function.
     """
     return np.asarray(
         np.linalg.inv(legendre.legvander(gauss_lobatto_points(order), order)), dtype=float
@@ -95,7 +97,7 @@ def _legendre_coefficients_of_shape_functions(order: int) -> Floats:
 def lagrange_shape_function_values(order: int, xi: Floats) -> Floats:
     """The values (order + 1, *xi.shape) of the Lagrange shape functions at points xi in [-1, 1].
 
-    Their nodes are the Gauss-Lobatto points.
+    The nodes of the shape functions are the Gauss-Lobatto points.
     """
     rows = _legendre_polynomial_values(order, xi)
     return (
@@ -105,7 +107,7 @@ def lagrange_shape_function_values(order: int, xi: Floats) -> Floats:
 
 def _legendre_polynomial_values(order: int, xi: Floats) -> Floats:
     """The values (order + 1, *xi.shape) of the Legendre polynomials up to degree `order` at xi."""
-    # The recurrence gives each polynomial from the two polynomials of the next lower degrees.
+    # Bonnet's recurrence gives each polynomial from the two polynomials of the next lower degrees.
     rows = np.ones((order + 1, *np.shape(xi)))
     if order > 0:
         rows[1] = xi
@@ -118,7 +120,7 @@ def _legendre_polynomial_values(order: int, xi: Floats) -> Floats:
 def _legendre_coefficients_of_integrated_shapes(order: int) -> Floats:
     """The Legendre coefficients (order + 1, order + 2) of the integrated Lagrange shape functions.
 
-    Each row belongs to the integral of one shape function from -1 to x, as a function of x.
+    A row belongs to the integral of one shape function from -1 to x, as a polynomial in x.
     """
     return np.ascontiguousarray(
         legendre.legint(_legendre_coefficients_of_shape_functions(order), lbnd=-1).T
@@ -148,8 +150,8 @@ def _integrals_of_shape_functions(order: int) -> Floats:
 def nodes_with_slots(parts: Sequence[Floats], order: int) -> tuple[Floats, Bools]:
     """The nodes of a piecewise polynomial on several linings, and which of them are on a lining.
 
-    Between two linings there are three more pieces: the polynomial falls to 0 on the first, is 0
-    on the second, and rises on the third.
+    Between two linings there are three more pieces. On the first piece the polynomial falls to 0,
+    on the second it is 0, and on the third it rises to its value on the next lining.
 
     Parameters
     ----------
@@ -172,9 +174,10 @@ def nodes_with_slots(parts: Sequence[Floats], order: int) -> tuple[Floats, Bools
 
 
 def slots_between_nodes(theta: Floats, on_lining: Bools) -> Slots:
-    """The slots of a piecewise polynomial, from its nodes (n,) and `nodes_with_slots`' mask (n,).
+    """The slots between linings, from the nodes (n,) of a pressure and the mask (n,) `on_lining`.
 
-    A slot begins and ends at nodes of the linings beside it, exactly.
+    The mask is False at nodes in slots, see `nodes_with_slots`. A slot begins and ends exactly at
+    end nodes of the linings beside it.
     """
     open_ends = np.flatnonzero(on_lining[1:] != on_lining[:-1])
     before, behind = open_ends[::2], open_ends[1::2] + 1
@@ -234,7 +237,8 @@ class _Samples(NamedTuple):
 
     Attributes
     ----------
-    pieces : pieces that lie outside the end zones, or are cut by one; numbers if there are slots
+    pieces : the pieces that lie outside the end zones or are cut by one; a slice, or their numbers
+        if there are slots
     cut : (c,), numbers within `pieces` of the pieces that are cut
     shapes : (c, order + 1, s), Lagrange shape functions at the s points of each cut piece
     """
@@ -248,8 +252,8 @@ class _Samples(NamedTuple):
 class LiningWithoutEndZones:
     """The part of a lining outside the zones at its ends, for integrals and peaks of pressures.
 
-    It serves all pressures on the same nodes. The part is empty if the two zones cover the lining.
-    If a shoe has several linings, there is a zone at both ends of each of them.
+    One object serves all pressures that have the same nodes. The part is empty if the two zones
+    cover the lining. If a shoe has several linings, there is a zone at both ends of each lining.
 
     Attributes
     ----------
@@ -285,7 +289,8 @@ class LiningWithoutEndZones:
         ) @ _legendre_polynomial_values(order + 1, xi).swapaxes(0, 1)
         up_to = half[:, None] * integrals.swapaxes(1, 2)
         between = up_to[3:1:-1] - up_to[:2]
-        # No pressure acts in a slot, so that the first integral needs no change.
+        # Each slot, with the zones beside it, is taken out of the second integral. The first
+        # integral, over the whole lining, needs no change, because no pressure acts in a slot.
         for before, behind in zip(up_to[4::2], up_to[5::2], strict=True):
             between[1] -= behind - before
         # A node that two pieces share gets the sum of the weights from both pieces.
@@ -328,7 +333,7 @@ class LiningWithoutEndZones:
         return _Samples(pieces if self.slots else in_row, cut, shapes)
 
     def largest_value_outside_end_zones(self, values: Floats) -> float:
-        """The largest value outside the end zones; on the whole lining if the zones cover it.
+        """The largest value outside the end zones, or on the whole lining if the zones cover it.
 
         `values` (n,) are the nodal values of a piecewise polynomial.
         """
@@ -347,7 +352,7 @@ class LiningWithoutEndZones:
     def peak(self, pressure: Floats) -> float:
         """The largest pressure [Pa] outside the end zones, from nodal pressures (n,) [Pa].
 
-        If half of the force acts in the end zones, the largest pressure of all is returned.
+        If at least half of the force acts in the end zones, the peak is sought on the whole lining.
         """
         if self.fraction_of_integral_outside_end_zones(pressure) > 0.5:
             return self.largest_value_outside_end_zones(pressure)
@@ -355,7 +360,7 @@ class LiningWithoutEndZones:
 
 
 def _largest_value_of_parabola(x: list[float], y: list[float]) -> float:
-    """The largest value of a parabola through three points (x, y), of which the middle is highest.
+    """The largest value of a parabola through three points (x, y), the middle one the highest.
 
     If the points lie on a line, the highest y is returned.
     """
@@ -377,8 +382,9 @@ def edge_zone_that_does_not_count(
 ) -> float:
     """The length [rad] of the zone at each end of a lining in which pressure errors do not count.
 
-    It is `zone`, or 0 if half of the force on the lining acts in the zones. The parameters are
-    those of `LiningWithoutEndZones`.
+    The result is `zone`, or 0 if at least half of the force on the lining acts in the zones.
+    `theta`, `order`, `zone` and `slots` are as in `LiningWithoutEndZones`; `pressure` (n,) are the
+    nodal pressures.
     """
     inner = LiningWithoutEndZones(theta, order, zone, slots)
     return zone if inner.fraction_of_integral_outside_end_zones(pressure) > 0.5 else 0.0
@@ -415,7 +421,7 @@ def resultant_of_pressure_and_friction(
     pressure : (n,) [Pa], pressures at the nodes
     order : degree of the polynomial pieces of the pressure
     size : size of the brake [m], on a drum its radius
-    per_place : area of the lining per unit of the coordinate
+    per_place : area of the lining per unit of the surface's coordinate [m^2/rad, on a plane m]
     sign : +1 for an internal lining, -1 for an external lining
     drag : friction per pressure along the growing coordinate, mu or -mu
     dragging : (n,) [Pa], nodal values that `drag` turns into friction; None for the pressures
@@ -439,7 +445,7 @@ def resultant_of_pressure_and_friction(
 def contact_arcs_from_nodal_pressures(
     theta: Floats, pressure: Floats, order: int, *, located: bool = True
 ) -> tuple[tuple[float, float], ...]:
-    """The arcs of a lining in contact with the drum: begin and end of each [rad].
+    """The first and the last angle [rad] of each arc on which a lining is in contact with the drum.
 
     Parameters
     ----------
@@ -450,7 +456,8 @@ def contact_arcs_from_nodal_pressures(
         the first node without pressure
     """
     pressed = pressure > 0
-    # A step between two nodes belongs to an arc if the pressure is positive at one of the nodes.
+    # The stretch between two neighbouring nodes belongs to an arc if the pressure is positive at
+    # one of them.
     steps = np.zeros(len(theta) + 1, dtype=bool)
     steps[1:-1] = pressed[:-1] | pressed[1:]
     edges = (steps[1:] != steps[:-1]).nonzero()[0].tolist()
@@ -460,7 +467,7 @@ def contact_arcs_from_nodal_pressures(
         if located and not pressed[first]:
             start = _angle_at_which_contact_begins(theta, pressure, first, order)
         if located and not pressed[last]:
-            # The far end of an arc is the near end in the mirror image of the pressure.
+            # The last angle of an arc is found as the first angle of the mirrored pressure.
             mirrored = len(theta) - 1 - last
             end = -_angle_at_which_contact_begins(-theta[::-1], pressure[::-1], mirrored, order)
         arcs.append((start, end))
@@ -470,14 +477,15 @@ def contact_arcs_from_nodal_pressures(
 def _angle_at_which_contact_begins(theta: Floats, pressure: Floats, node: int, order: int) -> float:
     """The angle [rad] at which a contact arc begins, between an unpressed `node` and the next node.
 
-    The pressure of a smooth contact falls towards the begin e of the contact as sqrt(theta - e).
-    For the force F = Int_e p dtheta from e up to theta, F^(2/3) is therefore linear in theta. The
-    line through the values of F^(2/3) at the ends of the first two elements gives e. Integrals of
-    the pressure scatter far less than nodal pressures.
+    Towards its first angle e the pressure of a smooth contact falls as sqrt(theta - e). For the
+    force F = Int_e p dtheta from e up to theta, F^(2/3) is therefore linear in theta. The line
+    through the values of F^(2/3) at the ends of the first two elements gives e. Integrals of the
+    pressure scatter far less than nodal pressures.
     """
     begin = node // order * order
     near, far = begin + order, begin + 2 * order
-    # If there are no two elements up to the end of the lining, the contact begins at the node.
+    # If fewer than two elements remain up to the end of the lining, the angle of the node is
+    # returned.
     if far >= len(theta):
         return float(theta[node])
     means = arrange_nodal_values_by_piece(

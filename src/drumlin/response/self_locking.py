@@ -1,4 +1,4 @@
-"""How far the friction of a brake is from locking it: the text and the data of an answer."""
+"""How far the friction of a brake is from self-locking, as data and as lines of text."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -7,15 +7,15 @@ from typing import Any, NamedTuple
 from drumlin.base.texts import number_as_text
 
 WARNED_SHARE = 2 / 3
-"""Friction relative to mu_lock above which a warning is printed.
+"""Ratio of friction coefficient mu to self-locking limit mu_lock above which drumlin warns.
 
-The torque grows as 1/(mu_lock - mu): at two thirds, friction that is 10 % higher gives 37 % more
+The torque grows as mu/(mu_lock - mu): at two thirds, friction that is 10 % higher gives 37 % more
 torque. The value is a judgement and changes no result.
 """
 
 
 class LockedShoes(NamedTuple):
-    """Shoes that lock together, and the friction coefficient mu_lock at which they do.
+    """Shoes that lock together, and the friction coefficient mu_lock at which they lock.
 
     Attributes
     ----------
@@ -60,12 +60,12 @@ class SelfLocking(NamedTuple):
         }
 
     def line(self) -> str:
-        """A line of text on how far the friction is from each limit."""
+        """A line that states the friction relative to the limits mu_lock."""
         known = []
         if self.elastic is not None and math.isfinite(self.elastic.friction):
-            known.append(self._share_in_words(self.elastic, "for the elastic brake"))
+            known.append(self._text_of_percentage(self.elastic, "for the elastic brake"))
         if math.isfinite(self.law.friction):
-            known.append(self._share_in_words(self.law, "by the rigid-shoe law"))
+            known.append(self._text_of_percentage(self.law, "by the rigid-shoe law"))
         if not known:
             known.append("no friction locks the brake by the rigid-shoe law")
         if self.elastic is not None and math.isinf(self.elastic.friction):
@@ -74,20 +74,23 @@ class SelfLocking(NamedTuple):
             known.append(f"all frictions in proportion, {self.scaled} too")
         return f"self-locking: {'; '.join(known)}"
 
-    def _share_in_words(self, limit: LockedShoes, whose: str) -> str:
-        """The friction as a part of one limit, in words."""
+    def _text_of_percentage(self, limit: LockedShoes, whose: str) -> str:
+        """Text such as "friction 0.3 is 60 % of mu_lock = 0.5 for the elastic brake".
+
+        `whose` are the last words of the text.
+        """
         share = number_as_text(self.friction / limit.friction, ".0%")
         return f"friction {self.friction:g} is {share} of mu_lock = {limit.friction:.4g} {whose}"
 
     def warnings(self) -> Iterator[str]:
-        """Yield a line on each limit of which the friction is more than two thirds."""
+        """Yield a warning for each mu_lock if the friction exceeds WARNED_SHARE times mu_lock."""
         if self.elastic is not None and self.friction > WARNED_SHARE * self.elastic.friction:
             yield (
-                f"warning: {_names_in_words(self.elastic.shoes)}: "
-                f"{self._share_in_words(self.elastic, 'for the elastic brake')}, "
+                f"warning: {_shoe_names_as_text(self.elastic.shoes)}: "
+                f"{self._text_of_percentage(self.elastic, 'for the elastic brake')}, "
                 "towards which the torque grows without bound"
             )
-        shoe = _names_in_words(self.law.shoes)
+        shoe = _shoe_names_as_text(self.law.shoes)
         if self.friction >= self.law.friction:
             yield (
                 f"warning: {shoe}: friction {self.friction:g} is above "
@@ -95,16 +98,16 @@ class SelfLocking(NamedTuple):
                 "by which the shoe locks itself"
             )
         elif self.friction > WARNED_SHARE * self.law.friction:
-            yield f"warning: {shoe}: {self._share_in_words(self.law, 'by the rigid-shoe law')}"
+            yield f"warning: {shoe}: {self._text_of_percentage(self.law, 'by the rigid-shoe law')}"
 
 
 def first_shoes_to_lock(limits: Sequence[LockedShoes]) -> LockedShoes:
-    """The shoes with the smallest mu_lock."""
+    """The shoes that lock first: those with the smallest mu_lock among all `limits`."""
     return min(limits, key=lambda limit: limit.friction)
 
 
-def _names_in_words(shoes: Sequence[str]) -> str:
-    """The names of shoes in words for a line of text."""
+def _shoe_names_as_text(shoes: Sequence[str]) -> str:
+    """The names of shoes as text, such as "shoe 'leading', shoe 'trailing'"."""
     return ", ".join(f"shoe {name!r}" for name in shoes)
 
 

@@ -18,14 +18,14 @@ More points do not change a small plot.
 
 
 def text_of_contact_arcs(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
-    """The arcs of a shoe in contact as text, in degrees, or in mm on a plane; "none" without."""
+    """The contact arcs of a shoe as text, in degrees, on a plane in mm; "none" without contact."""
     factor = surface.shown
     arcs = [f"{start * factor:.1f} to {end * factor:.1f}" for start, end in shoe.contact_arcs]
     return ", ".join(arcs) or "none"
 
 
 def rows_of_response_table(response: "Response") -> list[tuple[str, ...]]:
-    """The cells of a response's table: a head, a row for each shoe, and a row for the brake."""
+    """The cells of the table of a response: headings, a row for each shoe, a row for the brake."""
     surface, effects = response.surface, response.effects
     head = (
         "shoe",

@@ -1,4 +1,4 @@
-"""Verification: reference values by a second solver, checks of results, the cost of a solve.
+"""Verification: reference values, checks of users' results, a second solver, the cost of a solve.
 
-This package uses the models of drumlin. The models do not use this package.
+This package imports the models of drumlin. The models do not import this package.
 """

@@ -56,8 +56,8 @@ class PressureTable(NamedTuple):
 class Verdict(NamedTuple):
     """How far a pressure curve p(theta) of a shoe is from the reference values of this shoe.
 
-    Differences of the pressure p are taken at the angles that the reference lists. Angles in the
-    edge zones at the lining's ends do not count.
+    The pressures are compared at the angles that the reference lists, without angles in the edge
+    zones at the lining's ends.
 
     Attributes
     ----------
@@ -67,10 +67,10 @@ class Verdict(NamedTuple):
     at : angle or place of the largest difference, as text
     torque : torque [N m] that the curve gives by the trapezoidal rule, on a plane surface the
         braking force [N]; between the curve's last point and the lining's end p is constant
-    torque_error : difference of the torque that follows from the differences of p, relative to the
+    torque_error : torque that the differences of p give by the trapezoidal rule, relative to the
         torque of the reference
-    floor : relative uncertainty of the reference's own pressure
-    torque_floor : relative uncertainty of the reference's own torque
+    floor : relative uncertainty of the pressure curve in the reference
+    torque_floor : relative uncertainty of the torque in the reference
     """
 
     shoe: str
@@ -245,7 +245,7 @@ def _value_of_table_cell_in_si(
         for a cell that holds no finite number
     """
     cell = line[column.position]
-    # A text that is no number becomes NaN, which the comparison below refuses.
+    # A text that is no number becomes NaN, which fails the comparison below.
     cause = ""
     try:
         value = number_in_table_cell(cell, decimal_sign) * column.factor
@@ -311,7 +311,7 @@ def compare_curves_with_reference(
 def _verdict_on_pressure_curve(
     brake: Brake, spec: Shoe, known: ShoeReference, curve: PressureTable
 ) -> Verdict:
-    """The verdict on the pressure curve of one shoe.
+    """How far the pressure curve of one shoe is from the reference values of the shoe.
 
     Parameters
     ----------
@@ -361,7 +361,7 @@ def _verdict_on_pressure_curve(
 
 
 def _difference_relative_to_size(difference: float, size: float) -> float:
-    """A difference divided by a size; for the size 0 infinite, or 0 if the difference is 0."""
+    """A difference divided by a size; if the size is 0, the result is infinite, or 0 for 0/0."""
     return difference / size if size else math.inf if difference else 0.0
 
 

@@ -39,22 +39,22 @@ from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin.models import model_with_name_that_applies_to_brake
 
 COST_ELEMENTS = 140
-"""Elements along each lining of a brake whose cost is measured, unless the user gives a number.
+"""Default number of elements along each lining of a brake whose cost is measured.
 
 A shoe of a car's brake then has some 20 000 unknowns.
 """
 
 TIMING_REPEATS = 7
-"""Number of times that each step is timed; the median of the times is reported."""
+"""Number of times that each task, such as a factorisation, is timed; the median is reported."""
 
 COST_TABLE_UNKNOWNS = (20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)
 """Number of unknowns of a shoe for each row of the table of cost by size."""
 
 SOLID_COST_DEGREES = (1, 2, 3, 4, 5)
-"""Degree across the width of solid shoes for each row of their table of cost."""
+"""Degree across the width for each row of the table of cost of solid shoes."""
 
 LARGEST_FITTED_UNKNOWNS = 600_000
-"""Number of unknowns above which a row is not used to fit the exponent k in time ~ unknowns^k.
+"""Number of unknowns above which a row of the cost table is not used to fit time ~ unknowns^k.
 """
 
 
@@ -69,7 +69,7 @@ class Cost(NamedTuple):
     contact_nodes : number of nodes of all distinct shoes on the friction surface
     memory : largest resident memory of the process up to the end of the first solve [bytes]
     solve : time of a whole solve, from the brake to its pressures
-    further : time of a further load case: another friction coefficient, the same stiffness
+    further : time of a further load case: another friction coefficient with the same stiffness
     assembly : time of assembling the stiffness of all distinct shoes
     factorisation : time of one factorisation of each stiffness
     substitution : time of one back-substitution with each factorisation
@@ -86,7 +86,7 @@ class Cost(NamedTuple):
 
     @property
     def solve_ratio(self) -> float:
-        """Time of a whole solve, divided by that of assembly, factorisation and substitution."""
+        """Time of a solve / sum of the times of one assembly, factorisation and substitution."""
         return self.solve / (self.assembly + self.factorisation + self.substitution)
 
     @property
@@ -110,7 +110,7 @@ def measure_time_and_memory_of_fem(
     brake : the brake
     elements : number of elements along each lining
     penalty : contact penalty
-    repeats : number of times that each step is timed; with 1 the first solve is the timed one
+    repeats : number of times that each task is timed; with 1 the time of the first solve counts
     mesher : function that meshes a shoe; None: drumlin's own mesher
     """
     mesh_and_solve = partial(_mesh_and_solve_brake, brake, elements, penalty, mesher)
@@ -156,7 +156,7 @@ def _mesh_and_solve_brake(
 
 
 def _brake_with_less_friction(brake: Brake) -> Brake:
-    """A copy of the brake with 0.9 times its friction coefficient, as a further load case."""
+    """A copy of the brake with 0.9 times its friction coefficient, used as a further load case."""
     return brake.brake_with_scaled_friction(0.9 * brake.friction)
 
 
@@ -193,7 +193,7 @@ def _seconds_to_assemble_and_factorise_stiffness(
 
 
 def shoe_mesh_of_given_size(unknowns: int, shoe: Shoe, radius: float) -> object:
-    """The mesh of a shoe with some `unknowns` displacements, on a drum of `radius` [m].
+    """The mesh of a shoe with about `unknowns` unknowns, on a drum of the given radius [m].
 
     The number of elements through the shoe grows in proportion to the number along the lining.
     """
@@ -209,7 +209,7 @@ def shoe_mesh_of_given_size(unknowns: int, shoe: Shoe, radius: float) -> object:
 def _result_of_call_in_new_process(task: Callable[..., Any], *arguments: Any) -> Any:
     """The result of task(*arguments), run in a new process.
 
-    The largest memory of that process is then the memory of this task alone.
+    The largest memory of the new process is then the memory of this task alone.
     """
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=context) as process:
@@ -242,7 +242,7 @@ def cost_by_size_table_lines(
         if row.unknowns <= LARGEST_FITTED_UNKNOWNS:
             costs.append((row.unknowns, row.solve))
     if len(costs) > 1:
-        # The slope of log(time) over log(unknowns) is the exponent.
+        # The exponent is the slope of a straight line through log(time) against log(unknowns).
         unknowns, seconds = np.log(costs).T
         exponent = np.polyfit(unknowns, seconds, 1)[0]
         yield f"solve ~ N^{exponent:.2f} up to {costs[-1][0]} unknowns"
@@ -272,9 +272,9 @@ def solid_shoe_cost_table_lines(
 ) -> Iterator[str]:
     """Yield the lines of a table of the cost of three-dimensional (solid) shoes.
 
-    There is a row for each degree across the width in `degrees`, on the first level of the section.
-    Each row comes as soon as it is measured. Times are seconds of processor time. A further load
-    case is another friction coefficient with the same stiffness.
+    There is a row for each degree across the width in `degrees`, all with the coarsest mesh of the
+    shoe's cross-section. Each row comes as soon as it is measured. Times are seconds of processor
+    time. A further load case is another friction coefficient with the same stiffness.
     """
     yield "degree  unknowns  contact nodes  solve [s]  further [s]  peak memory [GiB]"
     for degree in degrees:
@@ -288,7 +288,7 @@ def solid_shoe_cost_table_lines(
 
 
 def _measure_time_and_memory_of_solid(brake: Brake, degree: int) -> _SolidCost:
-    """Solve a brake with solid shoes and measure it; `degree` is that across the width."""
+    """Measure the cost of solving a brake with solid shoes of a degree across the width."""
     start = time.process_time()
     scene = prepare_brake_with_widths(brake, LEVELS[0], degree)
     solve_prepared_model(scene, brake)

@@ -1,10 +1,10 @@
-"""Reference values of a brake that others can cite, and how far somebody's p(theta) is from them.
+"""Reference values of a brake, with their uncertainties, for others to cite.
 
-The reference value comes from hp elements on the finer of two meshes, with exact contact. Its
-uncertainty is the larger of its distances from two other solutions. The first one is that of the
-coarser hp mesh, which has another degree and grading. The second one comes from another solver, on
-curved triangles, which shares nothing with the hp elements but the brake. (hp elements are finite
-elements of high polynomial degree whose sizes shrink towards singular points.)
+A reference value comes from hp elements on the finer of two meshes, with exact contact. Its
+uncertainty is the larger one of its distances from two other solutions. One of these is the
+solution on the coarser hp mesh, which has another degree and grading. The other one comes from a
+second solver, on curved triangles, which shares nothing with the hp elements but the brake. (hp
+elements are finite elements of high polynomial degree whose sizes shrink towards singular points.)
 """
 
 import importlib.metadata
@@ -44,7 +44,7 @@ from drumlin.response.resultants import Slots
 from drumlin.verification import triangles
 
 STATED_PACKAGES = ("numpy", "scipy", "scikit-fem")
-"""Packages whose versions are stored with reference values, beside that of drumlin."""
+"""Packages whose versions are stored with reference values, beside drumlin's own version."""
 
 PROBLEM_SOLVED = (
     "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: "
@@ -69,8 +69,9 @@ class Refinement(NamedTuple):
     ----------
     first : number of coarse meshes of hp elements that are solved first, to find the ends of the
         contact
-    levels : degree and grading of two hp meshes; the solution on the second one is the reference
-    triangles : meshes of curved triangles, from coarse to fine; empty: no triangles
+    levels : degree and grading of two hp meshes; the second mesh gives the reference values
+    triangles : degree and grading of meshes of curved triangles, from coarse to fine; empty if
+        triangles shall not be used
     """
 
     first: int
@@ -91,10 +92,10 @@ REFERENCE_REFINEMENT = Refinement(
 )
 """The meshes of the reference values that are published.
 
-Element sizes grow slowly with the distance from the ends of the layers and from the hinge, because
-the torque depends on the stresses there. Smaller elements at the lining's ends would not reduce the
-error: in a stiff shoe their round-off error is larger than the discretisation error that they
-remove.
+Element sizes grow slowly with the distance from the ends of lining, backing and body and from the
+hinge, because the torque depends on the stresses there. Even smaller elements at the lining's ends
+would not reduce the error: in a stiff shoe they would add more round-off error than they remove
+discretisation error.
 """
 
 
@@ -154,13 +155,15 @@ def _brake_response_by_curved_triangle_elements(
 ) -> Response | None:
     """The response by the finest mesh of curved triangles, or None if they cannot solve the brake.
 
-    Triangles cannot solve a brake on a plane surface and some kinds of shoes. The values that the
-    triangles do not give, such as whether a shoe is self-energising, are copied from `like`.
+    Triangles cannot solve a brake on a plane surface or with some kinds of shoes. Results that the
+    triangles do not give, such as whether a shoe is self-energising, are copied from `like`, the
+    response by hp elements.
     """
     if not refinement.triangles or brake.surface.is_plane_and_not_drum:
         return None
     try:
-        # Triangles find no pulls of springs: they take those of `like`.
+        # The solver on triangles does not compute the pulls of springs. It uses the pulls that
+        # `like` states, as constant forces.
         under = brake_with_springs_of_constant_pull(brake, like.spring_pulls)
         *_, solutions = triangles.solve_on_triangle_level_sequence(under, refinement.triangles)
     except BadInput:
@@ -311,8 +314,8 @@ def compute_reference_values(
     Parameters
     ----------
     brake : the brake
-    text : text of its file, which the reference keeps
-    command : shell command that computes the values again, which the reference keeps
+    text : text of the brake file, which is stored with the values
+    command : shell command that computes the values again; it is stored with the values
     trio : the three solutions of the brake (two hp meshes and triangles); if None, they are
         computed
     """
@@ -329,10 +332,11 @@ def compute_reference_values(
     return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
 
 
-def _first_value_and_largest_distance_from_others(values: Sequence[Any]) -> UncertainValue:
+def _value_with_largest_distance_as_uncertainty(values: Sequence[Any]) -> UncertainValue:
     """The first of `values`, with its largest distance from the other values as its uncertainty.
 
-    The distance is infinite if an array has another shape, such as another number of contact arcs.
+    The distance is infinite if the arrays have different shapes, for example if two solutions have
+    different numbers of contact arcs.
     """
     cited, *others = (np.asarray(value, dtype=float) for value in values)
     distance = 0.0
@@ -371,9 +375,7 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
         quantity: Callable[[ShoeResponse], Any],
     ) -> UncertainValue:
         """A quantity of the shoe in the reference solution, with its uncertainty."""
-        return _first_value_and_largest_distance_from_others(
-            [quantity(answer) for answer in answers]
-        )
+        return _value_with_largest_distance_as_uncertainty([quantity(answer) for answer in answers])
 
     return ShoeReference(
         name=spec.name,
@@ -408,7 +410,7 @@ def _angles_of_listed_pressures(shoe: Shoe) -> Floats:
 def _largest_relative_distance_of_pressures(
     brake: Brake, cited: ShoeResponse, others: Sequence[ShoeResponse]
 ) -> float:
-    """The largest relative distance (L2) of the other pressures on a shoe from the cited one.
+    """The largest relative L2 distance of pressure curves `others` of a shoe from the cited one.
 
     A lining without any pressure has no relative distance; 0 is returned for it.
     """

@@ -1,4 +1,4 @@
-"""JSON files of reference values: writing, reading with checks, search for those of a brake."""
+"""JSON files of reference values: write a file, read and check it, find the file of a brake."""
 
 import json
 import math
@@ -21,7 +21,7 @@ from drumlin.response.response import is_angle_outside_end_zones
 from drumlin.verification.reference import Reference, ShoeReference, UncertainValue
 
 REFERENCE_FORMAT = "drumlin reference values, 1"
-"""Name and version of the file format, stored under the first key of the file."""
+"""Name and version of the file format. A file has this text under its first key, "format"."""
 
 FILE_DIGITS = 10
 """Number of significant digits of each number in a file; the last digits are not certain."""
@@ -126,14 +126,15 @@ def _shoe_reference_as_json_data(shoe: ShoeReference) -> dict[str, Any]:
 def write_reference_file(data: dict[str, Any], path: Path) -> None:
     """Write reference values, as `reference_values_as_json_data` returns them, to a JSON file."""
     text = json.dumps(data, indent=1, allow_nan=False)
-    # json.dumps writes each number of a list on a line of its own; a list shall take one line.
+    # json.dumps writes each number of a list on a line of its own. To shorten the file, each list
+    # of numbers is put on one line.
     write_text(path, _NUMBER_LIST.sub(lambda match: " ".join(match.group().split()), text) + "\n")
 
 
 def read_reference_file(path: Path) -> Reference:
     """Read reference values from a file of `write_reference_file`.
 
-    Raises BadInput for another file.
+    Raises BadInput for a file that holds no reference values.
     """
     text = read_text(path, LARGEST_REFERENCE_FILE, "a file of reference values")
     try:
@@ -164,7 +165,8 @@ def rows_that_summarise_reference_values(
 
     `values` are the reference values as `reference_values_as_json_data` returns them; `name` is the
     brake's name in the table. Six digits of the torque and four digits of p outside the edge zones
-    should be certain. The last column says which of the two are not, with the relative uncertainty.
+    should be certain. The column "digits" names the quantities that are less certain, with their
+    relative uncertainties, or says "nothing".
     """
     rows = []
     for shoe in values["shoes"]:
@@ -219,7 +221,7 @@ def _require_finite_array_of_shape(value: object, *shape: int) -> Floats:
     Raises ValueError or TypeError for other values.
     """
     array = np.array(value, dtype=float)
-    # NumPy reads an empty list as shape (0,), also where a second dimension is asked for.
+    # NumPy gives an empty list the shape (0,), even if an array with two dimensions is wanted.
     if array.size == 0:
         array = array.reshape([max(length, 0) for length in shape])
     fits = array.ndim == len(shape) and all(
@@ -240,7 +242,7 @@ def _uncertain_value_from_json_data(data: dict[str, Any], *shape: int) -> Uncert
 
 
 def _require_non_negative_number(value: object) -> float:
-    """Return the value as a number. Raises ValueError or TypeError if it is none or negative."""
+    """Return the value as a float. Raises ValueError or TypeError if it is below 0 or no number."""
     size = float(_require_finite_array_of_shape(value))
     if size < 0:
         raise ValueError("negative")

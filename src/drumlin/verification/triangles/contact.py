@@ -61,8 +61,9 @@ class CondensedRing(NamedTuple):
 
     Attributes
     ----------
-    compliance : (2m, 2m) displacements of these m nodes under unit forces on them [m/N]
-    of : for each lining, the positions (n,) of its opposite ring nodes among the m nodes
+    compliance : (2m, 2m) displacements of the m nodes under unit forces on the m nodes [m/N]
+    of : for each lining with n nodes, the positions (n,) of the opposite ring nodes among the m
+        nodes
     """
 
     compliance: Floats
@@ -70,7 +71,7 @@ class CondensedRing(NamedTuple):
 
 
 class ContactAtStart(NamedTuple):
-    """What bears when the contact solver starts, from an earlier solution.
+    """Nodes and supports in contact when the contact solver starts, from an earlier solution.
 
     Attributes
     ----------
@@ -81,8 +82,8 @@ class ContactAtStart(NamedTuple):
     nodes: list[Bools]
     supports: frozenset[str] = frozenset()
 
-    def of_shoes(self, members: Sequence[int]) -> "ContactAtStart":
-        """The start of some shoes alone."""
+    def contact_at_start_of_shoes(self, members: Sequence[int]) -> "ContactAtStart":
+        """The nodes and supports in contact at the start, for the shoes numbered `members` only."""
         return ContactAtStart([self.nodes[i] for i in members], self.supports)
 
 
@@ -92,8 +93,8 @@ class ContactForces(NamedTuple):
     Attributes
     ----------
     force : (n,) nodal contact forces along the normals [N], 0 at open nodes
-    motions : (k,) generalised coordinates of the rigid-body modes of the shoes; of shoes in one
-        solution also the forces of the supports that bear [N]
+    motions : (k,) generalised coordinates of the rigid-body modes of the shoes; before a solution
+        is split by shoes, followed by the forces [N] of the supports that bear
     active : (n,) whether a node is in contact
     supports : forces of the one-sided supports of one shoe
     """
@@ -107,10 +108,10 @@ class ContactForces(NamedTuple):
 def solve_contact_complementarity(equations: ContactEquations, first: Bools) -> ContactForces:
     """Solve w = q + A f + B y >= 0, f >= 0, w f = 0, C f + G y = h for f and y.
 
-    At each node the gap or the force is zero; the last equation is the equilibrium of the shoes. An
-    active node is one in contact. All nodes with a tensile force or a penetration change at once
-    between open and active. If their number does not fall, they change one by one. `first` (n,)
-    tells whether each node is active at the start.
+    At each node the gap w or the force f is zero; the last equation is the equilibrium of the
+    shoes. A node in contact is called active. All nodes with a tensile force or a penetration
+    change at once between open and active. If their number does not fall, only one of them changes
+    at a time. `first` (n,) tells whether each node is active at the start.
 
     Raises
     ------
@@ -142,7 +143,8 @@ def solve_contact_complementarity(equations: ContactEquations, first: Bools) -> 
         ):
             assert best is not None
             return best
-        # While the number of wrong nodes falls, all of them change; later only the last one.
+        # All wrong nodes change while their number falls. If it has not fallen for
+        # SETS_WITHOUT_PROGRESS sets, only the last wrong node changes.
         if len(wrong) < fewest:
             fewest, spare = len(wrong), SETS_WITHOUT_PROGRESS
         else:
@@ -161,8 +163,8 @@ def _forces_and_motions_of_contact_set(
     """
     A, q, B, C, G, h = equations[:6]
     system = np.block([[A[np.ix_(a, a)], B[a]], [C[:, a], G]])
-    # Forces and motions are measured in units in which the flexibility of a node is about 1. In SI
-    # units the equations of supports lose five digits more.
+    # Forces and motions are scaled to units in which the flexibility of a node is about 1. In SI
+    # units, round-off in equations with supports is 1e5 times larger.
     nodal = 1 / np.sqrt(np.abs(np.diag(A)))
     typical = float(np.median(nodal))
     unknown = np.where(equations.is_force, typical, 1 / typical)
@@ -193,8 +195,9 @@ def contact_forces_of_shoes_in_one_system(
     shoes : the same shoes, for their hinges or abutments and their actuation
     rim : the elastic ring of the drum, or None for a rigid drum
     first : the nodes and the one-sided supports in contact at the start
-    senses : sense (+1, 0, -1) of the friction on the foot of each shoe at its abutment; None: all
-        combinations are tried until every foot stays on its abutment
+    senses : sense (+1, 0, -1) of the friction on the foot of each shoe at its abutment. If None,
+        all combinations are tried in turn until each abutment pushes the foot of its shoe, and the
+        friction there opposes the slide of the foot or holds it
 
     Raises
     ------
@@ -204,7 +207,8 @@ def contact_forces_of_shoes_in_one_system(
         bearing supports holds shoes on anchors.
     """
     failure: NoAnswer | None = None
-    # Each combination of the senses of friction at the abutments is tried in turn.
+    # Each combination of the senses of friction at the abutments is tried in turn, until all feet
+    # are held as it assumes.
     for chosen in (
         product(*(shoe.senses_of_abutment_friction_to_try for shoe in shoes))
         if senses is None
@@ -216,16 +220,21 @@ def contact_forces_of_shoes_in_one_system(
             failure = failure or error
             continue
         if all(
-            _is_foot_on_abutment(brake, *of) for of in zip(faces, shoes, found, chosen, strict=True)
+            _is_abutment_friction_sense_confirmed(brake, *of)
+            for of in zip(faces, shoes, found, chosen, strict=True)
         ):
             return found
     raise failure or NoAnswer("a foot leaves its abutment")
 
 
-def _is_foot_on_abutment(
+def _is_abutment_friction_sense_confirmed(
     brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
 ) -> bool:
-    """Whether the foot of a shoe stays on its abutment with the assumed sense of friction there."""
+    """Whether a solution agrees with the sense of friction assumed at a shoe's abutment.
+
+    The abutment must push the foot of the shoe, and the friction on the foot must oppose its slide
+    or be large enough to hold it.
+    """
     # `drum` is the force of the drum on the lining per unit of normal force, at each node.
     drum = brake.signed_friction_per_pressure(shoe) * one.tangent - one.normal
     reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.force_of_all_loads
@@ -238,8 +247,8 @@ class _ContactMatrices(NamedTuple):
     Attributes
     ----------
     A, q, B, C, h, weight : the shoe's blocks of the matrices of `ContactEquations`
-    normal : (n, 2n) takes the normal component of displacements of the nodes
-    pull : (2n, n) turns normal forces into nodal forces on the lining, friction included
+    normal : (n, 2n) matrix that gives the normal components of the displacements of the nodes
+    pull : (2n, n) matrix that turns normal forces into nodal forces on the lining, with friction
     """
 
     A: Floats
@@ -261,7 +270,7 @@ def _contact_matrices_of_shoe(
     ----------
     one : the shoe, condensed to the face of its lining
     freedoms : rigid-body modes and test modes of the shoe
-    drag : friction at full slip per normal force, along growing theta
+    drag : friction force per normal force at full slip, positive towards growing theta
     """
     m = len(one.theta)
     normal, pull = np.zeros((m, 2 * m)), np.zeros((2 * m, m))
@@ -332,27 +341,30 @@ def _solve_for_abutment_friction_senses(
 def _solve_on_one_sided_supports(
     brake: Brake, places: list[ShoeInEquations], equations: ContactEquations, start: ContactAtStart
 ) -> list[ContactForces]:
-    """The contact forces of each shoe on those one-sided supports that bear.
+    """The contact forces of each shoe, with the one-sided supports that bear found by trial.
 
-    Each choice of bearing supports is tried until none of them pulls and no open support overlaps
-    its shoe; that of an earlier solution comes first. Shoes without such supports have one choice.
+    Sets of bearing supports are tried until no support of the set pulls and no other support
+    overlaps its shoe. The set of an earlier solution is tried first. Shoes without one-sided
+    supports are solved at once.
 
     Parameters
     ----------
     brake : the brake
-    places : the shoes and their places in the equations
+    places : the shoes and the positions of their unknowns in the equations
     equations : the contact equations of the shoes without the forces of one-sided supports
     start : the nodes and the supports in contact at the start
 
     Raises
     ------
     NoAnswer
-        If no choice holds the shoes, or if no contact set solves the equations.
+        If no set of supports holds the shoes, or if no contact set solves the equations.
     """
     first, shoes = np.concatenate(start.nodes), [place.shoe for place in places]
     supports = one_sided_supports_of_shoes(brake, shoes)
     if not supports:
-        return _contact_forces_of_each_shoe(places, solve_contact_complementarity(equations, first))
+        return _split_contact_forces_by_shoe(
+            places, solve_contact_complementarity(equations, first)
+        )
     openings = support_equations(supports, places, brake)
     failure: NoAnswer | None = None
     earlier = tuple(support.name in start.supports for support in supports)
@@ -370,16 +382,16 @@ def _solve_on_one_sided_supports(
         if is_bearing_as_assumed(openings, bearing, found.force, s, y):
             return [
                 one._replace(supports=forces_of_supports_on_shoe(supports, s, i))
-                for i, one in enumerate(_contact_forces_of_each_shoe(places, found))
+                for i, one in enumerate(_split_contact_forces_by_shoe(places, found))
             ]
     names = ", ".join(repr(shoe.name) for shoe in shoes)
     raise failure or NoAnswer(f"{names}: {NOT_HELD_TEXT}")
 
 
-def _contact_forces_of_each_shoe(
+def _split_contact_forces_by_shoe(
     places: list[ShoeInEquations], found: ContactForces
 ) -> list[ContactForces]:
-    """The parts of a solution that belong to each shoe, without the forces of its supports."""
+    """Split a solution into the parts of the shoes, without the forces of one-sided supports."""
     return [
         ContactForces(
             found.force[place.nodes], found.motions[place.modes], found.active[place.nodes]
@@ -388,12 +400,13 @@ def _contact_forces_of_each_shoe(
     ]
 
 
-def tip_displacement_along_force(
+def loaded_point_displacement_along_force(
     brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
 ) -> float:
     """Displacement [m] of the point where the actuation force F > 0 acts, along this force.
 
-    It is the work of F divided by F: the elastic part and the part of the rigid-body motion.
+    It is the work of F divided by F, and has a part due to elastic deformation and a part due to
+    rigid-body motion.
     """
     drum = brake.signed_friction_per_pressure(shoe) * one.tangent - one.normal
     elastic = float(one.loaded @ (found.force[:, None] * drum).ravel()) + one.elastic_actuation_work

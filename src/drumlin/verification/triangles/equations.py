@@ -1,4 +1,4 @@
-"""The contact equations of shoes that are solved together, between nodal forces and gaps."""
+"""The equations between nodal contact forces and gaps of shoes that are solved together."""
 
 from typing import NamedTuple
 
@@ -15,11 +15,13 @@ class ContactEquations(NamedTuple):
     ----------
     A : (n, n) opening of the gaps by nodal forces [m/N]
     q : (n,) gaps without contact forces [m]
-    B : (n, k) change of the gaps by the unknowns y
-    C : (k, n) work of nodal forces on the test modes, and openings of supports by nodal forces
-    G : (k, k) work of the supports' forces on the test modes, and openings of supports by y
-    h : (k,) work of the loads on the test modes, and openings of the supports without y and f, both
-        with opposite signs
+    B : (n, k) change of the gaps per unknown y
+    C : (k, n) work of unit nodal forces in the test modes (virtual rigid-body motions); in the rows
+        of supports, openings of the supports by unit nodal forces
+    G : (k, k) work of the supports' unit forces in the test modes; in the rows of supports,
+        openings of the supports per unknown y
+    h : (k,) minus the work of the loads in the test modes; in the rows of supports, minus the
+        openings of the supports without y and f
     weight : (n,) area of each node [m^2], which scales gaps to forces
     is_force : (k,) whether each unknown y is the force of a support and not a motion
     """

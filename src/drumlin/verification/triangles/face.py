@@ -29,7 +29,7 @@ class MeshedBody(NamedTuple):
     mesh : triangles of the body
     nodes : nodes of these triangles
     K : (m, 2n, 2n) stiffness matrix of each triangle [N/m]
-    surface : numbers of the nodes on the friction surface d = 0, by growing s
+    surface : numbers of the nodes on the friction surface d = 0, in the order of growing s
     degree : polynomial degree of the triangles
     """
 
@@ -62,13 +62,14 @@ class CondensedFace:
         width [m^2]
     compliance : (2n, 2n) displacements of the nodes under unit forces on them [m/N]
     loaded : (2n,) displacements of the nodes under the actuation [m]
-    elastic_actuation_work : work of the actuation on the elastic displacement due to the actuation
-        alone [N m]
+    elastic_actuation_work : work [N m] of the actuation on the elastic displacement that the
+        actuation alone causes
     pushed : (2n, m) displacements of the nodes under a push of 1 N by each of the m one-sided
         supports of the shoe [m/N]
-    push_travel : (m,) displacement of the body at each of these pushes, along it, under all loads
-        and heat [m]
-    push_compliance : (m, m) the same displacements under a push of 1 N by each support [m/N]
+    push_travel : (m,) displacement [m] of the shoe at the point of each of these pushes, along the
+        push, under actuation, other loads and heat, without contact forces
+    push_compliance : (m, m) displacements at the point of each push, along the push, under a push
+        of 1 N by each support [m/N]
     gap : (n,) gap between lining and drum before loading [m], with the growth of a heated shoe
     degree : polynomial degree of the triangles
     unknowns : number of unknowns of the shoe before its condensation
@@ -133,7 +134,8 @@ def _nodal_forces_on_loaded_end(body: MeshedBody, force: Floats, point: Floats) 
     centre of the end add the couple that the force through the point (2,) [m] has about this
     centre.
     """
-    # The edges of triangles on the loaded end of the body behind the lining.
+    # `tri` and `edge` are the edges of triangles on the loaded end of the shoe's body, without the
+    # ends of lining and backing.
     at = body.mesh.at
     assert body.shape.loaded is not None
     on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (
@@ -174,7 +176,7 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
     compliance = lagrange.condense_body_to_kept_nodes(
-        body.K, nodes, np.repeat(_are_nodes_fixed(body), 2), kept, loads
+        body.K, nodes, np.repeat(_mark_fixed_nodes_of_shoe(body), 2), kept, loads
     )
     er = np.stack([np.cos(theta), np.sin(theta)], axis=1)
     normal = shoe.sign * er
@@ -200,7 +202,8 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
 def _nodal_forces_of_unit_pushes(brake: Brake, shoe: Shoe, body: MeshedBody) -> list[Floats]:
     """Nodal forces (2N,) [N] of a push of 1 N by each one-sided support of a shoe.
 
-    They are 0 for a push on the rigid frame at the held end.
+    The forces are 0 if a support pushes at the fixed end of the shoe, which belongs to the rigid
+    frame.
     """
     loads = []
     for push in pushes_of_one_sided_supports_on_shoe(brake, shoe.name):
@@ -211,11 +214,11 @@ def _nodal_forces_of_unit_pushes(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
     return loads
 
 
-def _are_nodes_fixed(body: MeshedBody) -> Bools:
-    """Whether each node (N,) of a shoe is fixed.
+def _mark_fixed_nodes_of_shoe(body: MeshedBody) -> Bools:
+    """Mark the fixed nodes of a shoe, as a mask (N,).
 
-    A shoe without a hinged end is fixed at its back, or at the part of its back in a grip. Other
-    shoes are fixed at the hinged end of their body.
+    A shoe with a hinged end is fixed at this end of its body. Any other shoe is fixed at its back,
+    or at the part of its back that a holder grips.
     """
     shape, at = body.shape, body.nodes.at
     if shape.held is not None:
@@ -230,7 +233,7 @@ def _are_nodes_fixed(body: MeshedBody) -> Bools:
 
 
 def _mass_matrix_of_face(body: MeshedBody, kept: Ints, width: float) -> Floats:
-    """The mass matrix (n, n) [m^2] of a lining's face, which turns nodal forces into a pressure.
+    """The mass matrix M (n, n) [m^2] of a lining's face: M p are the nodal forces of a pressure p.
 
     Parameters
     ----------

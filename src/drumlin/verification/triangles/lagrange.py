@@ -28,7 +28,7 @@ from drumlin.verification.triangles.triangulation import (
 LEAF_TRIANGLES = 8
 """Number of triangles up to which a part of the mesh is eliminated without being halved again.
 
-Smaller parts need more calls, larger parts need more arithmetic."""
+With a smaller number there are more calls of LAPACK, with a larger one there is more arithmetic."""
 
 
 @cache
@@ -42,8 +42,8 @@ def lobatto_points_on_unit_interval(degree: int) -> Floats:
 def nodes_of_reference_triangle(degree: int) -> Floats:
     """Barycentric coordinates (n, 3) of the nodes of a triangle.
 
-    The nodes of the corners 0, 1, 2 come first, then those of the edges 01, 12, 20, each from its
-    first to its second corner, then those inside the triangle.
+    The corners 0, 1, 2 come first, then the nodes on the edges 01, 12, 20, in the sense from the
+    first to the second corner of the edge, then the nodes inside the triangle.
     """
     x = lobatto_points_on_unit_interval(degree)[1:-1]
     zero = 0 * x
@@ -52,7 +52,8 @@ def nodes_of_reference_triangle(degree: int) -> Floats:
         np.stack([zero, 1 - x, x], 1),
         np.stack([x, zero, 1 - x], 1),
     ]
-    # The nodes inside come from three Gauss-Lobatto points, scaled so that their sum is 1.
+    # The barycentric coordinates of an inner node are proportional to the Gauss-Lobatto points
+    # number i, j and k on [0, 1], with i + j + k = degree, and have the sum 1.
     full = lobatto_points_on_unit_interval(degree)
     inside = []
     for i in range(1, degree):
@@ -68,7 +69,7 @@ def _legendre_products_and_slopes(
     """Products P_i(x) P_j(y) of Legendre polynomials with i + j <= degree, and their derivatives.
 
     Returned are three arrays (n, points): the n products, their derivatives by x, and by y. The
-    polynomials are those on [0, 1].
+    polynomials are the shifted Legendre polynomials on [0, 1].
     """
     of_x, slope_of_x = _legendre_polynomials_and_slopes(degree, x)
     of_y, slope_of_y = _legendre_polynomials_and_slopes(degree, y)
@@ -113,8 +114,8 @@ class Nodes:
     Attributes
     ----------
     of : (m, n) numbers of the nodes of each triangle
-    at : (N, 2) coordinates s and d of each node; where a closed ring begins and ends, s is that
-        of one of the two sides
+    at : (N, 2) coordinates s and d of each node; at a node where the grid of a closed ring begins
+        and ends, s is one of its two values
     xy : (N, 2) positions of the nodes [m]
     """
 
@@ -130,7 +131,8 @@ def nodes_of_triangle_mesh_of_given_degree(mesh: Triangles, place: PointMap, deg
     inner = degree - 1
     m = len(mesh.vertices)
     parts = [mesh.vertices]
-    # Two triangles number the nodes of their common edge from its end with the smaller number.
+    # The nodes on an edge are numbered from its end with the smaller number, so that both triangles
+    # at the edge give its nodes the same numbers.
     for e in range(3):
         first, last = mesh.vertices[:, e], mesh.vertices[:, (e + 1) % 3]
         along = np.where((first < last)[:, None], np.arange(inner), np.arange(inner)[::-1])
@@ -168,7 +170,8 @@ def triangle_stiffness_matrices(
         inverse = np.stack([J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]], -1).reshape(
             J.shape
         )
-        # The gradients of the shape functions: G[m, n, c, q] = d psi_n / d x_c.
+        # G[m, n, c, q] is the derivative of shape function n by coordinate c, in triangle m at
+        # quadrature point q.
         G = np.einsum("ndq,mqdc->mncq", slopes, inverse / det[..., None, None])
         lam, mu = matrices[mesh.layer[part]][:, [0, 2], [1, 2]].T
         H = np.einsum("mncq,mq,mkdq->mnckd", G, np.abs(det) * weights, G, optimize=True)
@@ -223,11 +226,11 @@ def _stiffness_matrices_of_orthotropic_triangles(
 def nodal_forces_of_heated_triangles(
     mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int
 ) -> Floats:
-    """Nodal forces (2 nodes,) [N] that deform triangles as the free strains of their layers do.
+    """Nodal forces (2N,) [N] that deform unloaded triangles by the free strains of heated layers.
 
     The forces are the integral of B^T Q^T D eps_0 (Cook et al., Concepts and Applications of Finite
-    Element Analysis, section 8.2), with the free strains eps_0 in the directions of the layer. They
-    are linear from the near to the far face of the layer.
+    Element Analysis, section 8.2), with the free strains eps_0 in the directions of the layer. The
+    free strains are linear from the near to the far face of the layer. N is the number of nodes.
     """
     values, slopes, weights = triangle_shape_functions(degree)
     forces = np.zeros_like(nodes.xy)
@@ -247,7 +250,8 @@ def nodal_forces_of_heated_triangles(
         strains = np.concatenate([strains, np.zeros_like(strains[:1])])
         along, across, shear = np.einsum("ij,jmq->imq", layer.elastic.stiffness, strains)
         c, s = layer.elastic.directions(points)
-        # Cauchy's stress in x and y from the stress in the directions of the layer.
+        # The stress is transformed from the directions of the layer into the components xx, yy and
+        # xy.
         xx = c * c * along + s * s * across - 2 * c * s * shear
         yy = s * s * along + c * c * across + 2 * c * s * shear
         xy = c * s * (along - across) + (c * c - s * s) * shear
@@ -258,13 +262,13 @@ def nodal_forces_of_heated_triangles(
 
 @dataclass(frozen=True)
 class Compliance:
-    """A body, statically condensed to n kept nodes.
+    """The compliance of a body that is statically condensed to n kept nodes.
 
     Attributes
     ----------
     of : (2n, 2n) displacements of the kept nodes under unit forces on them [m/N]
-    loaded : (2n, l) displacements of the kept nodes under l further loads on the body [m]
-    work : (l, l) work of each of these loads on the displacements due to each of them [N m]
+    loaded : (2n, l) displacements of the kept nodes under each of l loads on the body [m]
+    work : (l, l) work of each of the l loads on the displacements due to each of the l loads [N m]
     """
 
     of: Floats
@@ -277,11 +281,11 @@ class PartialSchurComplement(NamedTuple):
 
     Attributes
     ----------
-    dofs : (k,) numbers of these unknowns, in growing order. They stay unknowns to the end, or are
-        shared with parts that are not added yet.
-    triangles : (k,) number of triangles of the part at each of these unknowns
+    dofs : (k,) numbers of the remaining unknowns, in growing order. An unknown remains because it
+        belongs to a kept node or to triangles of parts that are not added yet.
+    triangles : (k,) number of triangles of the part around each remaining unknown
     K : (k, k) stiffness [N/m]
-    loads : (k, l) l loads on these unknowns [N]
+    loads : (k, l) l loads on the remaining unknowns [N]
     work : (l, l) work of the loads on the eliminated unknowns [N m]
     """
 
@@ -319,9 +323,9 @@ def condense_body_to_kept_nodes(
 ) -> Compliance:
     """Condense a body statically to the nodes `kept`; returns their compliance.
 
-    The set of triangles is halved across its longer side, and its halves again. The parts are
-    assembled in the reverse order. An unknown is eliminated, by dense Cholesky factors, as soon as
-    all of its triangles are assembled.
+    The set of triangles is cut into halves across its longer side, and the halves are cut again.
+    The parts are then assembled in the reverse order. An unknown is eliminated, by dense Cholesky
+    factors, as soon as all triangles around it are assembled.
 
     Parameters
     ----------
@@ -345,7 +349,7 @@ def condense_body_to_kept_nodes(
     whole = _schur_complement_of_triangles(
         _BodyToCondense(K, dofs, centres, held, triangles, loads), np.arange(len(centres))
     )
-    # The unknowns that are left are the kept ones, in growing order.
+    # Only the unknowns of the kept nodes are left, in growing order.
     at = np.searchsorted(whole.dofs, kept_dofs)
     S, f = whole.K[np.ix_(at, at)], whole.loads[at] + loads[kept_dofs]
     compliance = inv(0.5 * (S + S.T))
@@ -373,7 +377,7 @@ def _schur_complement_of_triangles(body: _BodyToCondense, members: Ints) -> Part
 
 
 def _triangle_as_part_of_body(body: _BodyToCondense, triangle: int) -> PartialSchurComplement:
-    """One triangle as a part of the body, without its fixed unknowns and without loads."""
+    """The stiffness of one triangle as a part of a body, without fixed unknowns and loads."""
     dofs = body.dofs[triangle]
     on = ~body.held[dofs]
     count, columns = int(on.sum()), body.loads.shape[1]

@@ -1,4 +1,4 @@
-"""Solves a brake on a sequence of finer and finer meshes of curved triangles."""
+"""Solve a brake on a sequence of finer and finer meshes of curved triangles."""
 
 import math
 from collections.abc import Sequence
@@ -40,19 +40,23 @@ from drumlin.verification.triangles.ring import (
     condense_ring_to_lining_nodes,
     mesh_drum_ring_to_match_shoe_meshes,
 )
-from drumlin.verification.triangles.shared import solve_shoes_that_share_forces
+from drumlin.verification.triangles.shared import solve_shoes_with_cam_or_strut_forces
 from drumlin.verification.triangles.solution import ShoeSolution, solution_from_contact_forces
 
 MOST_HALVINGS_AT_CONTACT_ENDS = 13
 """Largest number of times that triangles are halved towards an end of the contact.
 
-The pressure p is small there, so that smaller triangles change nothing. The number also holds at a
-kink of the gap that does not point to the drum."""
+The pressure p is small at an end of the contact, so that smaller triangles change nothing. The
+number also holds at a kink of the gap that does not point to the drum."""
 END_SLACK = 1e-9
 """Distance from an end of the lining, relative to the lining's length, within which a kink or an
 end of the contact counts as lying at the end of the lining."""
 NARROWEST_CONTACT = 1e-4
-"""Width of a contact, relative to `Outline.least`, below which its triangles become no smaller."""
+"""Length of a contact below which the triangles at its ends become no smaller.
+
+The length is relative to `Outline.triangle_length_before_first_halving`. In an even shorter contact
+the triangles are as small as in a contact of this length.
+"""
 
 CONTACT_FINDING_LEVEL = TriangleLevel(3, 8, 1.4, 1.0)
 """Degree and grading of the coarse meshes on which the ends of the contact are found."""
@@ -63,8 +67,8 @@ Each of these meshes is graded to the ends of the contact in the solution before
 FIRST_FRICTION_FRACTIONS = (0.0, 0.5)
 """Fractions of the coefficient of friction for which the brake is solved first.
 
-With much friction a brake may have several solutions. The right one is that which is reached when
-the friction grows from zero.
+With much friction a brake may have several solutions. The right one is the solution that the brake
+reaches as the friction grows from zero.
 """
 SETTLED_ENDS = 2e-3
 """Movement of the ends of a contact between two solutions, relative to the contact's length, below
@@ -81,7 +85,8 @@ def indices_of_shoes_pressed_on_drum(brake: Brake) -> list[int]:
     """Numbers of the shoes that the actuation presses on the drum.
 
     A shoe on a hinge is pressed on the drum if the moment of its actuation closes the gap at some
-    angle. Shoes on other supports, and shoes that share forces, always count as pressed.
+    angle. Shoes on other supports, and all shoes of a brake with a cam or struts, always count as
+    pressed.
     """
     found = []
     for i, shoe in enumerate(brake.shoes):
@@ -98,7 +103,7 @@ def indices_of_shoes_pressed_on_drum(brake: Brake) -> list[int]:
 
 
 def _shortest_wavelength_of_drum(brake: Brake) -> float:
-    """Shortest wavelength [m] of the drum's out-of-roundness; of a round drum the circumference."""
+    """Shortest wavelength [m] of the drum's out-of-roundness; its circumference if it is round."""
     highest = max(
         (part.order for part in brake.out_of_round_harmonics if part.amplitude), default=0
     )
@@ -114,18 +119,19 @@ def solve_brake_on_one_triangle_mesh(
     ----------
     brake : the brake
     level : degree and grading of the triangles
-    before : an earlier solution of each shoe; the triangles are graded to the ends of its contact.
-        None: the solver starts with the whole lining in contact
+    before : an earlier solution of each shoe, to the ends of whose contact the triangles are
+        graded; if None, the solver starts with the whole lining in contact
 
     Raises
     ------
     BadInput
-        If triangles cannot mesh the brake, or for a ring that is not plain.
+        If triangles cannot mesh the brake, or if the drum's ring is neither fixed nor free at its
+        rim.
     NoAnswer
         If a shoe does not touch the drum or no contact set solves the equations.
     """
     refusal = reason_if_ring_support_is_not_plain(brake, "the verification by triangles")
-    shared = _are_forces_shared(brake)
+    shared = _are_forces_set_by_cam_or_strut(brake)
     if refusal is None and shared:
         refusal = reason_if_shoe_has_further_loads(brake, "a cam or strut on triangles")
     if refusal is not None:
@@ -137,13 +143,14 @@ def solve_brake_on_one_triangle_mesh(
         raise NoAnswer("a shoe that is not turned towards the drum")
     earlier = [None] * len(shoes) if before is None else list(before)
     drafts = [
-        _draft_graded_to_corners_and_contact_ends(brake, shoe, its, level)
+        _mesh_shoe_graded_to_corners_and_contact_ends(brake, shoe, its, level)
         for shoe, its in zip(shoes, earlier, strict=True)
     ]
     meshes, ring = [one.mesh for one in drafts], None
     if brake.ring is not None:
         meshes, ring = mesh_drum_ring_to_match_shoe_meshes(brake, drafts, level)
-    # Shoes that share forces are condensed under a unit force, which is scaled later.
+    # Shoes whose forces come from a cam or a strut are condensed under a force of 1 N, which is
+    # scaled later.
     faces = [
         condense_shoe_to_lining_face(
             brake,
@@ -153,7 +160,7 @@ def solve_brake_on_one_triangle_mesh(
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
     nodes = [
-        _is_node_in_contact_at_start(one, its) for one, its in zip(faces, earlier, strict=True)
+        _mark_nodes_in_contact_at_start(one, its) for one, its in zip(faces, earlier, strict=True)
     ]
     bore = {force.name for its in before or () for force in its.supports if force.push.force > 0}
     first = ContactAtStart(nodes, frozenset(bore))
@@ -164,7 +171,7 @@ def solve_brake_on_one_triangle_mesh(
     ]
 
 
-def _draft_graded_to_corners_and_contact_ends(
+def _mesh_shoe_graded_to_corners_and_contact_ends(
     brake: Brake, shoe: Shoe, before: ShoeSolution | None, level: TriangleLevel
 ) -> Draft:
     """The mesh of a shoe, graded to its corners and to the ends of its contact.
@@ -173,7 +180,7 @@ def _draft_graded_to_corners_and_contact_ends(
     ----------
     brake : the brake
     shoe : the shoe
-    before : an earlier solution of the shoe, for the ends of its contact
+    before : an earlier solution of the shoe, which gives the ends of its contact, or None
     level : degree and grading of the triangles
     """
     shape = make_shoe_outline(shoe, brake.size)
@@ -194,14 +201,15 @@ def _contact_forces_of_condensed_shoes(
     first : the nodes and the one-sided supports in contact at the start
     """
     shoes = list(brake.shoes)
-    if _are_forces_shared(brake):
+    if _are_forces_set_by_cam_or_strut(brake):
         if ring is not None:
             raise BadInput(f"{brake.shares}, on an elastic ring")
-        return solve_shoes_that_share_forces(brake, faces, first)
+        return solve_shoes_with_cam_or_strut_forces(brake, faces, first)
     if ring is not None:
         rim = condense_ring_to_lining_nodes(brake, ring, faces)
         return shoes, contact_forces_of_shoes_in_one_system(brake, faces, shoes, rim, first)
-    # On a rigid drum each shoe is solved by itself, or with the shoe at the other end of its strut.
+    # On a rigid drum each shoe is solved by itself, except that shoes on anchors with a strut
+    # between them are solved together.
     found: dict[int, ContactForces] = {}
     on_anchors = groups_of_shoes_on_anchors(brake)
     alone = [(i,) for i, shoe in enumerate(shoes) if not shoe.anchors]
@@ -211,16 +219,16 @@ def _contact_forces_of_condensed_shoes(
             [faces[i] for i in members],
             [shoes[i] for i in members],
             None,
-            first.of_shoes(members),
+            first.contact_at_start_of_shoes(members),
         )
         found |= dict(zip(members, its, strict=True))
     return shoes, [found[i] for i in range(len(shoes))]
 
 
-def _are_forces_shared(brake: Brake) -> bool:
+def _are_forces_set_by_cam_or_strut(brake: Brake) -> bool:
     """Whether a cam or a strut gives the shoes their actuation forces.
 
-    A strut between shoes on anchors gives none: it is a support of both.
+    A strut between shoes on anchors does not count: it is a one-sided support of both shoes.
     """
     return brake.shares is not None and not any(shoe.anchors for shoe in brake.shoes)
 
@@ -228,7 +236,7 @@ def _are_forces_shared(brake: Brake) -> bool:
 def _gap_kinks_and_contact_ends(
     shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel
 ) -> SingularPlaces:
-    """The places on a lining's face where p is not smooth, with the triangles' lengths there.
+    """Places on a lining's face where p is not smooth, and lengths of the triangles there.
 
     These places are the kinks of the gap and the ends of the contact inside the lining. Shorter
     contacts get shorter triangles at their ends.
@@ -238,7 +246,7 @@ def _gap_kinks_and_contact_ends(
         {angle for angle, _ in clearance.gap_kinks_that_point_to_drum(shoe.lining)},
     )
     most = min(MOST_HALVINGS_AT_CONTACT_ENDS, level.halvings)
-    # Under a tip of the lining that points to the drum p has no bound: triangles are smaller.
+    # At a kink of the gap that points to the drum p grows without bound, and triangles are smaller.
     beyond = 0.5 ** (level.halvings - most)
     places = [
         (angle, shape.triangle_length_before_first_halving * (beyond if angle in tips else 1.0))
@@ -262,10 +270,10 @@ def _gap_kinks_and_contact_ends(
     return SingularPlaces((angle - shape.origin) * shape.turn, length * 0.5**most)
 
 
-def _is_node_in_contact_at_start(one: CondensedFace, before: ShoeSolution | None) -> Bools:
-    """Whether each node (n,) of a lining's face is in contact when the contact solver starts.
+def _mark_nodes_in_contact_at_start(one: CondensedFace, before: ShoeSolution | None) -> Bools:
+    """Mark the nodes (n,) of a lining's face that are in contact when the contact solver starts.
 
-    The nodes in contact are those of the earlier solution `before`, or all nodes if it is None.
+    These are the nodes in contact in the earlier solution `before`, or all nodes if it is None.
     """
     if before is None:
         return np.ones(len(one.theta), dtype=bool)
@@ -278,15 +286,16 @@ def solve_on_triangle_level_sequence(
 ) -> list[list[ShoeSolution]]:
     """Solve a brake on a sequence of meshes; returns for each mesh the solutions of all shoes.
 
-    Every mesh is graded to the ends of the contact that the mesh before has found. Coarse meshes of
-    CONTACT_FINDING_LEVEL come first, until these ends settle. They begin with the fractions
-    FIRST_FRICTION_FRACTIONS of the coefficient of friction: with much friction a brake may have
-    several solutions, and the one sought is reached when friction grows from zero.
+    Every mesh is graded to the ends of the contact in the solution on the mesh before. Coarse
+    meshes of CONTACT_FINDING_LEVEL are solved first, until the ends of the contact settle. The
+    first of these solutions have the fractions FIRST_FRICTION_FRACTIONS of the coefficient of
+    friction: with much friction a brake may have several solutions, and the right one is reached as
+    friction grows from zero.
 
     Raises BadInput if triangles cannot mesh the brake, and NoAnswer if the brake has no solution.
     """
     before = None
-    # A failed solution at lower friction only means a worse start.
+    # If the solution at lower friction fails, the solver only starts from a worse contact set.
     for part in FIRST_FRICTION_FRACTIONS:
         with suppress(NoAnswer):
             before = solve_brake_on_one_triangle_mesh(

@@ -1,8 +1,9 @@
 """One-sided supports in the contact equations: anchors, abutments and struts that only push.
 
 A support with the force s opens by v = v_0 + D f + E s + V y under nodal contact forces f and in
-rigid-body motions y. A support that bears has v = 0, an open one s = 0. The forces of the supports
-that bear are further unknowns beside the motions, and their openings further equations.
+rigid-body motions y. A support that bears has the opening v = 0, and an open support the force s =
+0. Each support that bears adds an unknown, its force, and an equation, v = 0, to the contact
+equations.
 """
 
 from typing import NamedTuple
@@ -29,12 +30,12 @@ class SupportEquations(NamedTuple):
 
     Attributes
     ----------
-    supports : the supports, with the positions of their shoes among these shoes
-    opening : (m,) v_0, by clearances, loads and heat [m]
-    by_contact : (m, n) D, opening by nodal contact forces [m/N]
-    by_force : (m, m) E, opening by the forces of the supports [m/N]
-    by_motion : (m, k) V, opening by the rigid-body modes
-    gap : (n, m) opening of the gaps at the nodes by the forces of the supports [m/N]
+    supports : the supports; they name shoes by positions in the list of the given shoes
+    opening : (m,) v_0, openings due to clearances, loads and heat [m]
+    by_contact : (m, n) D, openings of the supports per nodal contact force [m/N]
+    by_force : (m, m) E, openings of the supports per force of a support [m/N]
+    by_motion : (m, k) V, openings of the supports per unit of a rigid-body mode
+    gap : (n, m) openings of the gaps at the nodes per force of a support [m/N]
     sizes : (k,) amount of each mode that displaces points of the brake by about 1 m
     """
 
@@ -48,7 +49,7 @@ class SupportEquations(NamedTuple):
 
 
 def one_sided_supports_of_shoes(brake: Brake, shoes: list[Shoe]) -> tuple[OneSidedSupport, ...]:
-    """The one-sided supports of some shoes of a brake, with the positions of these shoes."""
+    """The one-sided supports of some of a brake's shoes; they name shoes by position in `shoes`."""
     names, found = [shoe.name for shoe in shoes], []
     for support in one_sided_supports_of_brake(brake):
         ends = [brake.shoes[side.shoe].name for side in support.sides]
@@ -67,9 +68,9 @@ class ShoeInEquations(NamedTuple):
     Attributes
     ----------
     shoe, face : the shoe, and the shoe condensed to the face of its lining
-    normal : (n, 2n) takes the normal component of displacements of its n nodes
-    pull : (2n, n) turns normal forces into nodal forces on the lining, friction included
-    nodes, modes : places of its nodes and of its rigid-body modes
+    normal : (n, 2n) matrix that gives the normal components of the displacements of the n nodes
+    pull : (2n, n) matrix that turns normal forces into nodal forces on the lining, with friction
+    nodes, modes : positions of its nodes and of its rigid-body modes in the equations of all shoes
     """
 
     shoe: Shoe
@@ -83,14 +84,15 @@ class ShoeInEquations(NamedTuple):
 def support_equations(
     supports: tuple[OneSidedSupport, ...], shoes: list[ShoeInEquations], brake: Brake
 ) -> SupportEquations:
-    """The openings of the one-sided supports of shoes on a brake."""
+    """The equations for the openings of the one-sided supports of a brake's shoes."""
     m, n, k = len(supports), shoes[-1].nodes.stop, shoes[-1].modes.stop
     opening = np.array([support.clearance for support in supports])
     by_contact, gap = np.zeros((m, n)), np.zeros((n, m))
     by_force, by_motion = np.zeros((m, m)), np.zeros((m, k))
     for i, one in enumerate(shoes):
         face = one.face
-        # The columns of the face are the supports that push this shoe, in the same order.
+        # The columns of `face.pushed` belong to the supports that push this shoe, in the order of
+        # `own`.
         own = [
             (j, side.push)
             for j, support in enumerate(supports)
@@ -118,8 +120,8 @@ def equations_on_bearing_supports(
 ) -> ContactEquations | None:
     """The contact equations with the forces of the supports that bear as further unknowns.
 
-    The result is None if these supports are redundant, or leave a motion free that the linings do
-    not resist.
+    The result is None if the supports that bear are statically redundant, or if they leave a motion
+    free that the linings do not resist.
     """
     A, q, B, C, _, h, weight, is_force = equations
     on = np.flatnonzero(bearing)
@@ -145,7 +147,7 @@ def equations_on_bearing_supports(
 def is_bearing_as_assumed(
     supports: SupportEquations, bearing: Bearing, f: Floats, s: Floats, y: Floats
 ) -> bool:
-    """Whether no support that bears pulls, and no open support overlaps its shoe.
+    """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.
 
     Parameters
     ----------

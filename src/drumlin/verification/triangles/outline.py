@@ -1,4 +1,4 @@
-"""The outlines of shoes as layered bodies, and the meshes of triangles that fill them."""
+"""Outlines of shoes as layered bodies, and meshes of triangles that fill the outlines."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -36,8 +36,8 @@ class TriangleLevel(NamedTuple):
     ----------
     degree : polynomial degree of the triangles
     halvings : number of times that the triangles are halved towards each corner
-    steep : largest length of a triangle, relative to its distance from the nearest corner
-    size : factor on the lengths of triangles far from all corners
+    steep : largest length of a triangle near a corner, relative to its distance from the corner
+    size : factor on the lengths of all triangles before they are halved
     """
 
     degree: int
@@ -52,7 +52,7 @@ class SingularPlaces(NamedTuple):
     Attributes
     ----------
     s : (k,) coordinate of each place along the lining's face
-    smallest : (k,) length of the smallest triangles at each place [m]
+    smallest : (k,) length of the smallest triangle at each place [m]
     """
 
     s: Floats
@@ -70,14 +70,15 @@ class Outline:
     place : function that returns the points [m] in the brake's frame for given s and d
     layers : the layers, beginning at the lining's face
     thickness : (layers,) thickness of each layer [m]
-    s : the ends of all layers, growing
+    s : coordinates s of the ends of all layers, growing
     corners : (k, 2) s and d of the points to which triangles are graded
-    held : s of the end face at the hinge, which is fixed, or None if the back of the body is fixed
+    held : s of the end face at the hinge, which is fixed; None if the back of the body is fixed
+        instead
     loaded : s of the end face on which the actuation force acts, or None
-    origin, turn : a point s of the lining's face lies at theta = origin + turn s; turn is 1 or -1
+    origin, turn : the point s of the lining's face is at theta = origin + turn s; turn is 1 or -1
     length : length along the body per unit of s [m]
     grip : first and last s of the fixed part of the back, or None if the whole back is fixed
-    plates : number of layers of the shoe's body, behind lining and backing
+    plates : number of layers (plates) of the shoe's body, which lies behind lining and backing
     """
 
     place: PointMap
@@ -95,7 +96,7 @@ class Outline:
 
     @property
     def first_layer_of_body(self) -> int:
-        """The coordinate d at which the shoe's body begins, behind lining and backing."""
+        """Number of the first layer of the shoe's body; the body begins at this coordinate d."""
         return len(self.layers) - self.plates
 
     @property
@@ -126,8 +127,8 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     if body is not None:
         s += [body.start, body.end]
         depths = range(before_body, len(layers) + 1)
-        corners += _points_at_all_pairs((body.start, body.end), depths)
-        grip = _grip_of_arc_shoe(shoe, R)
+        corners += _points_at_all_pairs_of_coordinates((body.start, body.end), depths)
+        grip = _angles_of_gripped_part_of_arc_shoe(shoe, R)
         if grip is None:
             held, loaded = sorted(
                 (body.start, body.end), key=lambda end: abs(float(shoe.frame.phi(np.array(end))))
@@ -151,13 +152,15 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     )
 
 
-def _points_at_all_pairs(s: Iterable[float], d: Iterable[int]) -> list[tuple[float, float]]:
+def _points_at_all_pairs_of_coordinates(
+    s: Iterable[float], d: Iterable[int]
+) -> list[tuple[float, float]]:
     """The points (s, d) of every given s with every given d, in the coordinates of an outline."""
     return [(along, float(across)) for along, across in product(s, d)]
 
 
 def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
-    """The layers of a shoe on an arc from the lining's face on, and the thickness of each [m].
+    """The layers of a shoe on an arc, counted from the lining's face, and their thicknesses [m].
 
     Lining and backing come first, then the plates of the shoe's body; s is the angle theta.
     """
@@ -166,7 +169,7 @@ def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
     heated = {layer.key: layer for layer in heated_layers_of_shoe(shoe)}
 
     def free_strains(key: str, part_thickness: float) -> Floats | None:
-        """Free strains (2, 2) of the next layer, at both of its faces; None without heat."""
+        """Free strains (2, 2) of a layer, at its near and its far face; None without heat."""
         near = sum(thickness)
         faces = np.array([near, near + part_thickness])
         return np.array(heated[key].free_strains_at_depths(faces)) if key in heated else None
@@ -187,7 +190,7 @@ def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
     return layers, thickness
 
 
-def _grip_of_arc_shoe(shoe: Shoe, R: float) -> tuple[float, float] | None:
+def _angles_of_gripped_part_of_arc_shoe(shoe: Shoe, R: float) -> tuple[float, float] | None:
     """The first and last angle [rad] of the part of a shoe's back that a holder fixes, or None.
 
     The actuation force acts on the holder.
@@ -206,7 +209,7 @@ def _point_map_of_arc_shoe(shoe: Shoe, R: float, thickness: Sequence[float]) -> 
     ----------
     shoe : the shoe
     R : radius of the drum [m]
-    thickness : thickness of each layer, from the lining's face on [m]
+    thickness : thickness of each layer [m], in the order from the lining's face to the back
     """
     depths = np.concatenate([[0.0], np.cumsum(thickness)])
 
@@ -224,8 +227,8 @@ class _BeamShoeDimensions(NamedTuple):
     Attributes
     ----------
     axis : axis of the beam
-    first, last : ends of lining and block, in the coordinate s
-    low, high : ends of the beam, in the coordinate s
+    first, last : coordinates s of the ends of the lining and of the block that carries it
+    low, high : coordinates s of the ends of the beam
     back : radius of the lining's back [m]
     lining, beam : thickness of the lining and of the beam [m]
     """
@@ -241,12 +244,12 @@ class _BeamShoeDimensions(NamedTuple):
 
     @property
     def distance_of_beam_face_from_axis(self) -> float:
-        """Distance of the beam's face before the block from the beam's axis [m]."""
+        """Distance from the beam's axis to the face of the beam that carries the block [m]."""
         return self.beam / 2
 
     @property
     def smallest_block_thickness(self) -> float:
-        """Smallest thickness of the block [m]."""
+        """Smallest thickness [m] of the block between lining and beam."""
         nearest = min(math.cos(self.first), math.cos(self.last))
         return self.axis.distance - self.distance_of_beam_face_from_axis - self.back * nearest
 
@@ -254,8 +257,9 @@ class _BeamShoeDimensions(NamedTuple):
 def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
     """The outline of a straight beam that carries its lining on a rectangular block.
 
-    The coordinate s is the angle of a point on the lining's back, seen from the drum's centre.
-    On the beam's ends beside the block, s grows in proportion to the length along the beam.
+    The coordinate s is the angle of a point on the lining's back, seen from the drum's centre. On
+    the ends of the beam, which project beyond the block, s grows in proportion to the length along
+    the beam.
     """
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     assert isinstance(body, Beam)
@@ -309,7 +313,7 @@ def _dimensions_of_beam_shoe(shoe: Shoe, R: float, section: Section) -> _BeamSho
 
 
 def _point_map_of_beam_shoe(size: _BeamShoeDimensions, R: float) -> PointMap:
-    """The function from s and d to points of a shoe with a straight beam; R is the drum's [m]."""
+    """The function from coordinates (s, d) to points of a beam shoe, with drum radius R [m]."""
     axis = size.axis
 
     def points_of_beam_shoe(s: Floats, d: Floats) -> Floats:
@@ -327,7 +331,7 @@ def _point_map_of_beam_shoe(size: _BeamShoeDimensions, R: float) -> PointMap:
 
 
 def _sorted_distinct_values(values: Sequence[float]) -> Floats:
-    """The values in growing order; of values that differ by less than 1e-9 only the first."""
+    """The values in growing order; of values that differ by less than 1e-9 only the smallest."""
     grown = np.unique(values)
     return grown[np.append(True, np.diff(grown) > 1e-9)]
 
@@ -335,19 +339,20 @@ def _sorted_distinct_values(values: Sequence[float]) -> Floats:
 def initial_grid_lines_of_body(
     shape: Outline, size: float, wavelength: float, points: Sequence[float]
 ) -> tuple[Floats, list[Floats]]:
-    """The grid lines of a body's first mesh: their s, and for each layer their d.
+    """Coordinates of the grid lines of a body's first mesh: s along it, and d in each layer.
 
-    Each cell of this grid becomes two triangles. The cells are nearly square at the corners of the
-    body and at the places `points`, and slender elsewhere.
+    Each cell of the grid becomes two triangles. The cells are nearly square at the corners of the
+    body and at the places `points`, and longer along the body elsewhere.
 
     Parameters
     ----------
     shape : outline of the body
     size : factor on the lengths of all cells
-    wavelength : shortest wavelength of the gap [m]
-    points : s of places on the face where the pressure is not smooth
+    wavelength : shortest wavelength [m] of the gap of an out-of-round drum
+    points : coordinates s of places on the lining's face where the pressure is not smooth
     """
-    # The cells are smallest at the ends of the lining and at the points, and largest far from them.
+    # The cells are smallest, `least` [m], at the ends of the lining and at `points`, and largest,
+    # `most`, far from them.
     face = shape.layers[0]
     arc = (face.end - face.start) * shape.length
     thinnest = float(
@@ -366,7 +371,8 @@ def initial_grid_lines_of_body(
 
     def grid_step_along_body(s: float) -> float:
         """The distance in s between two grid lines near s."""
-        # Around each dense point the distance grows by half of the length from the point.
+        # The spacing of the grid lines grows with the distance from the points of `dense`, by half
+        # of this distance.
         growing = near + 0.5 * shape.length * np.abs(dense - s)
         return min(most, float(growing.min())) / shape.length
 
@@ -375,7 +381,7 @@ def initial_grid_lines_of_body(
 
 
 def _grid_lines_across_layers(shape: Outline, size: float, least: float) -> list[Floats]:
-    """The d of the grid lines of a body's first mesh, for each layer.
+    """The coordinates d of the grid lines of a body's first mesh, for each layer.
 
     Parameters
     ----------
@@ -388,7 +394,7 @@ def _grid_lines_across_layers(shape: Outline, size: float, least: float) -> list
         coarsest = t * (1.0 if j == 0 else 0.5) * min(1.0, 1.25 * size)
 
         def grid_step_across_layer(x: float, t: float = t, coarsest: float = coarsest) -> float:
-            """The distance of two grid lines at the relative depth x of a layer, relative to t."""
+            """Distance of grid lines, divided by the layer's thickness t, at the depth x t."""
             return min(coarsest / t, least / t + min(x, 1 - x))
 
         across = coordinates_with_position_dependent_spacing(
@@ -399,12 +405,12 @@ def _grid_lines_across_layers(shape: Outline, size: float, least: float) -> list
 
 
 class Draft(NamedTuple):
-    """A shoe's mesh of triangles with its corners only, before nodes on edges and inside are added.
+    """A shoe's mesh of triangles with corners only, before nodes on edges and inside are added.
 
     Attributes
     ----------
     shape : outline of the shoe
-    s : grid lines along the shoe from which the mesh was made
+    s : coordinates s of the grid lines from which the mesh was made
     sharp : places on the lining's face to which the mesh is graded
     mesh : the triangles
     """
@@ -425,7 +431,7 @@ def make_graded_shoe_mesh(
     shape : outline of the shoe
     sharp : places on the lining's face where the pressure is not smooth
     level : grading of the triangles
-    wavelength : shortest wavelength of the gap between lining and drum [m]
+    wavelength : shortest wavelength [m] of the gap between lining and out-of-round drum
     """
     s, d = initial_grid_lines_of_body(shape, level.size, wavelength, sharp.s.tolist())
     points = np.concatenate([shape.corners, np.stack([sharp.s, 0 * sharp.s], axis=1)])

@@ -35,7 +35,7 @@ from drumlin.verification.triangles.triangulation import (
 ANGLE_SLACK = 1e-12
 """Difference [rad] up to which two angles count as equal. Round-off is some 1e-15."""
 MOST_MATCHING_ROUNDS = 20
-"""Largest number of rounds in which edges of ring and linings are halved until their ends match."""
+"""Largest number of rounds in which edges on ring and linings are halved to make them match."""
 WHOLE_TURN = 2 * math.pi
 """The angle of a full circle [rad]."""
 
@@ -46,8 +46,8 @@ class _LiningOnRing(NamedTuple):
     Attributes
     ----------
     origin, turn : a place s of the face lies at theta = origin + turn s [rad]; turn is 1 or -1
-    whole_turns : whole turns [rad] that are subtracted from theta, so that all linings lie within
-        one turn of the ring
+    whole_turns : multiple of a full turn [rad] that is subtracted from theta, so that all linings
+        lie within one turn of the ring
     """
 
     origin: float
@@ -66,7 +66,7 @@ class _LiningOnRing(NamedTuple):
 def mesh_drum_ring_to_match_shoe_meshes(
     brake: Brake, drafts: list[Draft], level: TriangleLevel
 ) -> tuple[list[Triangles], MeshedBody]:
-    """Mesh the drum ring, and refine the shoes' meshes so that the nodes in contact match.
+    """Mesh the drum ring, and refine the shoes' meshes so that nodes of both lie opposite.
 
     Returns the refined meshes of the shoes, and the meshed ring. Raises BadInput for a ring without
     a section and for shoes on both sides of the ring.
@@ -106,7 +106,8 @@ def _ring_mesh_graded_to_linings(
 ) -> tuple[Outline, Triangles]:
     """The outline of the ring, and its mesh graded to the points where p is not smooth.
 
-    These points lie below the linings' ends and below singular places of the linings' faces.
+    These points are opposite the linings' ends and opposite the places on the linings' faces where
+    p is not smooth.
 
     Parameters
     ----------
@@ -159,7 +160,8 @@ def _ring_angles_of_lining_grid_lines(lining: _LiningOnRing, draft: Draft) -> Fl
 def _ring_outline(brake: Brake, section: Section, ends: Floats) -> Outline:
     """The outline of the ring as a body of one layer.
 
-    `ends` (2,) are the angles [rad] at which the ring is cut open: one place, a whole turn apart.
+    The layer begins and ends at the angles `ends` (2,) [rad], which are a whole turn apart: the
+    ring is closed, and both angles are the same place.
     """
     R, sign = brake.size, brake.shoes[0].sign
 
@@ -188,7 +190,8 @@ def _halve_edges_of_ring_and_linings_until_ends_match(
 ) -> tuple[Triangles, list[Triangles]]:
     """Halve edges on the friction surface until ring and linings have the same ends of edges.
 
-    Halving an edge may halve others: ring and linings are halved until neither changes.
+    Halving one edge may halve other edges, too. Therefore ring and linings are refined in turn
+    until neither of them changes.
 
     Parameters
     ----------
@@ -220,14 +223,14 @@ def _halve_edges_of_ring_and_linings_until_ends_match(
 def _grid_line_coordinates_of_first_ring_mesh(
     under: list[Floats], section: Section, R: float, least: float, size: float
 ) -> tuple[Floats, Floats]:
-    """The grid lines of the ring's first mesh: their angles [rad], and their d across the ring.
+    """Grid lines of the ring's first mesh: angles [rad] along it, coordinates d in [0, 1] across.
 
     Parameters
     ----------
-    under : for each lining the angles of its grid lines [rad]
+    under : for each lining, the angles [rad] of its grid lines
     section : section of the ring
     R : radius of the drum [m]
-    least : length of triangles at the linings' ends before their halving [m]
+    least : length [m] of triangles opposite the linings' ends before they are halved
     size : factor on the lengths of all cells
     """
     parts = sorted(under, key=lambda part: float(part[0]))
@@ -254,11 +257,11 @@ def _grid_line_coordinates_of_first_ring_mesh(
 def condense_ring_to_lining_nodes(
     brake: Brake, ring: MeshedBody, faces: list[CondensedFace]
 ) -> CondensedRing:
-    """A meshed ring, statically condensed to the nodes opposite to those of the linings.
+    """A meshed ring, statically condensed to its nodes opposite the linings' nodes.
 
-    A ring is fixed at its rim or free. On the rim of a free ring, tractions balance the contact
-    forces. These tractions are combinations of the three rigid-body modes of the rim. The mean
-    motion of the rim is zero.
+    The rim is the face of the ring that looks away from the linings. It is either fixed or free. On
+    a free rim, tractions in the shape of the rim's three rigid-body modes balance the contact
+    forces. The mean motion of a free rim is zero.
     """
     nodes = ring.nodes
     chosen, of = _ring_nodes_opposite_linings(brake, ring, faces)
@@ -275,13 +278,14 @@ def condense_ring_to_lining_nodes(
         )
     loads = _nodal_forces_of_rigid_mode_tractions_on_rim(ring)
     rigid = _displacements_of_points_by_rigid_motions(nodes.xy).reshape(-1, 3)
-    # For the condensation three displacements hold the ring. Below, its mean motion is set to zero.
+    # For the condensation the ring is held at three displacements. Later its mean motion is set to
+    # zero.
     right, left = (outer[which(nodes.xy[outer, 0])] for which in (np.argmax, np.argmin))
     held[right] = held[left, 1] = True
     found = lagrange.condense_body_to_kept_nodes(ring.K, nodes, held.ravel(), chosen, loads)
     own = rigid[(2 * chosen[:, None] + np.arange(2)).ravel()]
-    # Contact forces f are balanced by the tractions -loads l with l = (rigid^T loads)^-1 own^T f.
-    # After that the mean motion of the rim is subtracted.
+    # Tractions -loads l on the rim balance contact forces f, with l = (rigid^T loads)^-1 own^T f.
+    # Then the mean motion of the rim is subtracted from the displacements.
     share = np.linalg.solve(rigid.T @ loads, own.T)
     moved = found.of - found.loaded @ share
     mean = found.loaded.T - found.work @ share
@@ -316,7 +320,7 @@ def _displacements_of_points_by_rigid_motions(xy: Floats) -> Floats:
 def _ring_nodes_opposite_linings(
     brake: Brake, ring: MeshedBody, faces: list[CondensedFace]
 ) -> tuple[Ints, list[Ints]]:
-    """The ring's nodes opposite to those of the linings' faces.
+    """The ring's nodes that lie opposite the nodes of the linings' faces.
 
     Returned are the numbers (m,) of these ring nodes and, for the face of each shoe, the positions
     (n,) of its opposite nodes among the m. No node is opposite to a slot between two linings.

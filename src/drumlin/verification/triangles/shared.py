@@ -1,7 +1,7 @@
 """Shoes on a rigid drum that a common cam actuates or that push each other by struts.
 
-The force on one shoe depends on the solution of another shoe. Struts are followed from shoe to
-shoe; the two forces of a cam are the root of an equation.
+The force on one shoe depends on the solution of another shoe. Shoes between which struts stand are
+solved one after the other; the two forces of a cam follow from an equation, by root finding.
 """
 
 from dataclasses import replace
@@ -16,7 +16,7 @@ from drumlin.verification.triangles.contact import (
     ContactAtStart,
     ContactForces,
     contact_forces_of_shoes_in_one_system,
-    tip_displacement_along_force,
+    loaded_point_displacement_along_force,
 )
 from drumlin.verification.triangles.face import CondensedFace
 
@@ -26,9 +26,9 @@ class _SolvedShoe(NamedTuple):
 
     Attributes
     ----------
-    shoe : the shoe, with this force as its actuation
+    shoe : the shoe, with the known force as its actuation
     forces : its contact forces and rigid-body motion
-    tip_travel : displacement of the point that the force acts at, along the force [m]
+    tip_travel : displacement of the point at which the force acts, along the force [m]
     """
 
     shoe: Shoe
@@ -36,33 +36,35 @@ class _SolvedShoe(NamedTuple):
     tip_travel: float
 
 
-def solve_shoes_that_share_forces(
+def solve_shoes_with_cam_or_strut_forces(
     brake: Brake, faces: list[CondensedFace], first: ContactAtStart
 ) -> tuple[list[Shoe], list[ContactForces]]:
-    """Find the forces of a cam or of struts; returns the shoes under them, and the contact forces.
+    """Find the forces of a cam or struts; returns shoes under these forces, and contact forces.
 
-    A strut pushes the next shoe with the force by which the foot of the shoe before presses on the
-    strut. A cam moves the tips of both shoes by the same length, and its two forces have a given
+    The foot of a shoe presses on a strut, and the strut pushes the next shoe with the same force. A
+    cam displaces the loaded points of two shoes by the same length, and its two forces have a given
     sum.
 
     Parameters
     ----------
     brake : the brake, with its shoes and the cam or the struts between them
     faces : the shoes, condensed to the faces of their linings, each under an actuation of 1 N
-    first : the nodes in contact at the start, of each shoe
+    first : for each shoe, the nodes in contact when the contact solver starts
 
     Raises
     ------
     NoAnswer
-        If a shoe has no answer under a force.
+        If a shoe has no solution under the force on it.
     """
     names = [shoe.name for shoe in brake.shoes]
 
     def solve_shoe(i: int, force: float) -> _SolvedShoe:
         """Solve shoe i under a force [N]."""
-        return _solve_shoe_under_force(brake, brake.shoes[i], faces[i], first.of_shoes([i]), force)
+        return _solve_shoe_under_force(
+            brake, brake.shoes[i], faces[i], first.contact_at_start_of_shoes([i]), force
+        )
 
-    # Shoes that no strut pushes have a known force, or share that of the cam.
+    # Shoes that no strut pushes have a known actuation force, or are the two shoes at the cam.
     behind = {names.index(link.to) for link in brake.links}
     free = [i for i in range(len(names)) if i not in behind]
     if brake.actuation is not None and brake.actuation.is_cam:
@@ -77,7 +79,8 @@ def solve_shoes_that_share_forces(
     else:
         found = {i: solve_shoe(i, brake.shoes[i].actuation.force) for i in free}
     left = list(brake.links)
-    # Struts form a chain from shoe to shoe: the next strut is one whose first shoe is solved.
+    # Struts form a chain from shoe to shoe. The next strut to follow is one that starts at a solved
+    # shoe.
     while left:
         link = next(one for one in left if names.index(one.source) in found)
         left.remove(link)
@@ -104,10 +107,11 @@ def _solve_shoe_under_force(
     Raises
     ------
     NoAnswer
-        If the shoe has no answer for any sense of the friction at its abutment.
+        If the shoe has no solution for any sense of the friction at its abutment.
     """
     shoe = shoe.shoe_with_changed_actuation_force(force)
-    # The elastic response to the actuation is in proportion to the force.
+    # The face is condensed under 1 N: displacements grow in proportion to the force, and work grows
+    # with its square.
     face = replace(
         face,
         loaded=force * face.loaded,
@@ -122,14 +126,14 @@ def _solve_shoe_under_force(
         except NoAnswer as error:
             failure = failure or error
             continue
-        travel = tip_displacement_along_force(brake, face, shoe, found, sense)
+        travel = loaded_point_displacement_along_force(brake, face, shoe, found, sense)
         return _SolvedShoe(shoe, found, travel)
     assert failure is not None
     raise failure
 
 
 def _force_of_foot_on_strut(brake: Brake, face: CondensedFace, solved: _SolvedShoe) -> float:
-    """The force [N] by which the foot of a solved shoe presses on the strut behind it."""
+    """The force [N] with which the foot of a solved shoe presses on the strut behind the foot."""
     drum = brake.signed_friction_per_pressure(solved.shoe) * face.tangent - face.normal
     reaction = -(solved.forces.force[:, None] * drum).sum(axis=0)
     reaction = reaction - solved.shoe.force_of_all_loads

@@ -18,9 +18,10 @@ from drumlin.verification.triangles.face import (
 )
 
 SLOT_EDGE = 1e-12
-"""Length [rad] of the pieces on which the pressure falls to 0 at a slot between two linings.
+"""Length [rad] of the polynomial pieces on which the pressure falls to 0 at a slot.
 
-The force on such a piece is 1e-12 of the force on a radian of lining."""
+A slot is the space between two linings of a shoe. The force on such a piece is 1e-12 of the force
+on a radian of lining."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +35,10 @@ class ShoeSolution:
     theta : (n,) growing angles [rad] of the nodes of p, the Gauss-Lobatto points of the pieces
     pressure : (n,) p at these angles, 0 where the lining is open [Pa]
     order : polynomial degree of the pieces of p
-    torque : brake torque of the shoe [N m]
+    torque : brake torque of the shoe on the drum [N m]
     normal_force : magnitude of the resultant of the pressure [N]
-    hinge_reaction : (2,) force of the pin on the shoe [N]; on anchors the sum of `supports`
+    hinge_reaction : (2,) force of the pin on the shoe [N]; for a shoe on anchors, the sum of the
+        forces in `supports`
     arcs : (k, 2) first and last angle of each part of the lining in contact [rad]
     unknowns : number of unknowns of the shoe's mesh
     supports : forces of the one-sided supports of a shoe on anchors
@@ -64,7 +66,8 @@ class ShoeSolution:
 
     def pressure_at(self, theta: Floats) -> Floats:
         """Pressure [Pa] at the angles `theta` [rad], with their shape; 0 beyond the lining."""
-        # For each angle, the nodes of its piece of p and the distances from them.
+        # `nodes` are the nodes of the piece of p in which each angle lies, and `off` the distances
+        # of the angle from these nodes.
         at = np.asarray(theta, dtype=float)
         ends = self.theta[:: self.order]
         piece = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, len(ends) - 2)
@@ -73,7 +76,7 @@ class ShoeSolution:
         with np.errstate(divide="ignore", invalid="ignore"):
             weight = self._barycentric_interpolation_weights / off
             value = (weight * self.pressure[nodes]).sum(axis=-1) / weight.sum(axis=-1)
-        # At a node the formula would divide by zero; p is that of the node.
+        # At a node the formula would divide by zero, and p is the nodal value.
         hit = np.abs(off) < 1e-15
         value = np.where(hit.any(axis=-1), (hit * self.pressure[nodes]).sum(axis=-1), value)
         return np.where((at >= ends[0]) & (at <= ends[-1]), value, 0.0)
@@ -84,13 +87,13 @@ def solution_from_contact_forces(
 ) -> ShoeSolution:
     """The solution of a shoe, computed from its nodal contact forces.
 
-    The pressure does the same work as the nodal forces on the shape function of every node in
-    contact.
+    The pressure is equivalent to the nodal forces: on the shape function of every node in contact
+    both do the same work.
     """
     a = np.flatnonzero(found.active)
     p = np.zeros(len(one.theta))
     p[a] = np.linalg.solve(one.mass[np.ix_(a, a)], found.force[a])
-    theta, p, active = _nodes_over_linings_and_slots(shoe, one, p, found.active)
+    theta, p, active = _insert_open_nodes_in_slots(shoe, one, p, found.active)
     drag = brake.signed_friction_per_pressure(shoe)
     on_normal = -(found.force[:, None] * one.normal).sum(axis=0)
     on_tangent = drag * (found.force[:, None] * one.tangent).sum(axis=0)
@@ -107,13 +110,14 @@ def solution_from_contact_forces(
     )
 
 
-def _nodes_over_linings_and_slots(
+def _insert_open_nodes_in_slots(
     shoe: Shoe, one: CondensedFace, p: Floats, active: Bools
 ) -> tuple[Floats, Floats, Bools]:
-    """Angles, pressures and contact (n,) of the nodes, with open nodes in the slots of a shoe.
+    """Angles, pressures and contact (n,) of a face's nodes, with nodes added in the slots.
 
-    In a slot between two linings there are three pieces: p falls to 0 on the first, is 0 on the
-    second, and rises on the third. The first and the third are SLOT_EDGE long.
+    In each slot between two linings there are three pieces. On the first piece p falls to 0, on the
+    second it is 0, and on the third it rises to its value on the next lining. The first and the
+    third piece are SLOT_EDGE long. The added nodes are open.
 
     Parameters
     ----------
@@ -161,15 +165,16 @@ def _angle_at_which_contact_arc_begins(theta: Floats, p: Floats, node: int, degr
     """The angle [rad] at which a contact begins; `node` is its first node in contact."""
     if node == 0:
         return float(theta[0])
-    # The last node of the piece (edge of a triangle) in which the contact begins, and the last node
-    # of the piece after it.
+    # `near` is the last node of the piece (edge of a triangle) in which the contact begins, and
+    # `far` the last node of the next piece.
     near = (node - 1) // degree * degree + degree
     far = near + degree
     if far >= len(theta):
         return float(theta[node])
     psi, _ = edge_shape_functions(degree, 0.5 + 0.5 * FACE_GAUSS)
     weight = psi @ (0.5 * FACE_WEIGHTS)
-    # The forces from the beginning of the contact up to these two nodes, per width.
+    # F are the forces per width [N/m] from the beginning of the contact up to the nodes near and
+    # far.
     F = np.cumsum(
         [
             (theta[b] - theta[b - degree]) * float(weight @ p[b - degree : b + 1])

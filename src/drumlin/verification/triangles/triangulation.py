@@ -31,9 +31,9 @@ class TriangleLayer:
     ----------
     start, end : first and last coordinate s of the layer
     elastic : elastic constants of the layer, with directions in the brake's frame
-    slots : first and last s of each gap in the layer, such as those between two linings
-    free_strains : (2, 2) free strains of a heated layer, along and through it, at its near and at
-        its far face; None for a layer without heat
+    slots : first and last s of each gap in the layer, such as a slot between two linings
+    free_strains : (2, 2) free strains of a heated layer: the rows are strains along and through it,
+        the columns its near and its far face; None for a layer without heat
     """
 
     start: float
@@ -42,8 +42,8 @@ class TriangleLayer:
     slots: tuple[tuple[float, float], ...] = ()
     free_strains: Floats | None = None
 
-    def has_material_at(self, s: Floats) -> Bools:
-        """Whether the layer reaches the coordinates s, same shape."""
+    def mask_of_coordinates_with_material(self, s: Floats) -> Bools:
+        """Whether the layer has material at each of the coordinates s, as a mask in their shape."""
         there = (s > self.start) & (s < self.end)
         for first, last in self.slots:
             there &= (s < first) | (s > last)
@@ -76,7 +76,7 @@ class Triangles:
         return tri, edge
 
     def end_coordinates_of_friction_surface_edges(self) -> Floats:
-        """The coordinates s (k, 2) of both ends of each edge on the surface d = 0, growing."""
+        """Coordinates s (k, 2) of the ends of each edge on the surface d = 0, the smaller first."""
         tri, edge = self.indices_of_triangle_edges_on_friction_surface
         return np.sort(
             np.stack([self.at[tri, edge, 0], self.at[tri, (edge + 1) % 3, 0]], axis=1), axis=1
@@ -88,15 +88,15 @@ def triangulate_grid_of_layered_body(
 ) -> Triangles:
     """Mesh a layered body by a grid, each cell of which is cut into two triangles.
 
-    The grid covers the whole range of s and d. A cell is left out if its layer does not reach it.
+    A cell of the grid becomes no triangles if its layer has no material there.
 
     Parameters
     ----------
     s : (n,) growing coordinates of the grid lines along the body
     d : for each layer, the growing coordinates of its grid lines across
     layers : the layers
-    period : for a ring, the s of the last grid line, which is the first one again; None for a body
-        with two ends
+    period : for a ring, a full turn in s, after which the last grid line is the first one again;
+        None for a body with two ends
     """
     depths = np.unique(np.concatenate(d))
     count = len(s) - (period is not None)
@@ -105,7 +105,7 @@ def triangulate_grid_of_layered_body(
     j = np.tile(np.arange(len(depths) - 1), len(s) - 1)
     layer = np.floor(0.5 * (depths[j] + depths[j + 1])).astype(int)
     middle = 0.5 * (s[i] + s[i + 1])
-    reaches = np.array([one.has_material_at(middle) for one in layers])
+    reaches = np.array([one.mask_of_coordinates_with_material(middle) for one in layers])
     there = reaches[layer, np.arange(len(layer))]
     i, j, layer = i[there], j[there], layer[there]
 
@@ -114,7 +114,7 @@ def triangulate_grid_of_layered_body(
         at = np.stack([s[i + a], depths[j + b]], axis=1)
         return ((i + a) % count) * len(depths) + j + b, at
 
-    # Neighbouring cells are cut along opposite diagonals, so that the mesh has no slant.
+    # Neighbouring cells are cut along opposite diagonals, so that the mesh prefers no direction.
     flip = (i + j) % 2 == 1
     quads = [
         numbers_and_coordinates_of_corner(0, 0),
@@ -151,9 +151,10 @@ def edges_of_mesh_and_of_each_triangle(mesh: Triangles) -> tuple[Ints, Ints]:
 
 
 def bisect_marked_triangles_without_hanging_nodes(mesh: Triangles, marked: Bools) -> Triangles:
-    """The mesh with the triangles halved for which `marked` (m,) is true.
+    """Halve the triangles of a mesh for which `marked` (m,) is true; returns the new mesh.
 
-    Further triangles are halved so that no node hangs on the edge of another triangle.
+    More triangles are halved where a new node would otherwise lie inside the edge of a triangle (a
+    hanging node).
     """
     edges, of = edges_of_mesh_and_of_each_triangle(mesh)
     halved = np.zeros(len(edges), dtype=bool)
@@ -165,7 +166,8 @@ def bisect_marked_triangles_without_hanging_nodes(mesh: Triangles, marked: Bools
             break
         halved[of[due, 0]] = True
     number = np.cumsum(halved) - 1 + int(mesh.vertices.max()) + 1
-    # The columns are the corners 0, 1, 2 and the middles 3, 4, 5 of the edges 01, 12, 20.
+    # The columns of v and at are the corners 0, 1, 2 and the middles 3, 4, 5 of the edges 01, 12,
+    # 20.
     v = np.concatenate([mesh.vertices, number[of]], axis=1)
     at = np.concatenate([mesh.at, 0.5 * (mesh.at + np.roll(mesh.at, -1, axis=1))], axis=1)
     # Which edges of a triangle are halved decides into which smaller triangles it is cut.
@@ -189,14 +191,14 @@ def bisect_marked_triangles_without_hanging_nodes(mesh: Triangles, marked: Bools
 def grade_mesh_towards_points(
     mesh: Triangles, place: PointMap, points: Floats, smallest: Floats, steep: float
 ) -> Triangles:
-    """Halve the triangles of a mesh until they are short in relation to their distance from points.
+    """Halve the triangles of a mesh until they are short enough near the given points.
 
     Parameters
     ----------
     mesh : the mesh to refine
     place : function that returns the points [m] for given s and d
     points : (k, 2) points towards which the triangles shrink [m]
-    smallest : (k,) length of the smallest triangles at each point [m]
+    smallest : (k,) length at each point below which triangles are not halved [m]
     steep : largest length of a triangle, relative to the distance of its centre from a point
     """
     for _ in range(MOST_BISECTION_ROUNDS):
@@ -216,7 +218,7 @@ def grade_mesh_towards_points(
 
 
 def split_surface_edges_at_breaks(first: Triangles, breaks: Floats, slack: float) -> Triangles:
-    """Halve the edges of a mesh on the surface d = 0 until no edge has a break inside.
+    """Halve the edges of a mesh on the surface d = 0 until no break lies inside an edge.
 
     Breaks are places where edges of an opposite mesh end, so that the edges of both meshes match.
 
@@ -243,13 +245,14 @@ def split_surface_edges_at_breaks(first: Triangles, breaks: Floats, slack: float
 def coordinates_with_position_dependent_spacing(
     breaks: Floats, size: Callable[[float], float]
 ) -> Floats:
-    """Points from the first to the last of the growing `breaks`, with steps of about size(x).
+    """Points from the first to the last of the growing `breaks`, about size(x) apart at x.
 
     Every break is one of the points.
     """
     points = [np.array(breaks[:1])]
     for a, b in pairwise(breaks.tolist()):
-        # The integral of 1/size counts the steps; points lie where it is a whole number.
+        # The integral of 1/size from a to x counts the steps up to x. It is scaled to a whole
+        # number at b, and points lie where it is 1, 2, 3 and so on.
         x = np.linspace(a, b, 400)
         density = np.array([1 / size(float(one)) for one in x])
         count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
