@@ -49,7 +49,7 @@ LARGEST_TURNS_OF_ANGLE = 2.0
 An angle of 75 deg that is written as 75 rad is 12 turns.
 """
 SOFTEST_LINING, SOFTEST_BODY, STIFFEST_PART = 1e5, 1e6, 3e13
-"""Moduli [Pa]: those of linings and bodies below which, and of any part above which, a note asks.
+"""Moduli [Pa] beyond which a note asks: of a lining below, of a body below, of any part above.
 
 Foams have 1e5 Pa, wood across its grain 1e8 Pa, steel 2e11 Pa and diamond 1e12 Pa. A modulus in
 N/m^2 that was meant in N/mm^2 is a million times too small.
@@ -88,7 +88,7 @@ def notes_on_values_that_can_hardly_be_meant(brake: Brake) -> tuple[str, ...]:
     if brake.surface.is_plane_and_not_drum:
         size = max(shoe.lining.end - shoe.lining.start for shoe in brake.shoes)
     lines = [*_lines_on_friction(brake), *_lines_on_stiff_linings(brake)]
-    # If the drum's radius itself is a mistake, no length can be compared with it.
+    # If the drum's radius itself is probably a mistake, no length is compared with it.
     on_drum = list(_lines_on_drum_radius(brake))
     lines += on_drum or _lines_on_far_points(brake, size)
     for value in _quantities_of_part(brake, ""):
@@ -99,7 +99,7 @@ def notes_on_values_that_can_hardly_be_meant(brake: Brake) -> tuple[str, ...]:
 
 
 def _lines_without_repeated_shoes(lines: list[str]) -> Iterator[str]:
-    """Yield each line once, if others differ from it in the number of the shoe alone."""
+    """Yield one line, with a count, for lines that differ in the index of the shoe alone."""
     counts: dict[str, int] = {}
     firsts: dict[str, str] = {}
     for line in lines:
@@ -153,7 +153,7 @@ def _si_unit_of_field(kind: type[Part], name: str) -> str:
 
 
 def _lines_on_friction(brake: Brake) -> Iterator[str]:
-    """A line on each friction coefficient that no lining has."""
+    """Yield a note for each friction coefficient that is too large for a lining."""
     frictions = {"friction": brake.friction}
     for i, shoe in enumerate(brake.shoes):
         if shoe.lining.friction is not None:
@@ -168,7 +168,7 @@ def _lines_on_friction(brake: Brake) -> Iterator[str]:
 
 
 def _lines_on_drum_radius(brake: Brake) -> Iterator[str]:
-    """A line on a drum that is smaller or larger than drums are."""
+    """Yield a note if the drum's radius is outside DRUM_RADII."""
     low, high = DRUM_RADII
     if isinstance(brake, DrumBrake) and not low <= brake.drum.radius <= high:
         meant = _length_in_other_unit(brake.drum.radius, small=brake.drum.radius < low)
@@ -180,7 +180,7 @@ def _lines_on_drum_radius(brake: Brake) -> Iterator[str]:
 
 
 def _lines_on_far_points(brake: Brake, size: float) -> Iterator[str]:
-    """A line on each support or point of actuation that is far from the drum or the linings."""
+    """Yield a note for each support or point of actuation far from the drum or the linings."""
     for i, shoe in enumerate(brake.shoes):
         abutment = None if shoe.abutment is None else shoe.abutment.point
         points = {
@@ -209,15 +209,16 @@ def _distance_from_surface_centre(brake: Brake, point: Point) -> float:
 
 
 def _words_for_size(brake: Brake, size: float) -> str:
-    """Words for the length to which lengths are compared, with its value."""
+    """Words for the brake's size with its value, such as "drum.radius = 150 mm"."""
     name = "the lining's length" if brake.surface.is_plane_and_not_drum else "drum.radius"
     return f"{name} = {mm_text(size)}"
 
 
 def _length_in_other_unit(length: float, *, small: bool) -> str:
-    """The lengths that the same number would give in other usual units.
+    """The length [m] as a text with the same number in another unit, as a suggestion.
 
-    A `small` length may be meant in m and written in mm, a large one the other way round.
+    A `small` length may be meant in m and written in mm. A large length may be meant in mm or cm
+    and written in m.
     """
     if small:
         return f"{length * 1e3:.4g} m"
@@ -225,7 +226,7 @@ def _length_in_other_unit(length: float, *, small: bool) -> str:
 
 
 def _lines_on_length(value: _Quantity, brake: Brake, size: float) -> Iterator[str]:
-    """A line on a width, thickness, grip or diameter that is far from the size of the brake."""
+    """Yield a note on a width, thickness, grip or diameter far from the size of the brake."""
     least = {"thickness": THIN, "width": NARROW, "grip": THIN, "diameter": NARROW}.get(value.name)
     if least is None or value.unit != "m":
         return
@@ -243,9 +244,9 @@ def _lines_on_length(value: _Quantity, brake: Brake, size: float) -> Iterator[st
 
 
 def _lines_on_angle(value: _Quantity) -> Iterator[str]:
-    """A line on an angle of several turns, as radians give that were meant as degrees.
+    """Yield a note on an angle of several turns, probably degrees that were written as radians.
 
-    The angle of the drum may have many turns.
+    The angular position of the drum may have many turns.
     """
     if value.unit == "rad" and value.key != "drum.angle":
         yield from _line_on_turns(value.key, value.value)
@@ -254,14 +255,14 @@ def _lines_on_angle(value: _Quantity) -> Iterator[str]:
 
 
 def _line_on_turns(key: str, angle: float) -> Iterator[str]:
-    """A line on an angle [rad] of too many turns; `key` is its key in the file."""
+    """Yield a note if an angle [rad] has too many turns; `key` is its key in the file."""
     if abs(angle) > LARGEST_TURNS_OF_ANGLE * 2 * math.pi:
         turns = abs(angle) / (2 * math.pi)
         yield f"{key} = {angle:.6g} rad is {turns:.3g} turns; did you mean {angle:.6g} deg?"
 
 
 def _lines_on_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
-    """A line on a modulus or a cylinder's pressure as it is if N/m^2 and N/mm^2 are mistaken."""
+    """Yield a note on a modulus or cylinder pressure that confuses N/m^2 with N/mm^2."""
     if value.unit != "Pa":
         return
     low, high = CYLINDER_PRESSURES
@@ -283,7 +284,7 @@ def _lines_on_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
 
 
 def _lines_on_heat(value: _Quantity) -> Iterator[str]:
-    """A line on a temperature rise that no brake bears, or on a coefficient of expansion."""
+    """Yield a note on a too large temperature rise or coefficient of thermal expansion."""
     if value.unit == "K" and abs(value.value) > HOTTEST:
         yield f"{value.key} = {value.value:.4g} K is more than the materials of a brake bear"
     if value.unit == "1/K" and abs(value.value) > LARGEST_EXPANSION:
@@ -299,11 +300,11 @@ def _modulus_text(modulus: float) -> str:
 
 
 def _lines_on_stiff_linings(brake: Brake) -> Iterator[str]:
-    """A line on each lining that is stiffer than a metal shoe, or is of metal on a soft shoe."""
+    """Yield a note on each lining that is stiffer than its metal shoe, or metal on a soft shoe."""
     softest_metal, stiffest_metal = METAL_MODULI
     for i, shoe in enumerate(brake.shoes):
         body = None if shoe.body is None else shoe.body.material
-        # Moduli beyond STIFFEST_PART have a line of their own.
+        # A modulus beyond STIFFEST_PART has a note of its own from another function.
         if body is None or shoe.lining.material is None:
             continue
         E_lining, E_body = shoe.lining.material.E_through, body.E_along

@@ -54,7 +54,7 @@ MOVES = {
 """How a shoe moves on each support, for error messages, by `Held.kind_of_support`."""
 
 UNHELD = 2
-"""Value of `sense` by which `Held.freedoms` gives the motions of a shoe without its abutment."""
+"""Value of `sense` with which `Held.freedoms` lets the foot slide along and leave its abutment."""
 
 STICKS = 1e-9
 """Relative excess of the friction at a sticking foot over its limit that counts as round-off.
@@ -102,10 +102,10 @@ class Freedoms(NamedTuple):
     motions : (k, 3), dx, dy and turn of each unit mode
     tests : (k, 3), test modes, on which the support reactions do no work
     work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
-    further_work : (k,), work of all further loads on each test mode [N m or N]
+    further_work : (k,), work of all loads besides the actuation on each test mode [N m or N]
     tip : (k,), displacement of the point of actuation along its force in each mode [m]
-    names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" or "off" (the face), "x"
-        or "y" (translations of a shoe on anchors)
+    names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" (along an abutment or a
+        guide), "off" (away from an abutment), "x" or "y" (translations of a shoe on anchors)
     """
 
     motions: Floats
@@ -117,7 +117,7 @@ class Freedoms(NamedTuple):
 
     @property
     def work_of_all_loads(self) -> Floats:
-        """Work (k,) of the actuation and of all further loads on each test mode [N m or N]."""
+        """Work (k,) of the actuation and of all other loads on each test mode [N m or N]."""
         return self.work + self.further_work
 
 
@@ -182,7 +182,7 @@ class Held(Part):
     abutment: Abutment | None = None
     guide: Guide | None = None
     anchors: Annotated[tuple[Anchor, ...], Field(alias="anchor")] = ()
-    # A shoe that a strut pushes has this actuation until the strut gives it its line of action.
+    # A shoe that a strut pushes has this actuation until the strut's line of action is found.
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
     forces: Annotated[tuple[ShoeForce, ...], Field(alias="force")] = ()
     mass: ShoeMass | None = None
@@ -283,7 +283,7 @@ class Held(Part):
 
     @property
     def further_forces_at_points(self) -> tuple[ForceAtPoint, ...]:
-        """The forces on the shoe besides its actuation and the forces on its mass."""
+        """The plain forces, spring and lever forces on the shoe: no actuation, no force on mass."""
         of_shoe = [force_at_point(each.force_vector, each.point.xy) for each in self.forces]
         return (*of_shoe, *self._loads_of_brake.forces)
 
@@ -308,7 +308,7 @@ class Held(Part):
 
     @property
     def largest_load(self) -> float:
-        """Largest force [N] among the actuation, the further forces and the loads of the brake."""
+        """Largest force [N] of the actuation, plain forces, springs, levers, and on the mass."""
         forces = [abs(each.force) for each in (self.actuation, *self.forces)]
         of_brake = (*self._loads_of_brake.forces, self._force_on_mass)
         of_brake_sizes = [math.hypot(*each.force) for each in of_brake if each is not None]
@@ -328,17 +328,17 @@ class Held(Part):
 
     @property
     def force_of_all_loads(self) -> Floats:
-        """Sum (2,) [N] of the actuation force and of all further loads on the shoe."""
+        """Sum (2,) [N] of the actuation force and of the forces of all other loads on the shoe."""
         actuation = self.actuation.force_vector
         return actuation + self.further_load[:2] if self.has_further_loads else actuation
 
     def moment_of_further_loads_about_point(self, point: Point) -> float:
-        """Moment [N m] of all loads besides the actuation about a point, counter-clockwise."""
+        """Moment [N m] of all loads but the actuation about a point; counter-clockwise positive."""
         fx, fy, moment = self.further_load.tolist()
         return float(moment - (point.x * fy - point.y * fx))
 
     def moment_of_all_loads_about_point(self, point: Point) -> float:
-        """Moment [N m] of actuation and further loads about a point, counter-clockwise positive."""
+        """Moment [N m] about a point of actuation and other loads; counter-clockwise positive."""
         moment = self.actuation.moment_of_force_about_point(point)
         if self.has_further_loads:
             moment += self.moment_of_further_loads_about_point(point)
@@ -364,7 +364,8 @@ class Held(Part):
         """Whether an abutment can exert a given reaction on the foot.
 
         It can if it presses on the foot, and if its friction opposes the slide of the foot or is
-        large enough to hold it. For a shoe without abutment the result is always True.
+        large enough to hold it. The result is always True for a shoe without abutment and for a
+        shoe on anchors.
 
         Parameters
         ----------
@@ -379,7 +380,7 @@ class Held(Part):
         bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
         if bearing <= 0 or self.abutment.friction == 0:
             return bearing > 0
-        # A foot that sticks needs no more friction than the bearing force can give.
+        # A foot sticks if the force along the face is within the limit of Coulomb friction.
         if sense == 0:
             return abs(along) <= self.abutment.friction * bearing * (1 + STICKS)
         return sense * slide <= 0
@@ -417,7 +418,7 @@ class Held(Part):
             motions.append(motion_of_slide_in_direction(along))
             tests.append(motion_of_slide_in_direction(along + leaning))
             names.append("slide")
-        # Without the abutment the foot also moves along the normal of the face.
+        # With UNHELD the foot also moves along the normal of the face.
         if on_abutment and sense == UNHELD:
             assert self.abutment is not None
             motions.append(motion_of_slide_in_direction(self.abutment.direction))
@@ -426,7 +427,8 @@ class Held(Part):
         moved, tested = np.array(motions), np.array(tests)
         work = work_of_force_in_rigid_body_motions(tested, self.actuation.force_vector, at)
         tip = work_of_force_in_rigid_body_motions(moved, self.actuation.unit_vector_of_force, at)
-        # With a pivot the actuation acts on the lever. It does no work as the shoe tilts about it.
+        # With a pivot the actuation acts on the lever, which rests while the shoe tilts about the
+        # pivot: the actuation does no work.
         if self.pivot is not None:
             work[1] = tip[1] = 0.0
         return Freedoms(moved, tested, work, tested @ self.further_load, tip, tuple(names))
@@ -555,7 +557,7 @@ class Meshed(Held):
 
 
 def _changes_of_one_mode_alone(count: int, row: int, change: Floats) -> Floats:
-    """Derivatives (count, 3) of `count` modes, zero except for mode `row`, which has `change`."""
+    """Derivatives (count, 3) of `count` modes: `change` (3,) of mode `row`, 0 of the others."""
     found = np.zeros((count, 3))
     found[row] = change
     return found

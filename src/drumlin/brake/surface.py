@@ -130,8 +130,9 @@ class FrictionSurface:
     def turns(self, twice: float) -> float:
         """The multiple of a full turn, in q, that is nearest to half of `twice`; 0 on a plane.
 
-        It tells by how many turns two linings are given apart from each other. Then `twice` is the
-        sum of the two ends of the first lining minus that of the second lining.
+        It shows by how many whole turns the coordinates of two linings differ. For this `twice` is
+        twice the distance of their middles: the sum of the ends of the first lining minus the sum
+        of the ends of the second lining.
         """
         return 0.0 if self.is_plane_and_not_drum else self.period * round(twice / (2 * self.period))
 
