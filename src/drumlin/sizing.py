@@ -2,9 +2,10 @@
 
 The search begins at the value of the file, with the exact slope of the torque by the key where the
 finite elements have one. Each further value follows from a rational function through the last
-answers. If this search meets no such value, the range of the key is tried at some values, and the
-rational function is used between two of them. Values without an answer (a brake that locks itself,
-a geometry that is not allowed) bound the search, and the refusal names their reason.
+answers. If this search finds no value, the whole range of the key is tried at some values, and the
+rational function is used between two neighbours that enclose the wanted quantity. Values without an
+answer (a brake that locks itself, a geometry that is not allowed) bound the search, and the message
+names their reason.
 """
 
 import math
@@ -39,23 +40,24 @@ LARGEST = "largest"
 """The value of --torque that asks for the largest torque of the range."""
 
 RANGE_FACTOR = 10.0
-"""Factor by which a quantity with one sign is varied to both sides, if no range is given.
+"""Factor between a quantity in the file and each end of its range, if no range is given.
 
-The value is a judgement. The range is printed with the answer, and the user may give another one.
+It holds for quantities that keep their sign, such as lengths and forces. The value is a judgement:
+the answer names the range that was searched, and the user may give another range.
 """
 ANGLE_RANGE = math.radians(30)
-"""Angle [rad] by which an angle is varied to both sides, if no range is given; a judgement."""
+"""Angle [rad] between an angle in the file and each end of its range, if no range is given."""
 
 COORDINATE_RANGE = 0.25
-"""Length by which a coordinate is varied to both sides, relative to the size of the brake.
+"""Length between a coordinate of the file and each end of its range, relative to brake size.
 
 It holds for coordinates of points if no range is given, and is a judgement.
 """
 FIRST_TRIALS = 9
-"""Number of values at which the range is tried first.
+"""Number of values of the key, from end to end of its range, at which the brake is solved first.
 
-A torque that crosses the wanted one twice between two of these values is not seen. More values take
-more time.
+If the torque crosses the wanted torque twice between two neighbours, this is not seen. More values
+take more time.
 """
 BORDER_TRIALS = 16
 """Number of bisections that locate where the answers of a range end, as at self-locking.
@@ -63,23 +65,26 @@ BORDER_TRIALS = 16
 The border is then known to 1e-5 of the distance between two of the first trials.
 """
 SLOPE_STEP = 1e-2
-"""Step of the slope that turns an error of the torque into an error of the key.
+"""Change of the key from which the slope of torque or peak pressure is found as a difference.
 
-It is relative to the value, or to the range of an angle or a coordinate. The slope is a difference,
-whose error is some 1 % of it. A smaller step would feel the errors of the two torques.
+It is relative to the value of the key, or to the range of an angle or a coordinate. The slope turns
+an error of the torque into an error of the key; its own error is some 1 %. With a smaller change
+the errors of the two torques would disturb the slope.
 """
 EXTREME_RESOLUTION = 1e-4
-"""Distance to which the place of a largest torque is found, relative to that of its neighbours.
+"""Tolerance of the key's value at the largest torque, relative to the distance of its neighbours.
 
-The torque is then within 1e-8 of its rise above the neighbours. A smaller value takes more time.
+Near a maximum the torque is quadratic: it is then within 1e-8 of its rise above the two neighbours
+that were tried. A smaller value takes more time.
 """
 SOLVED_SHARE = 0.01
-"""Part of the stated error of a torque at which the search for this torque ends."""
+"""The search ends at this fraction of the stated error from the wanted torque or peak pressure."""
 
 NEAR_TRIALS = 12
-"""Number of values that are tried from the value of the file on, until two enclose the wanted one.
+"""Largest number of trials, from the file's value on, until two enclose the wanted quantity.
 
-Most questions take two to four. Above it the whole range is tried, which takes more time.
+Most questions take two to four. If these trials do not enclose it, the whole range is tried, which
+takes more time.
 """
 JUMP_OF_QUANTITY = 1e-9
 """Difference of a quantity from its wanted value, relative to it, above which the quantity jumps.
@@ -89,10 +94,10 @@ no larger error is stated. Round-off of a solve is some 1e-12; a smaller number 
 for a jump.
 """
 EXACT = 1e-14
-"""Relative difference at which the search ends where no error is stated: round-off of a double."""
+"""The search ends at this relative difference if no error is stated: round-off of a double."""
 
 PRINTED_UNITS = {"m": ("mm", 1e3), "rad": ("deg", math.degrees(1)), "Pa": ("MPa", 1e-6)}
-"""The unit in which a quantity is printed, and its number per SI unit, by the SI unit."""
+"""By SI unit: the unit in which a quantity is printed, and the factor from the SI unit to it."""
 
 
 class Trial(NamedTuple):
@@ -125,9 +130,10 @@ class Question:
     model : name of the model that solves the brakes
     options : options of the model
     torque : wanted torque [N m], LARGEST for the largest one, or None
-    peak_pressure : wanted peak pressure [Pa]; with a wanted torque the largest allowed one; or None
+    peak_pressure : wanted peak pressure [Pa], or its upper limit if a torque is wanted, or None
     low, high : ends of the range of the key [SI]; None for a range about the value of the file
     say : called with a line of text before each trial
+    cache : store of condensed bodies, which the trials share
     """
 
     brake: Brake
@@ -229,12 +235,12 @@ class Sizing:
     value_of_file : the value of the brake file [SI]
     torque : torque [N m], on a plane braking force [N]
     peak_pressure : largest peak pressure of the shoes [Pa]
-    slope : change of the wanted quantity per value of the key, exact where it is known; None
-        where the torque is largest
-    errors : error of the value [SI] by the stated error of the finite elements ("elements") and by
-        that of plane stress itself ("plane_stress"); without errors that are not stated
+    slope : derivative of the wanted quantity by the key [SI], exact where it is known; None where
+        the torque is largest
+    errors : error of the value [SI] that follows from the stated error of the finite elements
+        ("elements") and of plane stress itself ("plane_stress"); without errors that are not stated
     range : ends of the range that was searched [SI]
-    others : further values [SI] that give the same, as far as the search has seen them
+    others : further values [SI] that give the wanted quantity, as far as the search has seen them
     remark : what bounds the largest torque; "" for other questions
     brake : the brake with the value
     response : its response, with its stated errors and notes
@@ -306,7 +312,7 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
         for an unknown key, a key without one number, a range without values, a wanted quantity that
         is not positive, or none at all
     NoAnswer
-        where it is not possible, with the reason and the range that was searched
+        if no value of the range gives what is wanted, with the reason and the range
     """
     _check_wanted_quantities(question)
     name = "peak_pressure" if question.torque is None else "torque"
@@ -346,7 +352,7 @@ def _check_wanted_quantities(question: Question) -> None:
         )
     ):
         raise BadInput(f"{question.key} = 0: the range to search is missing; give --from and --to")
-    # A key that the brake does not let change is bad input, as a force that follows from a drive.
+    # `vary` refuses a key that cannot change, such as a force that follows from a drive.
     vary(question.brake, {question.key: question.value_of_file})
     model_with_name_that_applies_to_brake(question.model, question.brake)
 
@@ -409,7 +415,7 @@ def _roots_between_trials(
 
 
 def _difference_from_wanted(trial: Trial, name: str, wanted: float) -> float:
-    """A quantity of a trial less its wanted value; 0 within a small part of its stated error."""
+    """A trial's quantity minus the wanted value; 0 within a small part of the stated error."""
     off = float(getattr(trial, name) - wanted)
     close = max(EXACT, SOLVED_SHARE * trial.errors.get(name, 0.0)) * wanted
     return 0.0 if abs(off) <= close else off
@@ -418,8 +424,9 @@ def _difference_from_wanted(trial: Trial, name: str, wanted: float) -> float:
 def _root_in_bracket(question: Question, known: list[Trial], name: str, wanted: float) -> Trial:
     """The trial at which a quantity has a wanted value, between two trials that enclose it.
 
-    The value of the rational function is taken where it lies inside of the bracket. Every third
-    step halves the bracket instead, if the rational function has not made it shorter than half.
+    The next value comes from a rational function through the last trials if it lies inside of the
+    bracket, that is between the two trials. Every third step halves the bracket instead, unless
+    the last three steps have made it shorter than half.
 
     Parameters
     ----------
@@ -464,9 +471,9 @@ def _solved_trial(question: Question, value: float) -> Trial:
 
 
 def _bracket_of_trials(known: Sequence[Trial], name: str, wanted: float) -> tuple[Trial, Trial]:
-    """The two neighbouring trials, in growing order, between which a quantity crosses a value.
+    """The two neighbouring trials, in growing order, between which a quantity crosses `wanted`.
 
-    The shortest of several brackets is taken. Raises ValueError if there is none.
+    If there are several pairs, the closest pair is returned. Raises ValueError without a pair.
     """
     crossed = [
         (before, after)
@@ -479,10 +486,10 @@ def _bracket_of_trials(known: Sequence[Trial], name: str, wanted: float) -> tupl
 def _end_of_closed_bracket(
     question: Question, ends: tuple[Trial, Trial], name: str, wanted: float
 ) -> Trial:
-    """The end of a bracket without width that is nearer to the wanted value.
+    """The trial nearer to the wanted value, of two whose keys differ by round-off only.
 
-    Raises NoAnswer if it is farther from the wanted value than round-off and its stated error: the
-    quantity jumps there.
+    Raises NoAnswer if it is farther from the wanted value than round-off and its stated error: then
+    the quantity jumps between the two.
     """
     near = min(ends, key=lambda trial: abs(getattr(trial, name) - wanted))
     allowed = max(JUMP_OF_QUANTITY, near.errors.get(name, 0.0)) * wanted
@@ -503,7 +510,7 @@ def _value_of_rational_function(known: Sequence[Trial], name: str, wanted: float
     The function y = (a + b x)/(1 + c x) goes through the three trials whose quantities are nearest
     to the wanted one. It is exact for a torque that is proportional to a force, and for a torque
     that grows without bound at self-locking, such as that of a short shoe. Two trials give a
-    straight line. The result is None where there is no such value.
+    straight line. The result is None if the function has no such value.
     """
     nearest = sorted(known, key=lambda trial: abs(getattr(trial, name) - wanted))[:3]
     x = np.array([trial.value for trial in nearest])
@@ -514,7 +521,8 @@ def _value_of_rational_function(known: Sequence[Trial], name: str, wanted: float
         if len(slopes) == 1:
             step = -off0 / slopes[0]
         else:
-            # (y - y0)/(x - x0) = (B - c y)/(1 + c x0) is linear in y, and y is 0 at the value.
+            # The slope (y - y0)/(x - x0) = (b - c y)/(1 + c x0) is linear in y. Here y is the
+            # difference from the wanted quantity, which is 0 at the value that is returned.
             per_off = (slopes[1] - slopes[0]) / (off[2] - off[1])
             step = -off0 / (slopes[0] - per_off * off[1])
     return float(x0 + step) if np.isfinite(step) else None
@@ -523,8 +531,8 @@ def _value_of_rational_function(known: Sequence[Trial], name: str, wanted: float
 def _root_near_value_of_file(question: Question, name: str, wanted: float) -> Trial | None:
     """The trial at which a quantity has a wanted value, sought from the value of the file on.
 
-    It is sought for keys that keep their sign alone, since a torque often has one value twice where
-    an angle or a coordinate varies. The result is None if the wanted value is not met: then the
+    This is done only for keys that keep their sign: as an angle or a coordinate varies, a torque
+    often has the same value twice. The result is None if the wanted value is not found: then the
     whole range must be tried.
     """
     (low, high), start = question.ends, question.value_of_file
@@ -544,7 +552,7 @@ def _trials_up_to_wanted_value(
 ) -> list[Trial]:
     """Solved trials from the first one on, until two enclose the wanted value or one has it.
 
-    The list is empty if this is not reached in NEAR_TRIALS trials, or before an end of the range.
+    The list is empty if neither happens within NEAR_TRIALS trials and the range.
     """
     known, (low, high) = [first], question.ends
     slope = _exact_slope_at_value(question, first.value, name)
@@ -557,7 +565,7 @@ def _trials_up_to_wanted_value(
             break
         trial = question.trial(value)
         if trial.failure:
-            # There is no answer from here on, so that the next value is nearer to a solved one.
+            # Beyond this value there is no answer: the next value is nearer to a solved trial.
             nearest = min(known, key=lambda one: abs(one.value - trial.value))
             low, high = (low, value) if value > nearest.value else (value, high)
             value = 0.5 * (nearest.value + value)
@@ -576,8 +584,8 @@ def _is_wanted_value_enclosed(known: Sequence[Trial], name: str, wanted: float) 
 def _first_guess(trial: Trial, name: str, wanted: float, slope: float | None) -> float:
     """The value of the key after the first trial: by its slope, or in proportion to the quantity.
 
-    A step by the slope to a value of the other sign, or farther than the proportional one by
-    RANGE_FACTOR, is not taken.
+    The slope is not used if it gives a value of the other sign, or more than RANGE_FACTOR times
+    larger or smaller than the proportional value.
     """
     quantity = float(getattr(trial, name))
     proportional = trial.value * wanted / quantity if quantity > 0 else RANGE_FACTOR * trial.value
@@ -627,9 +635,9 @@ def _add_trials_at_borders(question: Question, trials: list[Trial]) -> None:
 def _add_trial_at_extreme(
     question: Question, trials: list[Trial], name: str, wanted: float
 ) -> None:
-    """Add the trial at which a quantity is nearest to a wanted value beyond its reach.
+    """Add the trial with the largest or smallest quantity, if no trial reaches the wanted value.
 
-    It is the largest value if all trials are below the wanted one, and the smallest otherwise. It
+    It is the largest quantity if all trials are below the wanted value, and else the smallest. It
     is sought between the neighbours of the best trial, if both have an answer.
     """
     solved = [trial for trial in trials if not trial.failure]
@@ -689,7 +697,7 @@ def _value_with_largest_torque(question: Question, trials: list[Trial]) -> tuple
 
 
 def _is_peak_pressure_allowed(question: Question, trial: Trial) -> bool:
-    """Whether the peak pressure of a trial is at most its limit, where both are limited."""
+    """Whether the peak pressure of a trial is within its limit; True if there is no limit."""
     limit = question.peak_pressure
     if limit is None or question.torque is None:
         return True
@@ -709,7 +717,7 @@ def _sizing_of_value(
     ----------
     question, answer : parameters of `size_brake`
     found : the trial with the value
-    others : further values that give the same
+    others : further values that give the wanted quantity
     remark : what bounds the largest torque
     """
     brake = vary(question.brake, {question.key: found.value})
@@ -759,7 +767,7 @@ def _slope_at_trial(question: Question, found: Trial, name: str) -> float | None
 def _errors_of_value(
     response: Response, name: str, quantity: float, slope: float | None
 ) -> dict[str, float]:
-    """The errors of a value of the key [SI], from the stated errors of a quantity over its slope.
+    """The errors of a value of the key [SI]: stated errors of a quantity divided by its slope.
 
     Parameters
     ----------
@@ -799,7 +807,7 @@ def _not_possible(question: Question) -> str:
 def _text_on_value_out_of_reach(
     question: Question, trials: Sequence[Trial], name: str, wanted: float
 ) -> str:
-    """The refusal of a quantity that does not have its wanted value in the range."""
+    """The text that says why a quantity does not reach its wanted value in the range."""
     solved = [trial for trial in trials if not trial.failure]
     below = all(getattr(trial, name) < wanted for trial in solved)
     best = (max if below else min)(solved, key=lambda trial: getattr(trial, name))
@@ -822,7 +830,10 @@ def _text_on_value_out_of_reach(
 
 
 def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], root: Trial) -> str:
-    """The refusal of a torque whose peak pressure is too high, with the largest possible torque."""
+    """The text that says why a torque is refused whose peak pressure is above the limit.
+
+    It names the largest torque within the limit, if there is one.
+    """
     peak = quantity_in_words(root.peak_pressure, "Pa")
     text = (
         f"{_not_possible(question)}, because {question.key} = {question.text(root.value)}, "
