@@ -363,7 +363,7 @@ def _first_trials(question: Question) -> list[Trial]:
     if all(trial.failure for trial in trials):
         nearest = min(trials, key=lambda trial: abs(trial.value - question.value_of_file))
         raise NoAnswer(
-            f"{_not_possible(question)}, because no value of the range has an answer; "
+            f"{_refusal_start(question)}, because no value of the range has an answer; "
             f"{question.key} = {question.text(nearest.value)}: {nearest.failure}"
         )
     return trials
@@ -445,10 +445,10 @@ def _root_in_bracket(question: Question, known: list[Trial], name: str, wanted: 
         for trial in known:
             if _difference_from_wanted(trial, name, wanted) == 0:
                 return trial
-        low, high = _bracket_of_trials(known, name, wanted)
+        low, high = _closest_trials_around_wanted_value(known, name, wanted)
         resolution = 2 * np.finfo(float).eps * max(abs(low.value), abs(high.value))
         if high.value - low.value <= resolution:
-            return _end_of_closed_bracket(question, (low, high), name, wanted)
+            return _nearer_trial_of_closed_bracket(question, (low, high), name, wanted)
         value = _value_of_rational_function(known, name, wanted)
         is_slow = steps % 3 == 2 and high.value - low.value > 0.5 * width
         if is_slow or value is None or not low.value < value < high.value:
@@ -464,13 +464,15 @@ def _solved_trial(question: Question, value: float) -> Trial:
     trial = question.trial(value)
     if trial.failure:
         raise NoAnswer(
-            f"{_not_possible(question)}, because {question.key} = {question.text(value)} "
+            f"{_refusal_start(question)}, because {question.key} = {question.text(value)} "
             f"has no answer: {trial.failure}"
         )
     return trial
 
 
-def _bracket_of_trials(known: Sequence[Trial], name: str, wanted: float) -> tuple[Trial, Trial]:
+def _closest_trials_around_wanted_value(
+    known: Sequence[Trial], name: str, wanted: float
+) -> tuple[Trial, Trial]:
     """The two neighbouring trials, in growing order, between which a quantity crosses `wanted`.
 
     If there are several pairs, the closest pair is returned. Raises ValueError without a pair.
@@ -483,7 +485,7 @@ def _bracket_of_trials(known: Sequence[Trial], name: str, wanted: float) -> tupl
     return min(crossed, key=lambda pair: pair[1].value - pair[0].value)
 
 
-def _end_of_closed_bracket(
+def _nearer_trial_of_closed_bracket(
     question: Question, ends: tuple[Trial, Trial], name: str, wanted: float
 ) -> Trial:
     """The trial nearer to the wanted value, of two whose keys differ by round-off only.
@@ -499,7 +501,7 @@ def _end_of_closed_bracket(
     unit = question.brake.surface.effect_unit if name == "torque" else "Pa"
     from_to = [quantity_in_words(getattr(trial, name), unit) for trial in ends]
     raise NoAnswer(
-        f"{_not_possible(question)}, because the {what} jumps from {from_to[0]} to {from_to[1]} "
+        f"{_refusal_start(question)}, because the {what} jumps from {from_to[0]} to {from_to[1]} "
         f"at {question.text(near.value)}"
     )
 
@@ -556,7 +558,7 @@ def _trials_up_to_wanted_value(
     """
     known, (low, high) = [first], question.ends
     slope = _exact_slope_at_value(question, first.value, name)
-    value: float | None = _first_guess(first, name, wanted, slope)
+    value: float | None = _next_value_after_first_trial(first, name, wanted, slope)
     for _ in range(NEAR_TRIALS):
         if _is_wanted_value_enclosed(known, name, wanted):
             return known
@@ -581,7 +583,9 @@ def _is_wanted_value_enclosed(known: Sequence[Trial], name: str, wanted: float) 
     return min(off) <= 0 <= max(off)
 
 
-def _first_guess(trial: Trial, name: str, wanted: float, slope: float | None) -> float:
+def _next_value_after_first_trial(
+    trial: Trial, name: str, wanted: float, slope: float | None
+) -> float:
     """The value of the key after the first trial: by its slope, or in proportion to the quantity.
 
     The slope is not used if it gives a value of the other sign, or more than RANGE_FACTOR times
@@ -648,12 +652,16 @@ def _add_trial_at_extreme(
         return
     ends = trials[at - 1], trials[at + 1]
     if not any(end.failure for end in ends):
-        refined = _extreme_between(question, (ends[0].value, ends[1].value), name, sign)
+        refined = _trial_with_extreme_quantity_between(
+            question, (ends[0].value, ends[1].value), name, sign
+        )
         if not refined.failure:
             insort(trials, refined, key=lambda trial: trial.value)
 
 
-def _extreme_between(question: Question, ends: tuple[float, float], name: str, sign: int) -> Trial:
+def _trial_with_extreme_quantity_between(
+    question: Question, ends: tuple[float, float], name: str, sign: int
+) -> Trial:
     """The trial between two values of the key with the largest (sign 1) or smallest quantity."""
     seen: list[Trial] = []
 
@@ -690,7 +698,9 @@ def _value_with_largest_torque(question: Question, trials: list[Trial]) -> tuple
     failure = trials[at - 1].failure or trials[at + 1].failure
     if failure:
         return best, f"the torque is largest before there is no answer: {failure}"
-    refined = _extreme_between(question, (trials[at - 1].value, trials[at + 1].value), "torque", 1)
+    refined = _trial_with_extreme_quantity_between(
+        question, (trials[at - 1].value, trials[at + 1].value), "torque", 1
+    )
     if refined.torque > best.torque and _is_peak_pressure_allowed(question, refined):
         best = refined
     return best, "the torque is largest inside the range"
@@ -791,7 +801,7 @@ def _errors_of_value(
 # Texts of refusals
 
 
-def _not_possible(question: Question) -> str:
+def _refusal_start(question: Question) -> str:
     """The words with which a refusal begins: what is wanted, and the range that was searched."""
     wanted = []
     if question.torque is not None:
@@ -817,7 +827,7 @@ def _text_on_value_out_of_reach(
     unit = "Pa" if name == "peak_pressure" else question.brake.surface.effect_unit
     reached = quantity_in_words(getattr(best, name), unit)
     text = (
-        f"{_not_possible(question)}, because the {extreme} {what} is {reached}, "
+        f"{_refusal_start(question)}, because the {extreme} {what} is {reached}, "
         f"at {question.text(best.value)}"
     )
     at = trials.index(best)
@@ -836,7 +846,7 @@ def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], 
     """
     peak = quantity_in_words(root.peak_pressure, "Pa")
     text = (
-        f"{_not_possible(question)}, because {question.key} = {question.text(root.value)}, "
+        f"{_refusal_start(question)}, because {question.key} = {question.text(root.value)}, "
         f"which gives this torque, gives a peak pressure of {peak}"
     )
     try:

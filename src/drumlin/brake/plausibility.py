@@ -87,18 +87,21 @@ def notes_on_values_that_can_hardly_be_meant(brake: Brake) -> tuple[str, ...]:
     size = brake.size
     if brake.surface.is_plane_and_not_drum:
         size = max(shoe.lining.end - shoe.lining.start for shoe in brake.shoes)
-    lines = [*_lines_on_friction(brake), *_lines_on_stiff_linings(brake)]
+    lines = [*_notes_on_too_high_friction(brake), *_notes_on_too_stiff_linings(brake)]
     # If the drum's radius itself is probably a mistake, no length is compared with it.
-    on_drum = list(_lines_on_drum_radius(brake))
-    lines += on_drum or _lines_on_far_points(brake, size)
+    on_drum = list(_notes_on_unusual_drum_radius(brake))
+    lines += on_drum or _notes_on_far_points(brake, size)
     for value in _quantities_of_part(brake, ""):
-        lines += [] if on_drum else _lines_on_length(value, brake, size)
-        lines += [*_lines_on_angle(value), *_lines_on_modulus_or_pressure(value)]
-        lines += _lines_on_heat(value)
-    return tuple(f"note: {line}" for line in _lines_without_repeated_shoes(lines))
+        lines += [] if on_drum else _notes_on_unusual_length(value, brake, size)
+        lines += [
+            *_notes_on_angle_of_many_turns(value),
+            *_notes_on_unit_of_modulus_or_pressure(value),
+        ]
+        lines += _notes_on_temperature_or_expansion(value)
+    return tuple(f"note: {line}" for line in _notes_merged_over_shoes(lines))
 
 
-def _lines_without_repeated_shoes(lines: list[str]) -> Iterator[str]:
+def _notes_merged_over_shoes(lines: list[str]) -> Iterator[str]:
     """Yield one line, with a count, for lines that differ in the index of the shoe alone."""
     counts: dict[str, int] = {}
     firsts: dict[str, str] = {}
@@ -152,7 +155,7 @@ def _si_unit_of_field(kind: type[Part], name: str) -> str:
     return si_unit_of_field_type(annotation) or ""
 
 
-def _lines_on_friction(brake: Brake) -> Iterator[str]:
+def _notes_on_too_high_friction(brake: Brake) -> Iterator[str]:
     """Yield a note for each friction coefficient that is too large for a lining."""
     frictions = {"friction": brake.friction}
     for i, shoe in enumerate(brake.shoes):
@@ -167,11 +170,11 @@ def _lines_on_friction(brake: Brake) -> Iterator[str]:
             )
 
 
-def _lines_on_drum_radius(brake: Brake) -> Iterator[str]:
+def _notes_on_unusual_drum_radius(brake: Brake) -> Iterator[str]:
     """Yield a note if the drum's radius is outside DRUM_RADII."""
     low, high = DRUM_RADII
     if isinstance(brake, DrumBrake) and not low <= brake.drum.radius <= high:
-        meant = _length_in_other_unit(brake.drum.radius, small=brake.drum.radius < low)
+        meant = _text_of_length_in_other_unit(brake.drum.radius, small=brake.drum.radius < low)
         yield (
             f"drum.radius = {mm_text(brake.drum.radius)} is not usual, "
             f"20 mm to 5 m are; "
@@ -179,7 +182,7 @@ def _lines_on_drum_radius(brake: Brake) -> Iterator[str]:
         )
 
 
-def _lines_on_far_points(brake: Brake, size: float) -> Iterator[str]:
+def _notes_on_far_points(brake: Brake, size: float) -> Iterator[str]:
     """Yield a note for each support or point of actuation far from the drum or the linings."""
     for i, shoe in enumerate(brake.shoes):
         abutment = None if shoe.abutment is None else shoe.abutment.point
@@ -194,7 +197,7 @@ def _lines_on_far_points(brake: Brake, size: float) -> Iterator[str]:
             away = 0.0 if point is None else _distance_from_surface_centre(brake, point)
             if away > FAR_AWAY * size:
                 words = _words_for_size(brake, size)
-                meant = _length_in_other_unit(away, small=False)
+                meant = _text_of_length_in_other_unit(away, small=False)
                 yield (
                     f"shoe[{i}].{name} is {away:.4g} m away, {away / size:.3g} times {words}; "
                     f"did you mean {meant}?"
@@ -214,7 +217,7 @@ def _words_for_size(brake: Brake, size: float) -> str:
     return f"{name} = {mm_text(size)}"
 
 
-def _length_in_other_unit(length: float, *, small: bool) -> str:
+def _text_of_length_in_other_unit(length: float, *, small: bool) -> str:
     """The length [m] as a text with the same number in another unit, as a suggestion.
 
     A `small` length may be meant in m and written in mm. A large length may be meant in mm or cm
@@ -225,7 +228,7 @@ def _length_in_other_unit(length: float, *, small: bool) -> str:
     return f"{length:.4g} mm or {length:.4g} cm"
 
 
-def _lines_on_length(value: _Quantity, brake: Brake, size: float) -> Iterator[str]:
+def _notes_on_unusual_length(value: _Quantity, brake: Brake, size: float) -> Iterator[str]:
     """Yield a note on a width, thickness, grip or diameter far from the size of the brake."""
     least = {"thickness": THIN, "width": NARROW, "grip": THIN, "diameter": NARROW}.get(value.name)
     if least is None or value.unit != "m":
@@ -234,34 +237,36 @@ def _lines_on_length(value: _Quantity, brake: Brake, size: float) -> Iterator[st
     if value.value > FAR_AWAY * size:
         yield (
             f"{value.key} = {value.value:.4g} m is {value.value / size:.3g} times {words}; "
-            f"did you mean {_length_in_other_unit(value.value, small=False)}?"
+            f"did you mean {_text_of_length_in_other_unit(value.value, small=False)}?"
         )
     elif 0 < value.value < least * size:
         yield (
             f"{value.key} = {mm_text(value.value)} is {value.value / size:.2g} of {words}; "
-            f"did you mean {_length_in_other_unit(value.value, small=True)}?"
+            f"did you mean {_text_of_length_in_other_unit(value.value, small=True)}?"
         )
 
 
-def _lines_on_angle(value: _Quantity) -> Iterator[str]:
+def _notes_on_angle_of_many_turns(value: _Quantity) -> Iterator[str]:
     """Yield a note on an angle of several turns, probably degrees that were written as radians.
 
     The angular position of the drum may have many turns.
     """
     if value.unit == "rad" and value.key != "drum.angle":
-        yield from _line_on_turns(value.key, value.value)
+        yield from _note_if_angle_has_many_turns(value.key, value.value)
     if isinstance(value.part, Point) and value.name == "x" and value.part.written_angle is not None:
-        yield from _line_on_turns(f"{value.key.removesuffix('.x')}.angle", value.part.written_angle)
+        yield from _note_if_angle_has_many_turns(
+            f"{value.key.removesuffix('.x')}.angle", value.part.written_angle
+        )
 
 
-def _line_on_turns(key: str, angle: float) -> Iterator[str]:
+def _note_if_angle_has_many_turns(key: str, angle: float) -> Iterator[str]:
     """Yield a note if an angle [rad] has too many turns; `key` is its key in the file."""
     if abs(angle) > LARGEST_TURNS_OF_ANGLE * 2 * math.pi:
         turns = abs(angle) / (2 * math.pi)
         yield f"{key} = {angle:.6g} rad is {turns:.3g} turns; did you mean {angle:.6g} deg?"
 
 
-def _lines_on_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
+def _notes_on_unit_of_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
     """Yield a note on a modulus or cylinder pressure that confuses N/m^2 with N/mm^2."""
     if value.unit != "Pa":
         return
@@ -283,7 +288,7 @@ def _lines_on_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
         )
 
 
-def _lines_on_heat(value: _Quantity) -> Iterator[str]:
+def _notes_on_temperature_or_expansion(value: _Quantity) -> Iterator[str]:
     """Yield a note on a too large temperature rise or coefficient of thermal expansion."""
     if value.unit == "K" and abs(value.value) > HOTTEST:
         yield f"{value.key} = {value.value:.4g} K is more than the materials of a brake bear"
@@ -299,7 +304,7 @@ def _modulus_text(modulus: float) -> str:
     return f"{number_as_text(modulus * 1e-6, '.4g')} MPa"
 
 
-def _lines_on_stiff_linings(brake: Brake) -> Iterator[str]:
+def _notes_on_too_stiff_linings(brake: Brake) -> Iterator[str]:
     """Yield a note on each lining that is stiffer than its metal shoe, or metal on a soft shoe."""
     softest_metal, stiffest_metal = METAL_MODULI
     for i, shoe in enumerate(brake.shoes):
