@@ -78,7 +78,10 @@ Near a maximum the torque is quadratic: it is then within 1e-8 of its rise above
 that were tried. A smaller value takes more time.
 """
 SOLVED_SHARE = 0.01
-"""The search ends at this fraction of the stated error from the wanted torque or peak pressure."""
+"""Fraction of the stated error of a torque or peak pressure at which the search for it ends.
+
+The search ends when the quantity differs from its wanted value by less than this fraction.
+"""
 
 NEAR_TRIALS = 12
 """Largest number of trials, from the file's value on, until two enclose the wanted quantity.
@@ -87,28 +90,32 @@ Most questions take two to four. If these trials do not enclose it, the whole ra
 takes more time.
 """
 JUMP_OF_QUANTITY = 1e-9
-"""Difference of a quantity from its wanted value, relative to it, above which the quantity jumps.
+"""Relative difference of a quantity from its wanted value above which the quantity jumps.
 
-It counts where two values of the key that differ by round-off alone enclose the wanted value, and
-no larger error is stated. Round-off of a solve is some 1e-12; a smaller number would take round-off
-for a jump.
+It is used if two values of the key that differ by round-off alone enclose the wanted value. A
+larger stated error replaces it. The round-off of a solve is some 1e-12: a much smaller limit would
+take round-off for a jump.
 """
 EXACT = 1e-14
-"""The search ends at this relative difference if no error is stated: round-off of a double."""
+"""Relative difference from the wanted value at which the search ends if no error is stated.
+
+It is some 50 times the relative round-off of a double.
+"""
 
 PRINTED_UNITS = {"m": ("mm", 1e3), "rad": ("deg", math.degrees(1)), "Pa": ("MPa", 1e-6)}
 """By SI unit: the unit in which a quantity is printed, and the factor from the SI unit to it."""
 
 
 class Trial(NamedTuple):
-    """A value of the key that was tried, with the answer of the brake.
+    """A value of the key that was tried, with the torque and peak pressure of the brake.
 
     Attributes
     ----------
     value : value of the key [SI]
     torque : torque of the brake [N m], on a plane its braking force [N]; nan without an answer
     peak_pressure : largest peak pressure of the shoes [Pa]; nan without an answer
-    errors : stated relative errors of "torque" and "peak_pressure"; empty if none is stated
+    errors : stated relative errors of "torque" and "peak_pressure", 0 if not stated; empty without
+        an answer
     failure : the reason why there is no answer; "" if there is one
     """
 
@@ -195,11 +202,11 @@ class Question:
         return sorted(value for value in values if low <= value <= high)
 
     def text(self, value: float) -> str:
-        """A value of the key in words, such as "12 mm"."""
+        """A value of the key as text with its unit, such as "12 mm"."""
         return quantity_in_words(value, self.unit)
 
     def torque_text(self, torque: float) -> str:
-        """A torque in words; on a plane a braking force."""
+        """A torque as text, such as "400 N m"; for a brake on a plane its braking force."""
         return quantity_in_words(torque, self.brake.surface.effect_unit)
 
     def solve(self, value: float) -> Response:
@@ -212,7 +219,7 @@ class Question:
         return model_with_name_that_applies_to_brake(self.model, varied).solve(varied, **options)
 
     def trial(self, value: float) -> Trial:
-        """Try a value of the key. A brake without an answer, or not allowed, gives a failure."""
+        """Solve the brake with a value of the key; without an answer the trial has a failure."""
         try:
             response = self.solve(value)
         except (BadInput, NoAnswer) as error:
@@ -261,7 +268,7 @@ class Sizing:
     response: Response
 
     def as_dict(self) -> dict[str, Any]:
-        """The answer as plain data for JSON, in SI; `response` is that of `drumlin solve`."""
+        """The answer as plain data for JSON, in SI, with the response to the found value."""
         data = {name: value for name, value in vars(self).items() if name != "brake"}
         return data | {
             "errors": dict(self.errors),
@@ -293,7 +300,7 @@ class Sizing:
 
 
 def quantity_in_words(value: float, si: str) -> str:
-    """A quantity with six digits and a unit that people use, such as "12.5 mm"."""
+    """A quantity as text with six digits and a usual unit, such as "12.5 mm"."""
     unit, per_si = PRINTED_UNITS.get(si, (si, 1.0))
     return f"{value * per_si:.6g} {unit}".rstrip()
 
@@ -335,7 +342,7 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
 
 
 def _check_wanted_quantities(question: Question) -> None:
-    """Raise BadInput unless a positive torque or peak pressure is wanted of a known key."""
+    """Raise BadInput unless a positive quantity is wanted and the key can be varied."""
     if question.torque is None and question.peak_pressure is None:
         raise BadInput("--torque, --peak-pressure: give at least one of both")
     wanted = {"--torque": question.torque, "--peak-pressure": question.peak_pressure}
@@ -358,7 +365,7 @@ def _check_wanted_quantities(question: Question) -> None:
 
 
 def _first_trials(question: Question) -> list[Trial]:
-    """The first trials of the range. Raises NoAnswer if none of them has an answer."""
+    """Try the first values of the range. Raises NoAnswer if no value has an answer."""
     trials = [question.trial(value) for value in question.first_values()]
     if all(trial.failure for trial in trials):
         nearest = min(trials, key=lambda trial: abs(trial.value - question.value_of_file))
@@ -372,8 +379,8 @@ def _first_trials(question: Question) -> list[Trial]:
 def _values_with_wanted_quantity(question: Question, trials: list[Trial], name: str) -> list[Trial]:
     """The trials at which the wanted quantity has its wanted value.
 
-    The first trials are searched, then the borders beyond which there is no answer, then the
-    largest and the smallest value between the trials.
+    The value is sought between the first trials, then near the borders beyond which the brake has
+    no answer, then near the largest or smallest quantity between the trials.
 
     Parameters
     ----------
@@ -460,7 +467,7 @@ def _root_in_bracket(question: Question, known: list[Trial], name: str, wanted: 
 
 
 def _solved_trial(question: Question, value: float) -> Trial:
-    """A trial that has an answer. Raises NoAnswer with the reason if it has none."""
+    """Try a value of the key. Raises NoAnswer with the reason if the brake then has no answer."""
     trial = question.trial(value)
     if trial.failure:
         raise NoAnswer(
@@ -601,9 +608,9 @@ def _next_value_after_first_trial(
 
 
 def _exact_slope_at_value(question: Question, value: float, name: str) -> float | None:
-    """The exact slope of the torque by the key at a value; None where none is known.
+    """The exact derivative of the torque by the key at a value of the key; None if unknown.
 
-    The finite elements in the plane have it for friction, forces, moduli, clearances and hinges.
+    Finite elements in plane stress give it for friction, forces, moduli, clearances and hinges.
     """
     plain = {"elements", "kind", "penalty", "tolerance"}
     if question.model != "fem" or name != "torque" or not set(question.options) <= plain:
@@ -622,7 +629,7 @@ def _exact_slope_at_value(question: Question, value: float, name: str) -> float 
 
 
 def _add_trials_at_borders(question: Question, trials: list[Trial]) -> None:
-    """Add trials on both sides of each border beyond which there is no answer, by bisection."""
+    """Find by bisection where the brake ceases to have an answer, and add the trials near there."""
     for before, after in list(pairwise(trials)):
         if bool(before.failure) == bool(after.failure):
             continue
@@ -666,7 +673,7 @@ def _trial_with_extreme_quantity_between(
     seen: list[Trial] = []
 
     def negative_quantity(value: float) -> float:
-        """The quantity to minimise; infinite where there is no answer."""
+        """The quantity times -sign, whose minimum is sought; infinite without an answer."""
         seen.append(question.trial(float(value)))
         return math.inf if seen[-1].failure else -sign * float(getattr(seen[-1], name))
 
@@ -755,9 +762,9 @@ def _sizing_of_value(
 
 
 def _slope_at_trial(question: Question, found: Trial, name: str) -> float | None:
-    """The slope of a quantity by the key: the exact one where it is known, or a difference.
+    """The derivative of a quantity by the key: exact where that is known, else by differences.
 
-    It is None where no neighbour of the trial has an answer.
+    It is None if no neighbouring value of the key has an answer.
     """
     exact = _exact_slope_at_value(question, found.value, name)
     if exact is not None:

@@ -53,8 +53,8 @@ def unloaded_gap_of_shoe(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
         total = total + misfit.taper * from_middle / (lining.end - lining.start)
     if misfit.blocks:
         total = total + gap_due_to_block_heights(lining, theta)
-    # Where the drum lies outside its circle, the gap of an internal lining is larger and that of an
-    # external lining is smaller.
+    # Where the drum lies outside its circle, an internal lining has a larger gap, and an external
+    # lining a smaller gap.
     off = brake.radial_deviation_of_surface(theta)
     return total if off is None else total + shoe.sign * off
 
@@ -63,7 +63,8 @@ def gap_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
     """Gap [m] due to the different heights of a lining's blocks, at coordinates theta, same shape.
 
     Each block stands back by its depth, and the gap changes smoothly over the length `step` from
-    one block to the next. A step of height h has the smallest radius of curvature (R step)^2/(6 h).
+    one block to the next. On a drum of radius R a step of height h has the smallest radius of
+    curvature (R step)^2/(6 h).
     """
     gap, before = np.zeros(np.shape(theta)), 0.0
     for begin, depth in lining.misfit.blocks:

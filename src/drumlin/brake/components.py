@@ -167,7 +167,7 @@ class Ring(Part):
     def has_fixed_or_free_far_edge(self) -> bool:
         """Whether the ring's edge away from the shoes is simply fixed or free.
 
-        Some models know no other support and refuse a ring that is not plain, see
+        Some models refuse a ring with any other support, see
         `ring_support.reason_if_ring_support_is_not_plain`.
         """
         return self.support in PLAIN_SUPPORTS

@@ -299,7 +299,7 @@ def _actuation_of_shoe_without_strut(
         raise ValueError(f"{key}.force: the brake's [actuation] gives it; leave one out")
     if drive is None:
         return own
-    # The forces of a cam are equal before the solve, which finds them from the shoes' stiffnesses.
+    # Each shoe of a cam gets half of the sum. A solve finds the true parts from the stiffnesses.
     share = drive.force_of_cylinder_or_sum_of_cam_forces / (2 if drive.is_cam else 1)
     return own.model_copy(update={"force": share})
 

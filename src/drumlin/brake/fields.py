@@ -344,7 +344,7 @@ def _check_poisson_ratio_is_small_enough(
 
 
 def _kind_of_material_isotropic_or_orthotropic(data: object) -> str:
-    """Tell whether data are those of an "isotropic" or of an "orthotropic" material.
+    """The tag of the data of a material: "isotropic" or "orthotropic".
 
     The data are orthotropic if they have a key that only an orthotropic material has.
     """
@@ -440,7 +440,7 @@ def validator_of_table_with_growing_coordinates(
 ) -> BeforeValidator:
     """Make the validator of a table of rows (coordinate, value) with growing coordinates.
 
-    The parameters are those of `validator_of_number_or_table`.
+    The parameters are as in `validator_of_number_or_table`.
     """
     return BeforeValidator(
         partial(_convert_table_rows_to_si, place=place, name=name, row=(place_si, si))
@@ -452,9 +452,8 @@ def _convert_number_or_table_to_si(
 ) -> float | Rows:
     """Convert a number, or a table of rows (coordinate, value), to SI units.
 
-    Raises ValueError for other data and for a table of fewer than two rows. The parameters are
-    those of `_convert_table_rows_to_si`; `si` is the SI unit of a number that stands in place of
-    the table.
+    Raises ValueError for other data and for a table of fewer than two rows. `si` is the SI unit of
+    a number in place of a table. The other parameters are as in `_convert_table_rows_to_si`.
     """
     if not isinstance(value, list | tuple):
         return _quantity_in_si(value, info, si)

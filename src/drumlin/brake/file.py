@@ -121,7 +121,7 @@ def make_drum_brake_from_data(
 ) -> Brake:
     """Make a brake on a drum from the nested data of a brake file.
 
-    Raises BadInput for wrong data; parameters as of `make_validated_part`.
+    Raises BadInput for wrong data. The parameters are as in `make_validated_part`.
     """
     return make_validated_part(DrumBrake, data, unit_required=unit_required, base=base)
 
@@ -153,7 +153,7 @@ _TOML_HINTS = (
 
 
 def _hint_about_toml_error(text: str, error: Exception) -> str:
-    """A hint what to write in the line that a TOML error names, such as "; write quotes as ...".
+    """A hint on what to write in the line that a TOML error names, as "; write quotes as ...".
 
     It is "" if the cause is unknown.
     """
@@ -235,7 +235,7 @@ def si_unit_of_brake_key(brake: Part, key: str) -> str | None:
 
 
 def is_allowed_range_an_interval(brake: Part, key: str) -> bool:
-    """Whether the allowed positive values of a key form one interval, and the negative ones too.
+    """Whether all positive values that a key may have form one interval, and all negative too.
 
     The values of all other keys are fixed. The result is True for lengths, forces, moduli and
     numbers without unit: they only have upper and lower limits. It is False for angles and for
@@ -288,7 +288,7 @@ def parts_and_field_of_key(brake: Part, key: str) -> tuple[list[Part], str]:
 
 
 def _is_part_with_name(part: Part, step: str) -> bool:
-    """Whether `step`, one word of a dotted key, is the name of the part, such as of a shoe.
+    """Whether `step`, one word of a dotted key, is the name of this part, such as a shoe.
 
     It is False if the part has a key with this word.
     """
@@ -402,7 +402,7 @@ def _set_value_in_nested_data(data: Any, steps: list[str], value: Any, key: str)
             _set_value_in_nested_data(target, rest_of, value, key)
     elif not isinstance(data, dict):
         raise BadInput(f"{key}: {head!r} has nothing to be set in")
-    # As long as names remain, the value is set in the table below.
+    # If more names follow, the value belongs into the table with the key `head`.
     elif rest:
         if head not in data:
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
@@ -414,9 +414,9 @@ def _set_value_in_nested_data(data: Any, steps: list[str], value: Any, key: str)
 
 
 def _convert_point_to_coordinates_with_key(data: dict[str, Any], key: str) -> None:
-    """Convert the data of a point to those coordinates, x and y or polar, that have a key.
+    """Convert a point's data, in place, to the coordinates that have `key`: x and y, or polar.
 
-    The data are changed in place. Other data, and data that have the key already, stay.
+    Data of anything else, and data that have the key already, are not changed.
     """
     if key in data or not isinstance(key, str):
         return

@@ -1,7 +1,7 @@
 """Friction coefficients that depend on pressure, sliding speed and temperature.
 
 The key `friction` of a brake or of a lining is a number or a table of measured coefficients. The
-sliding speed is that of the brake, and the temperature is that of the lining's face. Both are
+sliding speed belongs to the whole brake, the temperature to the face of each lining. Both are
 known before the solve, so that a table over speed and temperature alone gives each lining one
 coefficient. A table over the pressure gives each point of the lining a coefficient of its own.
 """
@@ -188,7 +188,7 @@ def key_of_friction_over_pressure(brake: "Brake") -> str | None:
 
 
 def reason_if_friction_depends_on_pressure(brake: "Brake", what: str) -> str | None:
-    """Why a computation that takes numbers for friction does not apply; None if it applies.
+    """Why a computation does not apply if friction depends on the pressure; None if it does not.
 
     `what` names the computation in the text.
     """

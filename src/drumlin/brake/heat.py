@@ -196,7 +196,7 @@ def brake_with_heat_in_parts(brake: "Brake", keys: Collection[str]) -> "Brake":
         parts = {}
         for layer in heated_layers_of_shoe(shoe):
             if layer.key not in keys:
-                # Several linings of a shoe all lose their heat.
+                # If the shoe has several linings, `copy_with` removes the heat of each.
                 part = layer.part
                 is_lining = isinstance(part, Lining)
                 changed = part.copy_with(cold) if is_lining else part.model_copy(update=cold)

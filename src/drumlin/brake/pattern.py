@@ -73,7 +73,8 @@ def move_along_plane(length: float) -> Move:
 def moved_part(part: Any, move: Move) -> Any:
     """A copy of a shoe or of a part of it, with all its places and directions moved.
 
-    The offset of a misfit is a vector: it turns with a drum's shoe and stays on a plane.
+    The offset of a misfit is a vector: it turns with a shoe on a drum, and is the same for each
+    shoe on a plane.
     """
     changes: dict[str, Any] = {}
     for name in part.model_fields_set:
@@ -99,8 +100,8 @@ def data_with_repeated_shoes(
 ) -> object:
     """Return the data of a brake with several shoes in place of each shoe with a pattern.
 
-    Data without a pattern are returned as they are. A shoe with wrong data stays, so that its error
-    is reported as that of any shoe.
+    Data without a pattern are returned as they are. A shoe with wrong data is kept, so that its
+    error is reported later, as for any shoe.
 
     Parameters
     ----------

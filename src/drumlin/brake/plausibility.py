@@ -39,12 +39,12 @@ DRUM_RADII = (1e-3, 30.0)
 Drums have radii of some 20 mm to 5 m.
 """
 HIGH_FRICTION = 2.0
-"""Friction coefficient above which a note asks whether per cent were meant.
+"""Friction coefficient above which a note asks whether the number is in per cent.
 
 Brake linings reach 0.7, and dry rubber 1.5.
 """
 LARGEST_TURNS_OF_ANGLE = 2.0
-"""Turns of an angle above which a note asks whether degrees were meant.
+"""Number of turns of an angle above which a note asks whether its unit should be degrees.
 
 An angle of 75 deg that is written as 75 rad is 12 turns.
 """
@@ -60,9 +60,9 @@ METAL_MODULI = (6e10, 2.2e11)
 A note asks about a lining that is stiffer than a shoe of such a metal.
 """
 STIFFEST_USUAL_LINING = 2e10
-"""Modulus [Pa] up to which a material may be that of a lining; organic linings have 1e8 to 5e9 Pa.
+"""Largest usual modulus [Pa] of a lining's material; organic linings have 1e8 to 5e9 Pa.
 
-A note asks about a lining of metal on a shoe of such a material.
+A note asks about a metal lining on a shoe whose modulus is not above this value.
 """
 HOTTEST = 1200.0
 """Temperature rise [K] above which a note asks whether it is meant. Cast iron melts at 1400 K."""

@@ -103,7 +103,7 @@ class Freedoms(NamedTuple):
     tests : (k, 3), test modes, on which the support reactions do no work
     work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
     further_work : (k,), work of all loads besides the actuation on each test mode [N m or N]
-    tip : (k,), displacement of the point of actuation along its force in each mode [m]
+    tip : (k,), displacement of the point of actuation along the actuation force in each mode [m]
     names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" (along an abutment or a
         guide), "off" (away from an abutment), "x" or "y" (translations of a shoe on anchors)
     """
@@ -471,7 +471,7 @@ class Held(Part):
 def _absolute_mesh_path(mesh: Path | None, info: ValidationInfo) -> Path | None:
     """Make the path of a mesh file absolute; relative paths start from the brake file's folder.
 
-    The mesh file is protected from being overwritten. Without a brake file the path stays.
+    The mesh file is protected from being overwritten. Without a brake file the path is not changed.
     """
     base = (info.context or {}).get("base")
     if mesh is None or base is None:

@@ -181,7 +181,7 @@ def _readings_of_unit(unit: str, si: str) -> list[str]:
     Of these readings at most one has the dimension of the SI unit `si`.
     """
     if unit in {'"', "'"}:
-        # The signs of inches and feet are those of seconds and minutes of arc as well.
+        # The signs " and ' are inches and feet of a length, but seconds and minutes of an angle.
         return [{'"': "in", "'": "ft"}[unit]] if si == "m" else [unit]
     # A point or a hyphen between two words is a product, and a digit after a length is its power.
     plain = re.sub(r"(?<=[A-Za-z])[.-]+", " ", unit)

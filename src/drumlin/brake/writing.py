@@ -139,7 +139,7 @@ def _toml_texts_of_table_rows(rows: tuple[Any, ...], kind: Any) -> list[str]:
 def _toml_text_in_quotes(text: str) -> str:
     """A text in quotes for TOML. Raises BadInput for a text that is no UTF-8.
 
-    The escape sequences are those of JSON, which TOML takes, and one for the character DEL.
+    Special characters are escaped as in JSON, which TOML accepts; DEL is escaped in addition.
     """
     try:
         text.encode("utf-8")
