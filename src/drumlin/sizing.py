@@ -805,7 +805,7 @@ def _errors_of_value(
     }
 
 
-# Texts of refusals
+# The functions below write the messages of NoAnswer.
 
 
 def _refusal_start(question: Question) -> str:

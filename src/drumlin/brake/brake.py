@@ -55,7 +55,7 @@ class ShoeFrame(NamedTuple):
         return self.sense * (np.asarray(theta) - self.origin) / self.unit
 
     def phi_coordinates_as_list(self, theta: Iterable[float]) -> list[float]:
-        """Convert some coordinates of the surface to phi; the result is a list of numbers."""
+        """Convert coordinates of the surface to phi; the result is a list of numbers."""
         return [self.sense * (place - self.origin) / self.unit for place in theta]
 
     def theta(self, phi: Floats) -> Floats:
@@ -209,7 +209,7 @@ class Shoe(Meshed):
 
     @abstractmethod
     def back(self, size: float) -> float:
-        """Length [m] along the back of the shoe's body per unit of phi; its radius on a drum."""
+        """Length [m] along the back of the shoe's body per unit of phi; on a drum its radius."""
 
     @property
     @abstractmethod
@@ -476,7 +476,10 @@ class Brake(Part):
         return self.friction_of_shoe(shoe) / self.friction
 
     def _has_lining_own_friction(self, shoe: Shoe) -> bool:
-        """Whether a lining has its own friction, by its key or because it is heated."""
+        """Whether a lining has its own friction coefficient, by its key or by its temperature.
+
+        The temperature counts if the brake has a table of friction over temperature.
+        """
         written = self.friction_as_written
         by_heat = isinstance(written, FrictionTable) and bool(written.temperature_rise)
         return shoe.lining.friction is not None or (by_heat and shoe.lining.temperature_rise != 0)

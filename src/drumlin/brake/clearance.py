@@ -135,7 +135,7 @@ def _rows_and_slope_changes_of_clearance(lining: Lining) -> list[tuple[float, fl
         # The zeros are the slopes before the first row and after the last one.
         slope = np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]])
         rows = zip(angle.tolist(), np.diff(slope).tolist(), strict=True)
-        # Of several linings, a table counts on its own lining only: others lie beside it.
+        # If the shoe has several linings, each table holds on its own lining only.
         alone = len(lining.linings_apart) == 1
         found += [row for row in rows if alone or part.start < row[0] < part.end]
     return found

@@ -349,7 +349,7 @@ class Lining(Part):
 
     @property
     def length_of_shortest_lining(self) -> float:
-        """Length of the shortest part of the friction surface, in the surface's coordinate."""
+        """Length of the shortest lining, in the coordinate along the surface (rad on a drum)."""
         return min(end - start for start, end in self.arcs)
 
     @property
@@ -679,7 +679,7 @@ class Bar(Part):
 
     @model_validator(mode="after")
     def _check_bar_section_and_flange_width(self) -> Self:
-        """Raise ValueError unless the section is known and the flange is as wide as the web."""
+        """Raise ValueError unless the section is known and no flange is narrower than its web."""
         if (self.width is None or self.material is None) and (
             self.bending_stiffness is None or self.width
         ):

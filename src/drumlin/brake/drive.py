@@ -88,7 +88,7 @@ class Drive(Part):
         """Raise ValueError unless the given keys describe one cylinder, cam or wedge."""
         keys = ("pressure", "diameter", "force", "torque", "radius", "chamber", "wedge_angle")
         given = {key for key in keys if getattr(self, key) is not None}
-        # Each of these sets of keys determines the force. With more keys they could disagree.
+        # Each of these sets of keys determines the force. Further keys could contradict it.
         cylinder, by_chamber = {"pressure", "diameter"}, {"chamber", "radius"}
         wedge = {"chamber", "wedge_angle"}
         if given not in (cylinder, {"force"}, {"torque", "radius"}, by_chamber, wedge):
@@ -117,7 +117,7 @@ class Drive(Part):
     @property
     def force_of_cylinder_or_sum_of_cam_forces(self) -> float:
         """Sum of the forces on both shoes [N] of a cam or wedge, or force on each of a cylinder."""
-        # The force of a cylinder is the pressure times the area of the piston.
+        # The force of a cylinder is the pressure above the threshold times the area of the piston.
         if self.pressure is not None and self.diameter is not None:
             acting = self.pressure - (self.threshold or 0.0)
             return self.efficiency * acting * math.pi * self.diameter**2 / 4

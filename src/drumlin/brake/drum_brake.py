@@ -247,7 +247,7 @@ class DrumBrake(Brake):
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
         check_speed_of_friction_tables(self, "drum.speed", self.drum.speed is not None)
         self.check_friction_of_brake_scales_linings()
-        # Data of a file must have units, data of a program need not: this tells them apart.
+        # `unit_required` is set for data of a file, which need units, and not for a program's data.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive(self, file=from_file)
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)

@@ -142,7 +142,7 @@ def parse_text_of_brake_file(text: str, path: Path) -> dict[str, Any]:
         ) from error
 
 
-# Pairs: a pattern of lines that TOML does not take, and the hint what to write instead.
+# Pairs: a pattern of lines that TOML does not take, and the hint on what to write.
 _TOML_HINTS = (
     (r"^\s*\[{1,2}\s*(?:shoe|link)\s*\]", "write [[shoe]] in double brackets above each shoe"),
     ("[“”„‟«»‘’]", 'write quotes as "'),

@@ -118,7 +118,7 @@ class Spring(Part):
         return np.asarray(along / np.linalg.norm(along))
 
     def force_on_shoe(self, name: str, pull: float) -> ForceAtPoint | None:
-        """The spring's force on the shoe `name` by a pull [N]; None if it ends at no such shoe."""
+        """The spring's force on the shoe `name` by a pull [N]; None if it joins other shoes."""
         if name not in (self.shoe, self.to):
             return None
         sign, at = (1, self.point) if name == self.shoe else (-1, self.end)
@@ -181,7 +181,7 @@ class Lever(ShoeForce):
 
 
 def force_at_point(force: Floats, point: Floats) -> ForceAtPoint:
-    """A force (2,) [N] at a point (2,) [m], as plain numbers."""
+    """Make a ForceAtPoint from the arrays of a force (2,) [N] and of its point (2,) [m]."""
     return ForceAtPoint((float(force[0]), float(force[1])), (float(point[0]), float(point[1])))
 
 

@@ -126,12 +126,12 @@ def check_heated_drum_can_expand(drum: Drum) -> None:
 
 
 def _ring_material(ring: Ring | None) -> AnyMaterial | None:
-    """The material of an elastic ring; None without a ring or if its file gives none."""
+    """The material of an elastic ring; None without a ring or without its material."""
     return None if ring is None else ring.material
 
 
 def _expansion_of_drum(drum: Drum) -> float | None:
-    """Coefficient of thermal expansion of the drum [1/K], given with it or with its ring."""
+    """Thermal expansion of the drum [1/K]: its own value, or that of its ring's material."""
     material = _ring_material(drum.ring)
     if drum.expansion is None and material is not None:
         return material.expansion_along
@@ -246,7 +246,7 @@ def warning_on_heat_left_out(brake: "Brake") -> str | None:
 
 
 def is_any_shoe_heated(brake: "Brake") -> bool:
-    """Whether a lining, a backing or a body of a brake is heated."""
+    """Whether the lining, backing or body of any shoe is heated."""
     return any(True for shoe in brake.shoes for _ in heated_layers_of_shoe(shoe))
 
 

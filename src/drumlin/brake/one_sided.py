@@ -38,7 +38,7 @@ brake is so small.
 NOT_HELD_TEXT = (
     "no equilibrium, on no choice of its one-sided supports do pushes balance the actuation"
 )
-"""Text of the refusal of a shoe that its anchors, abutments and struts cannot hold by pushing."""
+"""Error text for a shoe that its anchors, abutments and struts cannot hold by pushing."""
 
 
 class SideOfSupport(NamedTuple):

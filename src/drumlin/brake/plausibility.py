@@ -124,7 +124,7 @@ class _Quantity(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The last part of the key."""
+        """The last word of the key, such as "thickness"."""
         return self.key.rpartition(".")[2]
 
 
@@ -205,7 +205,7 @@ def _notes_on_far_points(brake: Brake, size: float) -> Iterator[str]:
 
 
 def _distance_from_surface_centre(brake: Brake, point: Point) -> float:
-    """Distance [m] of a point from the drum's centre, on a plane from the nearest lining."""
+    """Distance [m] of a point from the drum's centre, or from the nearest pad's middle."""
     if not brake.surface.is_plane_and_not_drum:
         return point.radius
     return min(math.dist(point.xy, (shoe.lining.middle, 0.0)) for shoe in brake.shoes)

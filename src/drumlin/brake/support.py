@@ -42,7 +42,7 @@ from drumlin.brake.further_loads import (
 )
 
 MAIN_SUPPORTS = ("hinge", "abutment", "guide")
-"""Keys of the supports; a shoe has exactly one of them. A pivot needs a hinge besides."""
+"""Keys of supports of which a shoe without anchors has exactly one; a pivot needs a hinge."""
 
 MOVES = {
     "hinge": "it turns about its hinge",
@@ -186,7 +186,7 @@ class Held(Part):
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
     forces: Annotated[tuple[ShoeForce, ...], Field(alias="force")] = ()
     mass: ShoeMass | None = None
-    # The loads of springs, levers, gravity and rotation, which the brake tells its shoes.
+    # The loads on this shoe by springs, levers, gravity and rotation, which the brake sets.
     _loads_of_brake: LoadsOfBrake = PrivateAttr(NO_LOADS)
     # Whether finite elements let all loads of the shoe act where its actuation acts.
     _has_loads_at_actuation: bool = PrivateAttr(False)

@@ -165,7 +165,7 @@ def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
 
 
 def _si_factor_and_dimension_by_pint(unit: str) -> tuple[float, Any] | None:
-    """The factor from `unit` to base units and its base units, by pint; None if it is unknown."""
+    """The factor from `unit` to pint's base units, and these units; None for an unknown unit."""
     registry = _pint_unit_registry()
     try:
         factor, base = registry.get_base_units(registry.parse_units(unit))
