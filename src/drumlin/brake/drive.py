@@ -327,7 +327,7 @@ def _actuation_of_shoe_pushed_by_strut(
             f"{key}.from = {link.source!r}: a strut pushes along its line; "
             "leave out abutment.friction"
         )
-    # In the order of the file, a shoe must be pushed before it pushes another shoe.
+    # The file must name the strut that pushes a shoe before the strut that the shoe pushes.
     if link.to == link.source or any(other.source == link.to for other in before):
         raise ValueError(
             f"{key}.to = {link.to!r}: must be a shoe that does not push another in a link before; "

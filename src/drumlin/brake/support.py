@@ -193,7 +193,7 @@ class Held(Part):
 
     @model_validator(mode="after")
     def _check_has_one_support(self) -> Self:
-        """Raise ValueError unless the shoe has one of the five supports."""
+        """Raise ValueError unless the shoe has one support: hinge, abutment, guide or anchors."""
         given = [key for key in MAIN_SUPPORTS if getattr(self, key) is not None]
         if self.anchors:
             self._check_anchors_fit_other_supports(given)

@@ -128,9 +128,9 @@ class FrictionSurface:
         return np.array([zero, zero + size])
 
     def turns(self, twice: float) -> float:
-        """The multiple of a full turn, in q, that is nearest to half of `twice`; 0 on a plane.
+        """Round the distance `twice`/2 between two coordinates q to whole turns; 0 on a plane.
 
-        It shows by how many whole turns the coordinates of two linings differ. For this `twice` is
+        The result is in the unit of q, a multiple of 2 pi on a drum. For two linings `twice` is
         twice the distance of their middles: the sum of the ends of the first lining minus the sum
         of the ends of the second lining.
         """
