@@ -69,7 +69,7 @@ __all__ = [
     "write_brake",
 ]
 
-# Most public names are in drumlin.door. For each other name: its module, and its name there.
+# Module and name of the public objects that are not in drumlin.door, by their public name.
 _ELSEWHERE = {
     "BadInput": ("drumlin.base.errors", "BadInput"),
     "Brake": ("drumlin.brake", "Brake"),

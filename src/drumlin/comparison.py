@@ -31,9 +31,9 @@ from drumlin.response.response import EDGE_ZONE, Response
 from drumlin.response.show import text_of_contact_arcs
 
 COLD = "cold"
-"""Name under which comparisons show the finite elements of a hot brake before it was heated."""
+"""Name, in comparisons, of the finite element result of a heated brake as it is when cold."""
 
-# The class of the compared brake, which a comparison keeps.
+# Type variable for the class of the compared brake: `Comparison.brake` keeps this class.
 BrakeKind = TypeVar("BrakeKind", bound=Brake)
 
 
@@ -87,7 +87,7 @@ class Extrapolated(NamedTuple):
     order : observed order of convergence; nan if the values do not converge
     value : estimated limit
     uncertainty : uncertainty of the limit: its difference from the finest value, or the larger of
-        the two steps between meshes if the values do not converge
+        the two changes between meshes if the values do not converge
     """
 
     order: float
@@ -100,9 +100,9 @@ def richardson_limit_from_changes_between_meshes(
 ) -> Extrapolated:
     """Estimate the limit of a value as meshes are refined, by Richardson extrapolation.
 
-    The extrapolation needs two steps of the same sign of which the second is smaller. Otherwise the
-    finest value is taken for the limit, with the larger step as its uncertainty. The order is nan
-    if the second step is not smaller.
+    The extrapolation needs two changes of the same sign, the second smaller than the first one.
+    Otherwise the finest value is taken as the limit, with the larger change as its uncertainty. The
+    order is nan if the second change is not smaller.
 
     Parameters
     ----------
@@ -113,12 +113,12 @@ def richardson_limit_from_changes_between_meshes(
     """
     if last == 0:
         return Extrapolated(math.nan, fine, abs(first))
-    # The second step is smaller than the first one by this factor.
+    # The first change is this many times as large as the second change.
     gain = first / last
     order = math.log(abs(gain), ratio) if abs(gain) > 1 else math.nan
     if gain <= 1:
         return Extrapolated(order, fine, max(abs(first), abs(last)))
-    # The steps after the finest mesh would form a geometric series with the ratio 1/gain.
+    # The changes beyond the finest mesh are a geometric series with the ratio 1/gain.
     correction = last / (gain - 1)
     return Extrapolated(order, fine + correction, abs(correction))
 
@@ -142,7 +142,7 @@ class TableColumn(NamedTuple):
     heading : heading of the column
     unit : unit in which the value is shown
     factor : factor that converts the value from SI to this unit
-    form : format of the number, as of `format`
+    form : format specification of the number, such as ".4g"
     """
 
     key: str
@@ -390,7 +390,7 @@ def compare(
         outcomes.append(
             solve_and_time_model(model.name, partial(model.solve, brake, **own_options), times)
         )
-        # A hot brake is compared with the same brake before it was heated.
+        # A heated brake is also solved cold, and both results are compared.
         if model.name == "fem" and names_of_heated_parts(brake):
             solve = partial(_solve_brake_without_heat, model, brake, **own_options)
             outcomes.append(solve_and_time_model(COLD, solve, times))
@@ -398,14 +398,14 @@ def compare(
 
 
 def _solve_brake_without_heat(model: Model, brake: Brake, **options: Any) -> Response:
-    """The result of a model for a heated brake as it was before it was heated."""
+    """The result of a model for a heated brake without its heat."""
     response = model.solve(brake_with_heat_in_parts(brake, ()), **options)
     return replace(response, model=COLD)
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """The results of a brake on meshes of which each has twice as many elements as the one before.
+    """The results of a brake on meshes, each with twice as many elements as the mesh before.
 
     Attributes
     ----------
@@ -438,7 +438,7 @@ class Convergence:
         the finest mesh from its limit. It is extrapolated from the distances between successive
         meshes.
         """
-        # For a finest value of 0 the estimated uncertainty is the distance from the limit.
+        # The finest value is set to 0, so that the limit is a distance from the finest mesh.
         first, last = self.pressure_distances_between_meshes(shoe)[-2:]
         limit = richardson_limit_from_changes_between_meshes(0.0, first, last)
         return limit.order, limit.uncertainty

@@ -69,7 +69,7 @@ def _read_brake_if_path(brake: BrakeOrPath) -> Brake:
 
 
 def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _Source:
-    """Return a brake with the text of its file; without a file, the text that would be written."""
+    """Return a brake with its file's text; for a brake without file, what `write_brake` writes."""
     from drumlin.base.texts import command_text_without_folders
     from drumlin.brake import read_any
     from drumlin.brake.file import read_text_of_brake_file
@@ -189,7 +189,7 @@ def solve(
         options["model_error"] = True
     if model == "fem" and not worn_in:
         options["self_locking"] = True
-    # Values that can hardly be meant are named with the answer, and with the reason for none.
+    # Notes on unlikely values come with a result, and also with the reason why there is no result.
     notes = notes_on_values_that_can_hardly_be_meant(whole)
     try:
         response = chosen.solve(whole, **options)
@@ -296,7 +296,8 @@ def size(
     model : the model, see `solve`
     low : begin of the range of the key [SI]; None: a tenth of the value of the file, 30 deg less
         for an angle, a quarter of the radius less for a coordinate
-    high : end of the range of the key [SI]; None: ten times the value, and so on
+    high : end of the range of the key [SI]; None: ten times the value of the file, 30 deg more for
+        an angle, a quarter of the radius more for a coordinate
     elements : number of finite elements along each lining, see `solve`
     kind : kind of the finite elements, see `solve`
     penalty : contact stiffness of the finite elements, see `solve`
@@ -317,7 +318,7 @@ def size(
     BadInput
         for an unknown key, a key without a single number, an empty range, an option out of range
     NoAnswer
-        where it is not possible; the message names the reason and the range that was searched
+        if no value of the range gives what is wanted; the message names the reason and the range
 
     Examples
     --------
@@ -460,10 +461,10 @@ def wear(
     worn.check_shoes_can_be_meshed()
     on_mesh = _options_given_by_user(elements=elements, kind=kind)
     on_springs = _options_given_by_user(sections=sections, lift=lift)
-    # Options that belong to the other model are refused.
+    # Options of finite elements are refused for the foundation model, and the other way round.
     only_mesh = on_mesh | _options_given_by_user(guided=guided)
     whole_brake.require_options_of_wear_model(model, only_mesh, on_springs)
-    # The wear law, the torque to keep constant and the prepared models determine the computation.
+    # Collect what the wear computation needs: wear law, constant torque and prepared models.
     law = whole_brake.make_wear_law(coefficient, exponent)
     held = (
         None
@@ -663,8 +664,8 @@ def self_locking(
     Returns
     -------
     tuple of LockingLimit
-        one for each group of shoes: a single shoe on a rigid drum is a group; all shoes on an
-        elastic ring, on a cam or on struts are a group
+        one for each group of shoes whose forces depend on each other: all shoes on an elastic ring,
+        on a cam or on struts; any other shoe is a group of its own
 
     Raises
     ------
@@ -688,7 +689,7 @@ def self_locking(
     require_positive_penalty(penalty)
     whole = _read_brake_if_path(brake)
     whole.check_shoes_can_be_meshed()
-    # This function identifies shoes by their indices. The result identifies them by their names.
+    # `self_locking_friction_of_shoe_groups` returns indices of shoes, the user gets their names.
     found = self_locking_friction_of_shoe_groups(
         prepared_model_with_finest_elements(whole, **on_mesh),
         whole,
@@ -774,7 +775,7 @@ class CheckResult(NamedTuple):
         return are_verdicts_within_tolerance(self.verdicts, self.tolerance)
 
     def lines(self) -> list[str]:
-        """Lines of text about each shoe; the last line is the verdict on all shoes together."""
+        """Lines of text on the errors of each shoe; the last line is the verdict on all shoes."""
         from drumlin.verification.check import text_lines_on_errors_of_pressure_table
 
         return text_lines_on_errors_of_pressure_table(self.verdicts, self.tolerance, self.surface)

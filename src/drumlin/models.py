@@ -25,7 +25,7 @@ class Model(NamedTuple):
     assumes : its assumptions in words
     why_not : function that returns why the model does not apply to a brake; None if it applies
     solve : function that solves a brake and returns its Response
-    by_name : whether a comparison leaves it out unless its name is given, because it takes seconds
+    by_name : whether a comparison has the model only if the user names it, since it takes seconds
     """
 
     name: str
@@ -144,7 +144,7 @@ def _make_model_of_law(
     name : name of the law
     assumes : its assumptions in words
     why_not : function that returns why the law does not apply to a brake, or None; it does not
-        look at the materials, and not at friction over the pressure
+        look at the materials, nor at friction that depends on the pressure
     solve : function that solves a brake
     """
 

@@ -2,9 +2,10 @@
 
 The search begins at the value of the file, with the exact slope of the torque by the key where the
 finite elements have one. Each further value follows from a rational function through the last
-answers. If this search meets no such value, the range of the key is tried at some values, and the
-rational function is used between two of them. Values without an answer (a brake that locks itself,
-a geometry that is not allowed) bound the search, and the refusal names their reason.
+answers. If this search finds no value, the whole range of the key is tried at some values, and the
+rational function is used between two neighbours that enclose the wanted quantity. Values without an
+answer (a brake that locks itself, a geometry that is not allowed) bound the search, and the message
+names their reason.
 """
 
 import math
@@ -39,23 +40,24 @@ LARGEST = "largest"
 """The value of --torque that asks for the largest torque of the range."""
 
 RANGE_FACTOR = 10.0
-"""Factor by which a quantity with one sign is varied to both sides, if no range is given.
+"""Factor between a quantity in the file and each end of its range, if no range is given.
 
-The value is a judgement. The range is printed with the answer, and the user may give another one.
+It holds for quantities that keep their sign, such as lengths and forces. The value is a judgement:
+the answer names the range that was searched, and the user may give another range.
 """
 ANGLE_RANGE = math.radians(30)
-"""Angle [rad] by which an angle is varied to both sides, if no range is given; a judgement."""
+"""Angle [rad] between an angle in the file and each end of its range, if no range is given."""
 
 COORDINATE_RANGE = 0.25
-"""Length by which a coordinate is varied to both sides, relative to the size of the brake.
+"""Length between a coordinate of the file and each end of its range, relative to brake size.
 
 It holds for coordinates of points if no range is given, and is a judgement.
 """
 FIRST_TRIALS = 9
-"""Number of values at which the range is tried first.
+"""Number of values of the key, from end to end of its range, at which the brake is solved first.
 
-A torque that crosses the wanted one twice between two of these values is not seen. More values take
-more time.
+If the torque crosses the wanted torque twice between two neighbours, this is not seen. More values
+take more time.
 """
 BORDER_TRIALS = 16
 """Number of bisections that locate where the answers of a range end, as at self-locking.
@@ -63,47 +65,57 @@ BORDER_TRIALS = 16
 The border is then known to 1e-5 of the distance between two of the first trials.
 """
 SLOPE_STEP = 1e-2
-"""Step of the slope that turns an error of the torque into an error of the key.
+"""Change of the key from which the slope of torque or peak pressure is found as a difference.
 
-It is relative to the value, or to the range of an angle or a coordinate. The slope is a difference,
-whose error is some 1 % of it. A smaller step would feel the errors of the two torques.
+It is relative to the value of the key, or to the range of an angle or a coordinate. The slope turns
+an error of the torque into an error of the key; its own error is some 1 %. With a smaller change
+the errors of the two torques would disturb the slope.
 """
 EXTREME_RESOLUTION = 1e-4
-"""Distance to which the place of a largest torque is found, relative to that of its neighbours.
+"""Tolerance of the key's value at the largest torque, relative to the distance of its neighbours.
 
-The torque is then within 1e-8 of its rise above the neighbours. A smaller value takes more time.
+Near a maximum the torque is quadratic: it is then within 1e-8 of its rise above the two neighbours
+that were tried. A smaller value takes more time.
 """
 SOLVED_SHARE = 0.01
-"""Part of the stated error of a torque at which the search for this torque ends."""
+"""Fraction of the stated error of a torque or peak pressure at which the search for it ends.
+
+The search ends when the quantity differs from its wanted value by less than this fraction.
+"""
 
 NEAR_TRIALS = 12
-"""Number of values that are tried from the value of the file on, until two enclose the wanted one.
+"""Largest number of trials, from the file's value on, until two enclose the wanted quantity.
 
-Most questions take two to four. Above it the whole range is tried, which takes more time.
+Most questions take two to four. If these trials do not enclose it, the whole range is tried, which
+takes more time.
 """
 JUMP_OF_QUANTITY = 1e-9
-"""Difference of a quantity from its wanted value, relative to it, above which the quantity jumps.
+"""Relative difference of a quantity from its wanted value above which the quantity jumps.
 
-It counts where two values of the key that differ by round-off alone enclose the wanted value, and
-no larger error is stated. Round-off of a solve is some 1e-12; a smaller number would take round-off
-for a jump.
+It is used if two values of the key that differ by round-off alone enclose the wanted value. A
+larger stated error replaces it. The round-off of a solve is some 1e-12: a much smaller limit would
+take round-off for a jump.
 """
 EXACT = 1e-14
-"""Relative difference at which the search ends where no error is stated: round-off of a double."""
+"""Relative difference from the wanted value at which the search ends if no error is stated.
+
+It is some 50 times the relative round-off of a double.
+"""
 
 PRINTED_UNITS = {"m": ("mm", 1e3), "rad": ("deg", math.degrees(1)), "Pa": ("MPa", 1e-6)}
-"""The unit in which a quantity is printed, and its number per SI unit, by the SI unit."""
+"""By SI unit: the unit in which a quantity is printed, and the factor from the SI unit to it."""
 
 
 class Trial(NamedTuple):
-    """A value of the key that was tried, with the answer of the brake.
+    """A value of the key that was tried, with the torque and peak pressure of the brake.
 
     Attributes
     ----------
     value : value of the key [SI]
     torque : torque of the brake [N m], on a plane its braking force [N]; nan without an answer
     peak_pressure : largest peak pressure of the shoes [Pa]; nan without an answer
-    errors : stated relative errors of "torque" and "peak_pressure"; empty if none is stated
+    errors : stated relative errors of "torque" and "peak_pressure", 0 if not stated; empty without
+        an answer
     failure : the reason why there is no answer; "" if there is one
     """
 
@@ -125,9 +137,10 @@ class Question:
     model : name of the model that solves the brakes
     options : options of the model
     torque : wanted torque [N m], LARGEST for the largest one, or None
-    peak_pressure : wanted peak pressure [Pa]; with a wanted torque the largest allowed one; or None
+    peak_pressure : wanted peak pressure [Pa], or its upper limit if a torque is wanted, or None
     low, high : ends of the range of the key [SI]; None for a range about the value of the file
     say : called with a line of text before each trial
+    cache : store of condensed bodies, which the trials share
     """
 
     brake: Brake
@@ -189,11 +202,11 @@ class Question:
         return sorted(value for value in values if low <= value <= high)
 
     def text(self, value: float) -> str:
-        """A value of the key in words, such as "12 mm"."""
+        """A value of the key as text with its unit, such as "12 mm"."""
         return quantity_in_words(value, self.unit)
 
     def torque_text(self, torque: float) -> str:
-        """A torque in words; on a plane a braking force."""
+        """A torque as text, such as "400 N m"; for a brake on a plane its braking force."""
         return quantity_in_words(torque, self.brake.surface.effect_unit)
 
     def solve(self, value: float) -> Response:
@@ -206,7 +219,7 @@ class Question:
         return model_with_name_that_applies_to_brake(self.model, varied).solve(varied, **options)
 
     def trial(self, value: float) -> Trial:
-        """Try a value of the key. A brake without an answer, or not allowed, gives a failure."""
+        """Solve the brake with a value of the key; without an answer the trial has a failure."""
         try:
             response = self.solve(value)
         except (BadInput, NoAnswer) as error:
@@ -229,12 +242,12 @@ class Sizing:
     value_of_file : the value of the brake file [SI]
     torque : torque [N m], on a plane braking force [N]
     peak_pressure : largest peak pressure of the shoes [Pa]
-    slope : change of the wanted quantity per value of the key, exact where it is known; None
-        where the torque is largest
-    errors : error of the value [SI] by the stated error of the finite elements ("elements") and by
-        that of plane stress itself ("plane_stress"); without errors that are not stated
+    slope : derivative of the wanted quantity by the key [SI], exact where it is known; None where
+        the torque is largest
+    errors : error of the value [SI] that follows from the stated error of the finite elements
+        ("elements") and of plane stress itself ("plane_stress"); without errors that are not stated
     range : ends of the range that was searched [SI]
-    others : further values [SI] that give the same, as far as the search has seen them
+    others : further values [SI] that give the wanted quantity, as far as the search has seen them
     remark : what bounds the largest torque; "" for other questions
     brake : the brake with the value
     response : its response, with its stated errors and notes
@@ -255,7 +268,7 @@ class Sizing:
     response: Response
 
     def as_dict(self) -> dict[str, Any]:
-        """The answer as plain data for JSON, in SI; `response` is that of `drumlin solve`."""
+        """The answer as plain data for JSON, in SI, with the response to the found value."""
         data = {name: value for name, value in vars(self).items() if name != "brake"}
         return data | {
             "errors": dict(self.errors),
@@ -287,7 +300,7 @@ class Sizing:
 
 
 def quantity_in_words(value: float, si: str) -> str:
-    """A quantity with six digits and a unit that people use, such as "12.5 mm"."""
+    """A quantity as text with six digits and a usual unit, such as "12.5 mm"."""
     unit, per_si = PRINTED_UNITS.get(si, (si, 1.0))
     return f"{value * per_si:.6g} {unit}".rstrip()
 
@@ -306,7 +319,7 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
         for an unknown key, a key without one number, a range without values, a wanted quantity that
         is not positive, or none at all
     NoAnswer
-        where it is not possible, with the reason and the range that was searched
+        if no value of the range gives what is wanted, with the reason and the range
     """
     _check_wanted_quantities(question)
     name = "peak_pressure" if question.torque is None else "torque"
@@ -329,7 +342,7 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
 
 
 def _check_wanted_quantities(question: Question) -> None:
-    """Raise BadInput unless a positive torque or peak pressure is wanted of a known key."""
+    """Raise BadInput unless a positive quantity is wanted and the key can be varied."""
     if question.torque is None and question.peak_pressure is None:
         raise BadInput("--torque, --peak-pressure: give at least one of both")
     wanted = {"--torque": question.torque, "--peak-pressure": question.peak_pressure}
@@ -346,18 +359,18 @@ def _check_wanted_quantities(question: Question) -> None:
         )
     ):
         raise BadInput(f"{question.key} = 0: the range to search is missing; give --from and --to")
-    # A key that the brake does not let change is bad input, as a force that follows from a drive.
+    # `vary` refuses a key that cannot change, such as a force that follows from a drive.
     vary(question.brake, {question.key: question.value_of_file})
     model_with_name_that_applies_to_brake(question.model, question.brake)
 
 
 def _first_trials(question: Question) -> list[Trial]:
-    """The first trials of the range. Raises NoAnswer if none of them has an answer."""
+    """Try the first values of the range. Raises NoAnswer if no value has an answer."""
     trials = [question.trial(value) for value in question.first_values()]
     if all(trial.failure for trial in trials):
         nearest = min(trials, key=lambda trial: abs(trial.value - question.value_of_file))
         raise NoAnswer(
-            f"{_not_possible(question)}, because no value of the range has an answer; "
+            f"{_refusal_start(question)}, because no value of the range has an answer; "
             f"{question.key} = {question.text(nearest.value)}: {nearest.failure}"
         )
     return trials
@@ -366,8 +379,8 @@ def _first_trials(question: Question) -> list[Trial]:
 def _values_with_wanted_quantity(question: Question, trials: list[Trial], name: str) -> list[Trial]:
     """The trials at which the wanted quantity has its wanted value.
 
-    The first trials are searched, then the borders beyond which there is no answer, then the
-    largest and the smallest value between the trials.
+    The value is sought between the first trials, then near the borders beyond which the brake has
+    no answer, then near the largest or smallest quantity between the trials.
 
     Parameters
     ----------
@@ -409,7 +422,7 @@ def _roots_between_trials(
 
 
 def _difference_from_wanted(trial: Trial, name: str, wanted: float) -> float:
-    """A quantity of a trial less its wanted value; 0 within a small part of its stated error."""
+    """A trial's quantity minus the wanted value; 0 within a small part of the stated error."""
     off = float(getattr(trial, name) - wanted)
     close = max(EXACT, SOLVED_SHARE * trial.errors.get(name, 0.0)) * wanted
     return 0.0 if abs(off) <= close else off
@@ -418,8 +431,9 @@ def _difference_from_wanted(trial: Trial, name: str, wanted: float) -> float:
 def _root_in_bracket(question: Question, known: list[Trial], name: str, wanted: float) -> Trial:
     """The trial at which a quantity has a wanted value, between two trials that enclose it.
 
-    The value of the rational function is taken where it lies inside of the bracket. Every third
-    step halves the bracket instead, if the rational function has not made it shorter than half.
+    The next value comes from a rational function through the last trials if it lies inside of the
+    bracket, that is between the two trials. Every third step halves the bracket instead, unless
+    the last three steps have made it shorter than half.
 
     Parameters
     ----------
@@ -438,10 +452,10 @@ def _root_in_bracket(question: Question, known: list[Trial], name: str, wanted: 
         for trial in known:
             if _difference_from_wanted(trial, name, wanted) == 0:
                 return trial
-        low, high = _bracket_of_trials(known, name, wanted)
+        low, high = _closest_trials_around_wanted_value(known, name, wanted)
         resolution = 2 * np.finfo(float).eps * max(abs(low.value), abs(high.value))
         if high.value - low.value <= resolution:
-            return _end_of_closed_bracket(question, (low, high), name, wanted)
+            return _nearer_trial_of_closed_bracket(question, (low, high), name, wanted)
         value = _value_of_rational_function(known, name, wanted)
         is_slow = steps % 3 == 2 and high.value - low.value > 0.5 * width
         if is_slow or value is None or not low.value < value < high.value:
@@ -453,20 +467,22 @@ def _root_in_bracket(question: Question, known: list[Trial], name: str, wanted: 
 
 
 def _solved_trial(question: Question, value: float) -> Trial:
-    """A trial that has an answer. Raises NoAnswer with the reason if it has none."""
+    """Try a value of the key. Raises NoAnswer with the reason if the brake then has no answer."""
     trial = question.trial(value)
     if trial.failure:
         raise NoAnswer(
-            f"{_not_possible(question)}, because {question.key} = {question.text(value)} "
+            f"{_refusal_start(question)}, because {question.key} = {question.text(value)} "
             f"has no answer: {trial.failure}"
         )
     return trial
 
 
-def _bracket_of_trials(known: Sequence[Trial], name: str, wanted: float) -> tuple[Trial, Trial]:
-    """The two neighbouring trials, in growing order, between which a quantity crosses a value.
+def _closest_trials_around_wanted_value(
+    known: Sequence[Trial], name: str, wanted: float
+) -> tuple[Trial, Trial]:
+    """The two neighbouring trials, in growing order, between which a quantity crosses `wanted`.
 
-    The shortest of several brackets is taken. Raises ValueError if there is none.
+    If there are several pairs, the closest pair is returned. Raises ValueError without a pair.
     """
     crossed = [
         (before, after)
@@ -476,13 +492,13 @@ def _bracket_of_trials(known: Sequence[Trial], name: str, wanted: float) -> tupl
     return min(crossed, key=lambda pair: pair[1].value - pair[0].value)
 
 
-def _end_of_closed_bracket(
+def _nearer_trial_of_closed_bracket(
     question: Question, ends: tuple[Trial, Trial], name: str, wanted: float
 ) -> Trial:
-    """The end of a bracket without width that is nearer to the wanted value.
+    """The trial nearer to the wanted value, of two whose keys differ by round-off only.
 
-    Raises NoAnswer if it is farther from the wanted value than round-off and its stated error: the
-    quantity jumps there.
+    Raises NoAnswer if it is farther from the wanted value than round-off and its stated error: then
+    the quantity jumps between the two.
     """
     near = min(ends, key=lambda trial: abs(getattr(trial, name) - wanted))
     allowed = max(JUMP_OF_QUANTITY, near.errors.get(name, 0.0)) * wanted
@@ -492,7 +508,7 @@ def _end_of_closed_bracket(
     unit = question.brake.surface.effect_unit if name == "torque" else "Pa"
     from_to = [quantity_in_words(getattr(trial, name), unit) for trial in ends]
     raise NoAnswer(
-        f"{_not_possible(question)}, because the {what} jumps from {from_to[0]} to {from_to[1]} "
+        f"{_refusal_start(question)}, because the {what} jumps from {from_to[0]} to {from_to[1]} "
         f"at {question.text(near.value)}"
     )
 
@@ -503,7 +519,7 @@ def _value_of_rational_function(known: Sequence[Trial], name: str, wanted: float
     The function y = (a + b x)/(1 + c x) goes through the three trials whose quantities are nearest
     to the wanted one. It is exact for a torque that is proportional to a force, and for a torque
     that grows without bound at self-locking, such as that of a short shoe. Two trials give a
-    straight line. The result is None where there is no such value.
+    straight line. The result is None if the function has no such value.
     """
     nearest = sorted(known, key=lambda trial: abs(getattr(trial, name) - wanted))[:3]
     x = np.array([trial.value for trial in nearest])
@@ -514,7 +530,8 @@ def _value_of_rational_function(known: Sequence[Trial], name: str, wanted: float
         if len(slopes) == 1:
             step = -off0 / slopes[0]
         else:
-            # (y - y0)/(x - x0) = (B - c y)/(1 + c x0) is linear in y, and y is 0 at the value.
+            # The slope (y - y0)/(x - x0) = (b - c y)/(1 + c x0) is linear in y. Here y is the
+            # difference from the wanted quantity, which is 0 at the value that is returned.
             per_off = (slopes[1] - slopes[0]) / (off[2] - off[1])
             step = -off0 / (slopes[0] - per_off * off[1])
     return float(x0 + step) if np.isfinite(step) else None
@@ -523,8 +540,8 @@ def _value_of_rational_function(known: Sequence[Trial], name: str, wanted: float
 def _root_near_value_of_file(question: Question, name: str, wanted: float) -> Trial | None:
     """The trial at which a quantity has a wanted value, sought from the value of the file on.
 
-    It is sought for keys that keep their sign alone, since a torque often has one value twice where
-    an angle or a coordinate varies. The result is None if the wanted value is not met: then the
+    This is done only for keys that keep their sign: as an angle or a coordinate varies, a torque
+    often has the same value twice. The result is None if the wanted value is not found: then the
     whole range must be tried.
     """
     (low, high), start = question.ends, question.value_of_file
@@ -544,11 +561,11 @@ def _trials_up_to_wanted_value(
 ) -> list[Trial]:
     """Solved trials from the first one on, until two enclose the wanted value or one has it.
 
-    The list is empty if this is not reached in NEAR_TRIALS trials, or before an end of the range.
+    The list is empty if neither happens within NEAR_TRIALS trials and the range.
     """
     known, (low, high) = [first], question.ends
     slope = _exact_slope_at_value(question, first.value, name)
-    value: float | None = _first_guess(first, name, wanted, slope)
+    value: float | None = _next_value_after_first_trial(first, name, wanted, slope)
     for _ in range(NEAR_TRIALS):
         if _is_wanted_value_enclosed(known, name, wanted):
             return known
@@ -557,7 +574,7 @@ def _trials_up_to_wanted_value(
             break
         trial = question.trial(value)
         if trial.failure:
-            # There is no answer from here on, so that the next value is nearer to a solved one.
+            # Beyond this value there is no answer: the next value is nearer to a solved trial.
             nearest = min(known, key=lambda one: abs(one.value - trial.value))
             low, high = (low, value) if value > nearest.value else (value, high)
             value = 0.5 * (nearest.value + value)
@@ -573,11 +590,13 @@ def _is_wanted_value_enclosed(known: Sequence[Trial], name: str, wanted: float) 
     return min(off) <= 0 <= max(off)
 
 
-def _first_guess(trial: Trial, name: str, wanted: float, slope: float | None) -> float:
+def _next_value_after_first_trial(
+    trial: Trial, name: str, wanted: float, slope: float | None
+) -> float:
     """The value of the key after the first trial: by its slope, or in proportion to the quantity.
 
-    A step by the slope to a value of the other sign, or farther than the proportional one by
-    RANGE_FACTOR, is not taken.
+    The slope is not used if it gives a value of the other sign, or more than RANGE_FACTOR times
+    larger or smaller than the proportional value.
     """
     quantity = float(getattr(trial, name))
     proportional = trial.value * wanted / quantity if quantity > 0 else RANGE_FACTOR * trial.value
@@ -589,9 +608,9 @@ def _first_guess(trial: Trial, name: str, wanted: float, slope: float | None) ->
 
 
 def _exact_slope_at_value(question: Question, value: float, name: str) -> float | None:
-    """The exact slope of the torque by the key at a value; None where none is known.
+    """The exact derivative of the torque by the key at a value of the key; None if unknown.
 
-    The finite elements in the plane have it for friction, forces, moduli, clearances and hinges.
+    Finite elements in plane stress give it for friction, forces, moduli, clearances and hinges.
     """
     plain = {"elements", "kind", "penalty", "tolerance"}
     if question.model != "fem" or name != "torque" or not set(question.options) <= plain:
@@ -610,7 +629,7 @@ def _exact_slope_at_value(question: Question, value: float, name: str) -> float 
 
 
 def _add_trials_at_borders(question: Question, trials: list[Trial]) -> None:
-    """Add trials on both sides of each border beyond which there is no answer, by bisection."""
+    """Find by bisection where the brake ceases to have an answer, and add the trials near there."""
     for before, after in list(pairwise(trials)):
         if bool(before.failure) == bool(after.failure):
             continue
@@ -627,9 +646,9 @@ def _add_trials_at_borders(question: Question, trials: list[Trial]) -> None:
 def _add_trial_at_extreme(
     question: Question, trials: list[Trial], name: str, wanted: float
 ) -> None:
-    """Add the trial at which a quantity is nearest to a wanted value beyond its reach.
+    """Add the trial with the largest or smallest quantity, if no trial reaches the wanted value.
 
-    It is the largest value if all trials are below the wanted one, and the smallest otherwise. It
+    It is the largest quantity if all trials are below the wanted value, and else the smallest. It
     is sought between the neighbours of the best trial, if both have an answer.
     """
     solved = [trial for trial in trials if not trial.failure]
@@ -640,17 +659,21 @@ def _add_trial_at_extreme(
         return
     ends = trials[at - 1], trials[at + 1]
     if not any(end.failure for end in ends):
-        refined = _extreme_between(question, (ends[0].value, ends[1].value), name, sign)
+        refined = _trial_with_extreme_quantity_between(
+            question, (ends[0].value, ends[1].value), name, sign
+        )
         if not refined.failure:
             insort(trials, refined, key=lambda trial: trial.value)
 
 
-def _extreme_between(question: Question, ends: tuple[float, float], name: str, sign: int) -> Trial:
+def _trial_with_extreme_quantity_between(
+    question: Question, ends: tuple[float, float], name: str, sign: int
+) -> Trial:
     """The trial between two values of the key with the largest (sign 1) or smallest quantity."""
     seen: list[Trial] = []
 
     def negative_quantity(value: float) -> float:
-        """The quantity to minimise; infinite where there is no answer."""
+        """The quantity times -sign, whose minimum is sought; infinite without an answer."""
         seen.append(question.trial(float(value)))
         return math.inf if seen[-1].failure else -sign * float(getattr(seen[-1], name))
 
@@ -682,14 +705,16 @@ def _value_with_largest_torque(question: Question, trials: list[Trial]) -> tuple
     failure = trials[at - 1].failure or trials[at + 1].failure
     if failure:
         return best, f"the torque is largest before there is no answer: {failure}"
-    refined = _extreme_between(question, (trials[at - 1].value, trials[at + 1].value), "torque", 1)
+    refined = _trial_with_extreme_quantity_between(
+        question, (trials[at - 1].value, trials[at + 1].value), "torque", 1
+    )
     if refined.torque > best.torque and _is_peak_pressure_allowed(question, refined):
         best = refined
     return best, "the torque is largest inside the range"
 
 
 def _is_peak_pressure_allowed(question: Question, trial: Trial) -> bool:
-    """Whether the peak pressure of a trial is at most its limit, where both are limited."""
+    """Whether the peak pressure of a trial is within its limit; True if there is no limit."""
     limit = question.peak_pressure
     if limit is None or question.torque is None:
         return True
@@ -709,7 +734,7 @@ def _sizing_of_value(
     ----------
     question, answer : parameters of `size_brake`
     found : the trial with the value
-    others : further values that give the same
+    others : further values that give the wanted quantity
     remark : what bounds the largest torque
     """
     brake = vary(question.brake, {question.key: found.value})
@@ -737,9 +762,9 @@ def _sizing_of_value(
 
 
 def _slope_at_trial(question: Question, found: Trial, name: str) -> float | None:
-    """The slope of a quantity by the key: the exact one where it is known, or a difference.
+    """The derivative of a quantity by the key: exact where that is known, else by differences.
 
-    It is None where no neighbour of the trial has an answer.
+    It is None if no neighbouring value of the key has an answer.
     """
     exact = _exact_slope_at_value(question, found.value, name)
     if exact is not None:
@@ -759,7 +784,7 @@ def _slope_at_trial(question: Question, found: Trial, name: str) -> float | None
 def _errors_of_value(
     response: Response, name: str, quantity: float, slope: float | None
 ) -> dict[str, float]:
-    """The errors of a value of the key [SI], from the stated errors of a quantity over its slope.
+    """The errors of a value of the key [SI]: stated errors of a quantity divided by its slope.
 
     Parameters
     ----------
@@ -780,10 +805,10 @@ def _errors_of_value(
     }
 
 
-# Texts of refusals
+# The functions below write the messages of NoAnswer.
 
 
-def _not_possible(question: Question) -> str:
+def _refusal_start(question: Question) -> str:
     """The words with which a refusal begins: what is wanted, and the range that was searched."""
     wanted = []
     if question.torque is not None:
@@ -799,7 +824,7 @@ def _not_possible(question: Question) -> str:
 def _text_on_value_out_of_reach(
     question: Question, trials: Sequence[Trial], name: str, wanted: float
 ) -> str:
-    """The refusal of a quantity that does not have its wanted value in the range."""
+    """The text that says why a quantity does not reach its wanted value in the range."""
     solved = [trial for trial in trials if not trial.failure]
     below = all(getattr(trial, name) < wanted for trial in solved)
     best = (max if below else min)(solved, key=lambda trial: getattr(trial, name))
@@ -809,7 +834,7 @@ def _text_on_value_out_of_reach(
     unit = "Pa" if name == "peak_pressure" else question.brake.surface.effect_unit
     reached = quantity_in_words(getattr(best, name), unit)
     text = (
-        f"{_not_possible(question)}, because the {extreme} {what} is {reached}, "
+        f"{_refusal_start(question)}, because the {extreme} {what} is {reached}, "
         f"at {question.text(best.value)}"
     )
     at = trials.index(best)
@@ -822,10 +847,13 @@ def _text_on_value_out_of_reach(
 
 
 def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], root: Trial) -> str:
-    """The refusal of a torque whose peak pressure is too high, with the largest possible torque."""
+    """The text that says why a torque is refused whose peak pressure is above the limit.
+
+    It names the largest torque within the limit, if there is one.
+    """
     peak = quantity_in_words(root.peak_pressure, "Pa")
     text = (
-        f"{_not_possible(question)}, because {question.key} = {question.text(root.value)}, "
+        f"{_refusal_start(question)}, because {question.key} = {question.text(root.value)}, "
         f"which gives this torque, gives a peak pressure of {peak}"
     )
     try:

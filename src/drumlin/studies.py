@@ -23,7 +23,7 @@ CARRIED = Path(__file__).resolve().parent / "carried"
 """The folder with copies of studies/ and meshes/ in an installed drumlin."""
 
 REPOSITORY = CARRIED if CARRIED.is_dir() else Path(__file__).resolve().parents[2]
-"""The folder that has studies/ and meshes/: that of an installed drumlin, or the source's own."""
+"""The folder that has studies/ and meshes/: CARRIED if it exists, else the source's root."""
 
 JUDGE = Path(__file__).resolve().parents[1] / "drumlin_studies"
 """The folder of the package `drumlin_studies`, which studies import.

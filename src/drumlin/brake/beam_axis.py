@@ -3,7 +3,8 @@
 x counts along the beam's axis from the hinge, y across the axis towards the drum's centre O. The
 angle theta of the beam counts from the normal of the axis through O, positive towards the loaded
 end. A point of the drum's friction surface, of radius R, has x = x_O + R sin(theta) and
-y = D - R cos(theta). Here x_O is the foot of the normal and D its length from the axis to O.
+y = D - R cos(theta). Here D is the distance of O from the axis, and x_O is the coordinate x of the
+foot of the perpendicular from O to the axis.
 """
 
 import math
@@ -26,7 +27,7 @@ class Axis(NamedTuple):
     foot : x_O, coordinate x of the foot of the perpendicular from O to the axis [m]
     distance : D, distance of O from the axis [m]
     sense : +1 if x grows with the polar angle about O, -1 if x falls
-    origin : polar angle of the foot of the perpendicular about O [rad]
+    origin : polar angle, about O, of the foot of the perpendicular [rad]
     """
 
     hinge: Floats

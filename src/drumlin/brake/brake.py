@@ -35,9 +35,9 @@ from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
 class ShoeFrame(NamedTuple):
     """The frame of a shoe, in which the coordinate phi counts from the pin towards the lining.
 
-    A shoe and its mirror image are the same in their own frames. On a drum phi is a polar angle
-    about O. The coordinate of the surface is q = origin + sense * unit * phi, see
-    `drumlin.brake.surface`.
+    In their own frames a shoe and its mirror image have the same coordinates. On a drum phi is a
+    polar angle about O. The coordinate of a point along the surface of drum or plane is
+    q = origin + sense * unit * phi, see `drumlin.brake.surface`.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class ShoeFrame(NamedTuple):
         return self.sense * (np.asarray(theta) - self.origin) / self.unit
 
     def phi_coordinates_as_list(self, theta: Iterable[float]) -> list[float]:
-        """Convert some coordinates of the surface to phi; the result is a list of numbers."""
+        """Convert coordinates of the surface to phi; the result is a list of numbers."""
         return [self.sense * (place - self.origin) / self.unit for place in theta]
 
     def theta(self, phi: Floats) -> Floats:
@@ -63,9 +63,10 @@ class ShoeFrame(NamedTuple):
         return self.origin + self.sense * self.unit * np.asarray(phi)
 
     def distance(self, theta: Floats) -> Floats:
-        """Distance from the pin along the surface, in its coordinate, same shape as `theta`.
+        """Distance of the coordinates `theta` along the surface from the pin's coordinate.
 
-        It is an angle on a drum and a length on a plane, positive towards the lining.
+        The result has the shape of `theta`. It is an angle [rad] on a drum and a length [m] on a
+        plane, positive towards the lining.
         """
         return self.sense * (np.asarray(theta) - self.origin)
 
@@ -78,7 +79,7 @@ class ShoeFrame(NamedTuple):
     def convert_to_shoe_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the brake to the frame of the shoe."""
         c, s = math.cos(self.origin), math.sin(self.origin)
-        # This matrix is the inverse of the one above: the transpose of an orthogonal matrix.
+        # The transpose of the orthogonal matrix of `convert_to_brake_frame` is its inverse.
         return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
 
 
@@ -117,7 +118,10 @@ class Shoe(Meshed):
         )
 
     def reason_against_several_linings(self, what: str) -> str | None:
-        """Why `what` does not apply to the shoe if it has slots between linings; None without."""
+        """Why the computation `what` does not apply to a shoe with several linings; else None.
+
+        Linings that touch, without a slot between them, count as one lining.
+        """
         count = len(self.lining.slots) + 1
         return None if count == 1 else f"lining: {count} with slots between them; {what} takes one"
 
@@ -140,9 +144,9 @@ class Shoe(Meshed):
 
     @cached_property
     def arcs(self) -> tuple[tuple[float, float], ...]:
-        """Coordinates (phi_1, phi_2) of the ends of each lining in the shoe's frame, growing.
+        """Coordinates (phi_1, phi_2) of each lining's ends in the shoe's frame, by growing phi.
 
-        Linings that touch are one, see `Lining.arcs`.
+        Linings that touch count as one lining, see `Lining.arcs`.
         """
         found = []
         for ends in self.lining.arcs:
@@ -152,7 +156,7 @@ class Shoe(Meshed):
 
     @property
     def slots(self) -> tuple[tuple[float, float], ...]:
-        """Coordinates (phi_1, phi_2) of the ends of each slot between two linings, growing."""
+        """Coordinates (phi_1, phi_2) of the ends of each slot between linings, by growing phi."""
         return tuple((one[1], other[0]) for one, other in pairwise(self.arcs))
 
     @property
@@ -185,15 +189,15 @@ class Shoe(Meshed):
     def off(self, xy: Floats, size: float) -> Floats:
         """Distance [m] of points from the friction surface, positive on the side of the shoe.
 
-        The points (2, ...) [m] are in the frame of the shoe; `size` [m] is that of the brake.
+        The points (2, ...) [m] are in the frame of the shoe; `size` is the brake's size [m].
         """
 
     @abstractmethod
     def phi_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
         """Coordinate phi (...) of points (2, ...) [m] that are in the frame of the shoe.
 
-        On a drum it is the angle within half a turn of the lining's middle. `size` [m] is that of
-        the brake.
+        On a drum it is the angle within half a turn of the lining's middle. `size` is the size of
+        the brake [m].
         """
 
     @abstractmethod
@@ -205,7 +209,7 @@ class Shoe(Meshed):
 
     @abstractmethod
     def back(self, size: float) -> float:
-        """Length [m] along the back of the shoe's body per unit of phi; its radius on a drum."""
+        """Length [m] along the back of the shoe's body per unit of phi; on a drum its radius."""
 
     @property
     @abstractmethod
@@ -222,8 +226,8 @@ class Shoe(Meshed):
     def middle_of_body_end_face(self, size: float, *, loaded: bool = False) -> Floats:
         """Middle (2,) [m] of the end face of an arc body at its support, in the shoe's frame.
 
-        With `loaded` it is the middle of the other end face, which the actuation pushes. `size` [m]
-        is that of the brake.
+        With `loaded` it is the middle of the other end face, which the actuation pushes. `size` is
+        the size of the brake [m].
         """
         assert isinstance(self.body, Bar)
         ends = self.frame.phi_coordinates_as_list((self.body.start, self.body.end))
@@ -234,10 +238,11 @@ class Shoe(Meshed):
     def is_nearer_to_loaded_end(self, point: Point, size: float) -> bool:
         """Whether a point is nearer to the loaded end of the shoe's body than to its pin.
 
-        A one-sided support at such a point pushes on the loaded end, as the actuation does; others
-        act on the rigid frame at the held end. `size` [m] is that of the brake.
+        A one-sided support nearer to the loaded end pushes on this end, as the actuation does. A
+        support nearer to the pin pushes on the rigid frame that holds the other end. `size` is the
+        size of the brake [m].
         """
-        # A mesh of the shoe's own has its loaded nodes near the point of the actuation.
+        # In a mesh file the loaded nodes lie near the point of the actuation.
         loaded = self.convert_points_to_shoe_frame(self.actuation.point.xy)
         if isinstance(self.body, Bar) and self.mesh is None:
             loaded = self.middle_of_body_end_face(size, loaded=True)
@@ -257,7 +262,7 @@ class Shoe(Meshed):
         """Interval (phi_1, phi_2) of the back of an elastic body that the support holds.
 
         It is None if the support holds an end face of the body, or if the shoe is rigid or has a
-        mesh file. `size` [m] is that of the brake. See `Bar.grip`.
+        mesh file. `size` is the size of the brake [m]. See `Bar.grip`.
         """
         if (
             not isinstance(self.body, Bar)
@@ -287,7 +292,7 @@ class Brake(Part):
     direction_key: ClassVar[str]
     """Key of the direction of motion in a brake file, such as "rotation"."""
     directions: ClassVar[tuple[str, str]]
-    """The two allowed values of the direction of motion: first for spin +1, then for spin -1."""
+    """The allowed directions of motion: towards growing, then towards falling coordinates q."""
 
     # `DrumBrake` and `FlatBrake` define these as fields, each in the order of its brake file.
     if TYPE_CHECKING:
@@ -376,9 +381,10 @@ class Brake(Part):
     def brake_reduced_to_stiffness_data(self) -> Self:
         """The brake reduced to data that change the condensed stiffness of its shoes and ring.
 
-        Brakes that are equal in this form can share their condensed bodies. Title, direction of
+        Brakes that are equal in this form have the same condensed stiffness. Title, direction of
         motion and the deviation of the drum from its circle get fixed values. A friction
-        coefficient above 0 becomes 1. The shoes stay.
+        coefficient above 0 becomes 1. Springs, levers, gravity and speeds are removed, and the
+        shoes are not changed.
         """
 
     def brake_without_ring(self) -> Self:
@@ -420,20 +426,27 @@ class Brake(Part):
 
     @property
     def friction(self) -> float:
-        """Friction coefficient of the brake; of a table that of a cold lining without pressure."""
+        """Friction coefficient of the brake.
+
+        From a table it is the coefficient at the brake's sliding speed, for a cold lining without
+        pressure.
+        """
         return self._friction_without_pressure(self.friction_as_written, 0.0)
 
     def _friction_without_pressure(
         self, written: float | FrictionTable, temperature_rise: float
     ) -> float:
-        """The number of a key `friction`, or the coefficient of its table at the pressure 0."""
+        """The friction coefficient at the pressure 0 and a temperature rise [K] of the lining.
+
+        `written` is the value of a key `friction`: the coefficient itself, or a table.
+        """
         if not isinstance(written, FrictionTable):
             return written
         curve = written.curve(self.sliding_speed or 0.0, temperature_rise)
         return float(curve.coefficient(np.zeros(())))
 
     def friction_curve_of_shoe(self, shoe: Shoe) -> FrictionCurve:
-        """Friction coefficient of a shoe's lining over its pressure.
+        """Friction coefficient of a shoe's lining as a function of the pressure.
 
         A coefficient that does not depend on the pressure is a curve of one point.
         """
@@ -445,33 +458,37 @@ class Brake(Part):
         )
 
     def friction_of_shoe(self, shoe: Shoe) -> float:
-        """Friction coefficient of a shoe's lining: its own, or that of the brake.
+        """Friction coefficient of a shoe's lining: its own if it has one, else the brake's.
 
-        Of a table it is the coefficient without pressure.
+        From a table it is the coefficient at the pressure 0.
         """
         own = shoe.lining.friction
         written = self.friction_as_written if own is None else own
         return self._friction_without_pressure(written, shoe.lining.temperature_rise)
 
     def relative_friction_of_shoe(self, shoe: Shoe) -> float:
-        """Friction coefficient of a shoe's lining over the friction coefficient of the brake.
+        """Friction coefficient of a shoe's lining divided by the friction coefficient of the brake.
 
-        It is 1 for a brake without friction, whose linings have none either.
+        It is 1 for a brake without friction, whose linings have no friction either.
         """
         if not self._has_lining_own_friction(shoe) or self.friction == 0:
             return 1.0
         return self.friction_of_shoe(shoe) / self.friction
 
     def _has_lining_own_friction(self, shoe: Shoe) -> bool:
-        """Whether a lining has its own friction, by its key or because it is heated."""
+        """Whether a lining has its own friction coefficient, by its key or by its temperature.
+
+        The temperature counts if the brake has a table of friction over temperature.
+        """
         written = self.friction_as_written
         by_heat = isinstance(written, FrictionTable) and bool(written.temperature_rise)
         return shoe.lining.friction is not None or (by_heat and shoe.lining.temperature_rise != 0)
 
     def friction_at_friction_of_shoe(self, shoe: Shoe, friction: float) -> float:
-        """Friction coefficient of the brake at which the lining of a shoe has the given one.
+        """Friction coefficient of the brake that gives a shoe's lining the coefficient `friction`.
 
-        The frictions of all linings change in proportion. It is inf for a lining without friction.
+        The coefficients of brake and linings change in proportion. The result is inf for a lining
+        without friction.
         """
         ratio = self.relative_friction_of_shoe(shoe)
         return friction / ratio if ratio else math.inf
@@ -487,8 +504,8 @@ class Brake(Part):
     def check_friction_of_brake_scales_linings(self) -> None:
         """Raise ValueError if a lining has a friction of its own on a brake without friction.
 
-        Self-locking and slopes by friction scale the friction coefficients of all linings with that
-        of the brake, which must therefore not be 0.
+        The search for self-locking, and slopes by friction, scale the friction coefficients of all
+        linings in proportion to the coefficient of the brake, which must therefore not be 0.
         """
         key = self.key_of_first_own_friction()
         if self.friction == 0 and key is not None:
@@ -497,9 +514,9 @@ class Brake(Part):
             )
 
     def brake_with_scaled_friction(self, friction: float) -> Self:
-        """A copy of the brake with another friction coefficient.
+        """A copy of the brake with the friction coefficient `friction`.
 
-        Frictions that linings have of their own change in proportion.
+        The friction coefficients that linings have of their own change in proportion.
         """
         if self.key_of_first_own_friction() is None:
             return self.model_copy(update={"friction_as_written": friction})
@@ -513,9 +530,9 @@ class Brake(Part):
 
     @property
     def friction_in_words(self) -> str:
-        """The friction coefficients for a line of text: "mu = 0.3", or with those of the linings.
+        """The friction coefficients as a text, such as "mu = 0.3, 0.4 of shoe 'left'".
 
-        Linings are named if they have a friction of their own.
+        The text names the shoes whose linings have a friction of their own.
         """
         own = [
             f"{text_of_friction(self.friction_curve_of_shoe(shoe))} of shoe {shoe.name!r}"
@@ -527,14 +544,15 @@ class Brake(Part):
         return ", ".join([f"mu = {of_brake}", *own])
 
     def signed_friction_per_pressure(self, shoe: Shoe) -> float:
-        """Friction stress on the lining of a shoe per pressure at full slip: friction times spin.
+        """Friction stress on a shoe's lining at full slip, divided by the pressure.
 
-        It is positive towards growing coordinates of the surface.
+        It is the friction coefficient times `sign_of_motion`, and positive towards growing
+        coordinates of the surface.
         """
         return self.friction_of_shoe(shoe) * self.sign_of_motion
 
     def signed_friction_per_pressure_in_shoe_frame(self, shoe: Shoe) -> float:
-        """Friction stress on the lining of a shoe per pressure at full slip.
+        """Friction stress on a shoe's lining at full slip, divided by the pressure.
 
         It is positive towards growing phi, the coordinate of the shoe's own frame.
         """
@@ -542,7 +560,7 @@ class Brake(Part):
 
     @property
     def shares(self) -> str | None:
-        """Text for an error message that a cam or a strut divides a force among the shoes.
+        """Text for an error message that the forces on the shoes follow from a cam or a strut.
 
         It is None if the force on each shoe is known before the solve.
         """
@@ -571,7 +589,7 @@ class Brake(Part):
             raise BadInput(f"fem does not apply to this brake: {reason}")
 
     def reason_against_several_linings(self, what: str) -> str | None:
-        """Why `what` does not apply to a brake with slots between linings of a shoe; else None."""
+        """Why the computation `what` does not take shoes with several linings; else None."""
         for shoe in self.shoes:
             reason = shoe.reason_against_several_linings(what)
             if reason is not None:

@@ -8,7 +8,7 @@ does not depend on it. The laws assume a lining that fits. Plane stress knows no
 width (coning, bell-mouthing).
 
 The slope of the surfaces is neglected: normals stay those of the drum's circle. For harmonics of
-order n and amplitude a this neglects at most n a/(mu R) of the torque.
+order n and amplitude a the torque changes by a fraction of at most n a/(mu R).
 """
 
 from collections.abc import Callable, Sequence
@@ -22,7 +22,7 @@ from drumlin.brake.components import Lining, index_of_lining_at_coordinates
 from drumlin.brake.file import vary
 
 SLOPE_CHANGE_ROUND_OFF = 1e-9
-"""Relative change of slope between two rows of a clearance table that counts as round-off.
+"""Change of the gap's slope at a row of a clearance table up to which it counts as round-off.
 
 It is relative to the largest change of slope in the table. A larger change is a kink of the gap.
 """
@@ -37,7 +37,7 @@ def unloaded_gap_of_shoe(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
     """
     linings = shoe.lining.linings
     if len(linings) > 1:
-        # Each lining of a row has a clearance and a misfit of its own.
+        # Each of several linings on a shoe has a clearance and a misfit of its own.
         alone = [shoe.model_copy(update={"lining": part}) for part in linings]
         gaps = [unloaded_gap_of_shoe(brake, part, theta) for part in alone]
         return np.choose(index_of_lining_at_coordinates(shoe.lining, theta), gaps)
@@ -53,8 +53,8 @@ def unloaded_gap_of_shoe(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
         total = total + misfit.taper * from_middle / (lining.end - lining.start)
     if misfit.blocks:
         total = total + gap_due_to_block_heights(lining, theta)
-    # Where the drum lies outside its circle, the gap of an internal lining is larger and that of an
-    # external lining is smaller.
+    # Where the drum lies outside its circle, an internal lining has a larger gap, and an external
+    # lining a smaller gap.
     off = brake.radial_deviation_of_surface(theta)
     return total if off is None else total + shoe.sign * off
 
@@ -63,7 +63,8 @@ def gap_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
     """Gap [m] due to the different heights of a lining's blocks, at coordinates theta, same shape.
 
     Each block stands back by its depth, and the gap changes smoothly over the length `step` from
-    one block to the next. A step of height h has the smallest radius of curvature (R step)^2/(6 h).
+    one block to the next. On a drum of radius R a step of height h has the smallest radius of
+    curvature (R step)^2/(6 h).
     """
     gap, before = np.zeros(np.shape(theta)), 0.0
     for begin, depth in lining.misfit.blocks:
@@ -85,8 +86,9 @@ def coordinates_of_gap_kinks(lining: Lining) -> list[float]:
 def coordinates_of_clearance_rows(lining: Lining) -> list[float]:
     """Coordinates (angles on a drum) of the rows of a lining's table of clearances.
 
-    The clearance is linear between them. The list is empty if the clearance is a number. If the
-    shoe has several linings, the rows of each lining that lie on this lining follow each other.
+    The clearance is linear between the rows. The list is empty if the clearance is a number. For
+    several linings on a shoe it has the rows of one lining after the other, without rows beyond
+    the ends of their own lining.
     """
     return [angle for angle, _ in _rows_and_slope_changes_of_clearance(lining)]
 
@@ -133,7 +135,7 @@ def _rows_and_slope_changes_of_clearance(lining: Lining) -> list[tuple[float, fl
         # The zeros are the slopes before the first row and after the last one.
         slope = np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]])
         rows = zip(angle.tolist(), np.diff(slope).tolist(), strict=True)
-        # Beyond a lining of a row its table means nothing: another lining may lie there.
+        # If the shoe has several linings, each table holds on its own lining only.
         alone = len(lining.linings_apart) == 1
         found += [row for row in rows if alone or part.start < row[0] < part.end]
     return found
@@ -186,8 +188,9 @@ def changes_displacing_lining_circles(brake: Brake, size: float) -> dict[str, fl
 def point_change_along_hinge_radius(brake: Brake, index: int, key: str) -> dict[str, float]:
     """Change of a point's coordinates per metre along the line from drum centre to hinge.
 
-    The point is that with the key `key` of shoe `index`, and the hinge is that of the same shoe.
-    The result has the two components by their keys in the brake file.
+    The point is a datum of the shoe with this index, under the key `key`, such as
+    "lining.misfit.offset". The hinge belongs to the same shoe. The result has the changes of x and
+    y by their keys in the brake file.
     """
     hinge = brake.shoes[index].pin
     # The two values are the components of the unit vector from the drum's centre to the hinge.

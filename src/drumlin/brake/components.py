@@ -167,7 +167,7 @@ class Ring(Part):
     def has_fixed_or_free_far_edge(self) -> bool:
         """Whether the ring's edge away from the shoes is simply fixed or free.
 
-        Some models know no other support and refuse a ring that is not plain, see
+        Some models refuse a ring with any other support, see
         `ring_support.reason_if_ring_support_is_not_plain`.
         """
         return self.support in PLAIN_SUPPORTS
@@ -220,8 +220,8 @@ class Drum(Part):
     speed: AngularSpeed | None = None
 
 
-# Types of quantities that are constant or given by a table: over the distance from the hinge for a
-# beam, over the angle for a lining.
+# Types of quantities that are a number or a table: for a beam a table over the distance from the
+# hinge, for a lining a table over the angle.
 StiffnessAlong = Annotated[
     float | Rows, validator_of_number_or_table("distance", "m", "bending stiffness", "N m^2")
 ]
@@ -230,9 +230,9 @@ Clearance = Annotated[float | Rows, validator_of_number_or_table("angle", "rad",
 
 
 LARGEST_MISFIT = 0.05
-"""Largest misfit relative to the drum's radius or to the length of a pad; a larger one is refused.
+"""Largest misfit, relative to the drum's radius or a pad's length; a larger misfit is refused.
 
-A misfit is added to the gap along the drum's radii, which holds for small misfits only.
+A misfit is added to the gap along the drum's radii, which is right for small misfits only.
 """
 
 ROUNDED_STEP = math.radians(1.0)
@@ -326,12 +326,12 @@ class Lining(Part):
 
     @property
     def linings(self) -> "tuple[Lining, ...]":
-        """The linings on the shoe by growing coordinate: only this one, or those of a row."""
+        """All linings on the shoe by growing coordinate: this lining, or several side by side."""
         return (self,)
 
     @property
     def linings_apart(self) -> "tuple[Lining, ...]":
-        """The linings with slots between them by growing coordinate; linings that touch are one."""
+        """The linings by growing coordinate, with linings that touch joined to one lining."""
         return self.linings
 
     @property
@@ -349,7 +349,7 @@ class Lining(Part):
 
     @property
     def length_of_shortest_lining(self) -> float:
-        """Length of the shortest part of the friction surface, in the surface's coordinate."""
+        """Length of the shortest lining, in the coordinate along the surface (rad on a drum)."""
         return min(end - start for start, end in self.arcs)
 
     @property
@@ -363,7 +363,7 @@ class Lining(Part):
         """Length of the rounded step between two blocks, in the surface's coordinate."""
 
     def copy_with(self, changes: Mapping[str, object]) -> Self:
-        """A copy in which fields of every lining have other values, by the name of the field."""
+        """A copy in which every lining has the values `changes`, by the names of its fields."""
         return self.model_copy(update=dict(changes))
 
     def copy_with_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
@@ -435,9 +435,9 @@ A shorter slot is refused: it is narrower than a saw cut, 0.15 mm on a drum of 1
 of its linings would touch under load, which no model computes. The value is a judgement.
 """
 TOUCHING = 1e-9
-"""Distance [rad] of two linings that counts as none: the linings touch and are one lining.
+"""Distance [rad] between two linings up to which they touch and count as one lining.
 
-Angles that a file gives in degrees may differ by this round-off.
+It is the round-off by which equal angles that a file gives in degrees may differ.
 """
 
 
@@ -453,12 +453,15 @@ class DrumLiningRow(Lining):
     @model_validator(mode="before")
     @classmethod
     def _name_the_list_of_tables(cls, data: object) -> object:
-        """The list of tables, as a brake file has it, under the key of the field."""
+        """Return the data as {"parts": data} if they are a list of tables, as in a brake file.
+
+        Other data are returned unchanged.
+        """
         return {"parts": data} if isinstance(data, list | tuple) else data
 
     @model_serializer(mode="wrap")
     def _list_of_tables(self, handler: SerializerFunctionWrapHandler) -> object:
-        """The list of tables, as a brake file has it."""
+        """The linings as plain data: a list of tables, as a brake file has them."""
         return handler(self)["parts"]
 
     @model_validator(mode="after")
@@ -494,7 +497,7 @@ class DrumLiningRow(Lining):
 
     @property
     def linings_apart(self) -> tuple[Lining, ...]:
-        """The linings with slots between them by growing angle; linings that touch are one."""
+        """The linings by growing angle, with linings that touch joined to one lining."""
         found = [self.parts[0]]
         for part in self.parts[1:]:
             if part.start - found[-1].end <= TOUCHING:
@@ -530,7 +533,7 @@ class DrumLiningRow(Lining):
 
     @property
     def friction(self) -> float | FrictionTable | None:
-        """Friction coefficient of all linings, or its table; None for that of the brake."""
+        """Friction coefficient of all linings, or its table; None if they have the brake's."""
         return self.parts[0].friction
 
     @property
@@ -540,7 +543,7 @@ class DrumLiningRow(Lining):
 
     @property
     def back_temperature_rise(self) -> float | None:
-        """Rise of the temperature at the backs of the linings [K]; None if it is that of faces."""
+        """Temperature rise at the backs of the linings [K]; None if it is as at their faces."""
         return self.parts[0].back_temperature_rise
 
     @property
@@ -549,7 +552,7 @@ class DrumLiningRow(Lining):
         return ROUNDED_STEP
 
     def copy_with(self, changes: Mapping[str, object]) -> Self:
-        """A copy in which fields of every lining have other values, by the name of the field."""
+        """A copy in which every lining has the values `changes`, by the names of its fields."""
         parts = tuple(part.model_copy(update=dict(changes)) for part in self.parts)
         return self.model_copy(update={"parts": parts})
 
@@ -566,7 +569,7 @@ class DrumLiningRow(Lining):
     def clearance_at_surface_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] without the misfit at the angles `theta`, same shape.
 
-        In a slot it is that of the lining before the slot.
+        In a slot it is the clearance of the lining before the slot.
         """
         which = index_of_lining_at_coordinates(self, theta)
         gaps = [part.clearance_at_surface_coordinates(theta) for part in self.parts]
@@ -574,10 +577,10 @@ class DrumLiningRow(Lining):
 
 
 def index_of_lining_at_coordinates(lining: Lining, theta: Floats) -> Ints:
-    """Which lining of a row lies at coordinates `theta`, same shape; counted from 0.
+    """Index, from 0, of the lining of a shoe that lies at each coordinate `theta`, same shape.
 
-    A coordinate in a slot belongs to the lining before the slot, one before the first lining to the
-    first.
+    A coordinate in a slot belongs to the lining before the slot, and a coordinate before all
+    linings to the first lining.
     """
     # A node on the edge of a lining may lie before its start by round-off.
     starts = [part.start - TOUCHING for part in lining.linings[1:]]
@@ -585,7 +588,7 @@ def index_of_lining_at_coordinates(lining: Lining, theta: Floats) -> Ints:
 
 
 def _check_lining_is_like_first_one(key: str, part: DrumLining, first: DrumLining) -> None:
-    """Raise ValueError if a lining has another section, material or heat than the first one."""
+    """Raise ValueError if size, material, friction or heat differ from the first lining's."""
     kelvin = dict.fromkeys(("temperature_rise", "back_temperature_rise"), "{} K".format)
     texts: dict[str, Callable[[Any], str]] = {
         "thickness": mm_text,
@@ -604,12 +607,15 @@ def _check_lining_is_like_first_one(key: str, part: DrumLining, first: DrumLinin
 
 
 def _kind_of_lining_data(data: object) -> str:
-    """Whether the data of a lining are one table or a list of tables."""
+    """The tag of the data of a shoe's linings: "one lining" for a table, else "several linings".
+
+    Several linings are a list of tables.
+    """
     several = isinstance(data, list | tuple | DrumLiningRow)
     return "several linings" if several else "one lining"
 
 
-# A list of tables, [[shoe.lining]], is a row of linings; a table, [shoe.lining], is one lining.
+# In a brake file [shoe.lining] is one lining, and a list of tables [[shoe.lining]] is several.
 AnyDrumLining = Annotated[
     Annotated[DrumLining, Tag("one lining")] | Annotated[DrumLiningRow, Tag("several linings")],
     Discriminator(_kind_of_lining_data),
@@ -673,12 +679,12 @@ class Bar(Part):
 
     @model_validator(mode="after")
     def _check_bar_section_and_flange_width(self) -> Self:
-        """Raise ValueError unless the section is known and the flange is as wide as the web."""
+        """Raise ValueError unless the section is known and no flange is narrower than its web."""
         if (self.width is None or self.material is None) and (
             self.bending_stiffness is None or self.width
         ):
             raise ValueError("needs width and material, or bending_stiffness, or all three")
-        # With a flange it would be unclear whether the stiffness is that of the web or of both.
+        # With a flange it would be unclear whether the stiffness includes the flange.
         if self.table is not None and self.bending_stiffness is not None:
             raise ValueError(
                 "table: bending_stiffness is that of the whole body; leave one of them out"

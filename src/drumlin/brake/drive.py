@@ -1,10 +1,10 @@
 """Devices that push several shoes of a brake: a wheel cylinder, a cam or wedge, a strut.
 
 They give forces to shoes for which the brake file gives no force. A cylinder pushes every shoe with
-the same force. A cam moves the tips of two shoes by the same distance. The brake file gives the sum
-of its two forces, and the stiffnesses of the shoes decide how the sum is shared. A strut lies
-between two shoes: the foot of the first shoe bears on it, and it pushes the second shoe with the
-same force along the same line.
+the same force. A cam or a wedge moves the loaded ends of two shoes by the same distance. The brake
+file gives the sum of its two forces, and the stiffnesses of the shoes decide how the sum is divided
+between them. A strut lies between two shoes: one shoe pushes on it with its foot (the end away from
+the actuation), and the strut pushes the other shoe with the same force along the same line.
 """
 
 import math
@@ -85,10 +85,10 @@ class Drive(Part):
 
     @model_validator(mode="after")
     def _check_keys_of_cylinder_or_cam(self) -> Self:
-        """Raise ValueError unless the given keys are those of a cylinder or of a cam."""
+        """Raise ValueError unless the given keys describe one cylinder, cam or wedge."""
         keys = ("pressure", "diameter", "force", "torque", "radius", "chamber", "wedge_angle")
         given = {key for key in keys if getattr(self, key) is not None}
-        # Each of these sets of keys determines the force. With more keys they could disagree.
+        # Each of these sets of keys determines the force. Further keys could contradict it.
         cylinder, by_chamber = {"pressure", "diameter"}, {"chamber", "radius"}
         wedge = {"chamber", "wedge_angle"}
         if given not in (cylinder, {"force"}, {"torque", "radius"}, by_chamber, wedge):
@@ -111,19 +111,19 @@ class Drive(Part):
 
     @property
     def is_cam(self) -> bool:
-        """Whether the drive is a cam, which moves the tips of both shoes equally."""
+        """Whether the drive is a cam or a wedge, which moves both loaded shoe ends equally."""
         return self.pressure is None
 
     @property
     def force_of_cylinder_or_sum_of_cam_forces(self) -> float:
-        """Sum of a cam's forces on both shoes [N], or a cylinder's force on each shoe [N]."""
-        # The force of a cylinder is the pressure times the area of the piston.
+        """Sum of the forces on both shoes [N] of a cam or wedge, or force on each of a cylinder."""
+        # The force of a cylinder is the pressure above the threshold times the area of the piston.
         if self.pressure is not None and self.diameter is not None:
             acting = self.pressure - (self.threshold or 0.0)
             return self.efficiency * acting * math.pi * self.diameter**2 / 4
         if self.chamber is not None and self.chamber.lever is not None and self.radius is not None:
             return self.efficiency * self.chamber.rod_force * self.chamber.lever / self.radius
-        # Each face of a wedge pushes by the rod's force over twice the tangent of half its angle.
+        # Each of two faces pushes by F/(2 tan(angle/2)), where F is the rod's force.
         if self.chamber is not None and self.wedge_angle is not None:
             return self.efficiency * self.chamber.rod_force / math.tan(0.5 * self.wedge_angle)
         if self.torque is not None and self.radius is not None:
@@ -146,9 +146,9 @@ class Link(Part):
 def shoes_with_forces_of_drive(brake: Any, *, file: bool) -> tuple[Any, ...]:
     """Return the shoes of a brake with the forces that its drive and its struts give them.
 
-    Each shoe of a cylinder gets the force of the cylinder, each shoe of a cam half the force of the
-    cam. A shoe that a strut pushes gets the strut's line of action and the force 0: its force is
-    known only when the brake is solved.
+    A cylinder gives its force to each shoe, a cam or a wedge half of the sum of its forces. A shoe
+    that a strut pushes gets the strut's line of action and the force 0: its force is known only
+    when the brake is solved.
 
     Parameters
     ----------
@@ -232,8 +232,9 @@ def _strut_actuations_by_shoe_index(
 LARGEST_BEND_OF_STRUT = 1e-9
 """Largest angle [rad] between the two ends of a strut that counts as round-off.
 
-The distance of each end from the line of the other, relative to the length, counts alike. Angles of
-a file in degrees differ by less, and a strut with a larger angle could not be in equilibrium.
+The lines of action at the two ends may also be this far apart, relative to the distance of the
+ends. Equal angles that a file gives in degrees differ by less. A strut with a larger angle could
+not be in equilibrium.
 """
 
 
@@ -298,7 +299,7 @@ def _actuation_of_shoe_without_strut(
         raise ValueError(f"{key}.force: the brake's [actuation] gives it; leave one out")
     if drive is None:
         return own
-    # The two forces of a cam are equal only here. A solve finds them from the shoes' stiffnesses.
+    # Each shoe of a cam gets half of the sum. A solve finds the true parts from the stiffnesses.
     share = drive.force_of_cylinder_or_sum_of_cam_forces / (2 if drive.is_cam else 1)
     return own.model_copy(update={"force": share})
 
@@ -308,7 +309,7 @@ def _actuation_of_shoe_pushed_by_strut(
 ) -> Actuation:
     """Actuation of the shoe that a strut pushes: the strut's line of action, with the force 0.
 
-    Raises ValueError if the strut does not fit its shoes or to the other struts.
+    Raises ValueError if the strut does not fit its shoes or the other struts.
 
     Parameters
     ----------
@@ -326,7 +327,7 @@ def _actuation_of_shoe_pushed_by_strut(
             f"{key}.from = {link.source!r}: a strut pushes along its line; "
             "leave out abutment.friction"
         )
-    # In the order of the file, a shoe must be pushed before it pushes another shoe.
+    # The file must name the strut that pushes a shoe before the strut that the shoe pushes.
     if link.to == link.source or any(other.source == link.to for other in before):
         raise ValueError(
             f"{key}.to = {link.to!r}: must be a shoe that does not push another in a link before; "
@@ -336,14 +337,14 @@ def _actuation_of_shoe_pushed_by_strut(
         raise ValueError(f"{key}.to = {link.to!r}: is pushed by two struts")
     if any(other.source == link.source for other in before):
         raise ValueError(f"{key}.from = {link.source!r}: bears on two struts")
-    # The strut's force on the pushed shoe is opposite to its force on the foot of the first shoe.
+    # The strut's force on the pushed shoe is opposite to its force on the foot of the source shoe.
     return Actuation(
         force=0.0, direction=source.abutment.direction + math.pi, point=source.abutment.point
     )
 
 
 def reason_why_forces_are_shared(drive: Drive | None, links: tuple[Link, ...]) -> str | None:
-    """Text for an error message that a cam or a strut divides a force among the shoes.
+    """Text for an error message that the forces on the shoes follow from a cam or a strut.
 
     It is None if the force on each shoe is known before the solve.
     """

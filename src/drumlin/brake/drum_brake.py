@@ -186,8 +186,9 @@ class DrumBrake(Brake):
     def brake_reduced_to_stiffness_data(self) -> Self:
         """The brake reduced to data that change the condensed stiffness of its shoes and ring.
 
-        Title, rotation, the deviation of the drum from its circle and its heat get fixed values, a
-        friction coefficient above 0 becomes 1.
+        Title, rotation, the deviation of the drum from its circle and its heat get fixed values,
+        and a friction coefficient above 0 becomes 1. Springs, levers, gravity and speeds are
+        removed.
         """
         plain = {"out_of_round": (), "angle": 0.0, "temperature_rise": 0.0}
         absent = {"back_temperature_rise": None, "speed": None}
@@ -246,7 +247,7 @@ class DrumBrake(Brake):
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
         check_speed_of_friction_tables(self, "drum.speed", self.drum.speed is not None)
         self.check_friction_of_brake_scales_linings()
-        # Only data of a file must have units: this tells them from data of a program.
+        # `unit_required` is set for data of a file, which need units, and not for a program's data.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive(self, file=from_file)
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
@@ -287,7 +288,7 @@ def _check_drum_is_round_enough(drum: Drum, sign: int) -> None:
 def _check_lining_misfit_is_small(key: str, lining: Lining, radius: float) -> None:
     """Raise ValueError if a lining's misfit is too large, or its blocks are not on the lining.
 
-    `radius` [m] is that of the drum, to which the largest misfit is proportional. `key` is the key
+    `radius` [m] is the drum's radius, to which the largest misfit is proportional. `key` is the key
     of the misfit in the message.
     """
     misfit, most = lining.misfit, LARGEST_MISFIT * radius
@@ -422,14 +423,14 @@ def _check_support_lets_shoe_press(key: str, shoe: DrumShoe, radius: float) -> N
     and the two rigid-body motions of a shoe must close its gap in different ways.
     """
     if shoe.guide is not None:
-        # This is the component of the guide's direction along the lining's outward normal.
+        # This is the component of the guide's direction along the lining's normal to the drum.
         away = shoe.sign * math.cos(shoe.guide.direction - shoe.lining.middle)
         if away <= 0:
             shown = f"{key}.guide.direction = {deg_text(shoe.guide.direction)}"
             raise ValueError(f"{shown}: must lead the middle of the lining towards the drum")
     if shoe.abutment is not None and shoe.abutment.point.radius < 1e-9 * radius:
         raise ValueError(f"{key}.abutment.point = (0, 0): must not be the drum's centre")
-    # On a drum displacements close the gap, a turn about the drum's centre does not.
+    # On a drum, translations close the gap; a turn about the drum's centre does not.
     if shoe.pivot is None:
         check_motions_close_gap_differently(key, shoe, slice(0, 2))
         return

@@ -35,7 +35,7 @@ def plane_stress_elasticity_matrix(material: AnyMaterial) -> Floats:
         stiff = lam + 2 * mu
         return np.array([[stiff, lam, 0.0], [lam, stiff, 0.0], [0.0, 0.0, mu]])
     along, through, nu = material.E_along, material.E_through, material.nu_along_through
-    # The determinant of the compliances, times both Young's moduli, divides the stiffnesses.
+    # The determinant of the two normal compliances, times both Young's moduli, is `share`.
     share = 1 - nu**2 * through / along
     coupled = nu * through / share
     return np.array(
@@ -66,7 +66,7 @@ class ElasticLayer(NamedTuple):
     def make_layer_in_plane_stress(
         cls, material: AnyMaterial, width: float, along: Floats | None = None
     ) -> "ElasticLayer":
-        """Make a layer of this material and width [m] in plane stress; `along` as of the class."""
+        """Make a layer in plane stress: `width` [m] and `along` are the attributes of the layer."""
         return cls(plane_stress_elasticity_matrix(material), width, along)
 
     @property
@@ -89,8 +89,7 @@ class ElasticLayer(NamedTuple):
 def excess_stiffness_over_isotropic(elasticity: Any) -> Any:
     """Excess of D_11 and D_22 over D_12 + 2 D_33 in elasticity matrices D (..., 3, 3).
 
-    The result (..., 2) [Pa] measures how far the material is from isotropic; it is 0 for isotropic
-    matrices.
+    The result (..., 2) [Pa] is 0 for isotropic matrices.
     """
     isotropic = elasticity[..., 0, 1] + 2 * elasticity[..., 2, 2]
     along, through = elasticity[..., 0, 0] - isotropic, elasticity[..., 1, 1] - isotropic

@@ -121,7 +121,7 @@ class Part(BaseModel):
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True
     )
 
-    # What the error line adds where a file has a list of tables in the place of one table.
+    # Text that the error message adds if a file has a list of tables in place of one table.
     hint_if_several: ClassVar[str] = ""
 
     @model_validator(mode="before")
@@ -208,7 +208,7 @@ class Material(Part):
 PoissonRatio = Annotated[float, Field(strict=True), PURE_NUMBER]
 """The type of a Poisson's ratio; its bounds depend on the other constants of the material."""
 ACROSS = ("E_across", "G_along_across", "G_through_across", "nu_along_across", "nu_through_across")
-"""Keys of an orthotropic material across the brake's plane, which only the model of solids uses."""
+"""Constants of an orthotropic material normal to the brake's plane, for three dimensions only."""
 
 DEFINITE_WITHIN = 1e-12
 """Smallest allowed determinant of the scaled compliance matrix of an orthotropic material.
@@ -262,7 +262,7 @@ class Orthotropic(Part):
                 f"{missing[0]} is missing: {', '.join(ACROSS)} go together; give all of them "
                 f"or none"
             )
-        # Above, all constants across the layer were found to be given.
+        # No constant across the layer is missing, which was checked above.
         assert (
             self.E_across is not None
             and self.nu_along_across is not None
@@ -275,7 +275,7 @@ class Orthotropic(Part):
             self.E_across,
             ("along", "across"),
         )
-        # The third Poisson's ratio is limited by the two others, see the strain energy.
+        # With a positive strain energy the two others bound the third Poisson's ratio.
         low, high = self._bounds_of_nu_through_across(self.E_across, self.nu_along_across)
         if not low < self.nu_through_across < high:
             raise ValueError(
@@ -344,7 +344,7 @@ def _check_poisson_ratio_is_small_enough(
 
 
 def _kind_of_material_isotropic_or_orthotropic(data: object) -> str:
-    """Tell whether data are those of an "isotropic" or of an "orthotropic" material.
+    """The tag of the data of a material: "isotropic" or "orthotropic".
 
     The data are orthotropic if they have a key that only an orthotropic material has.
     """
@@ -440,7 +440,7 @@ def validator_of_table_with_growing_coordinates(
 ) -> BeforeValidator:
     """Make the validator of a table of rows (coordinate, value) with growing coordinates.
 
-    The parameters are those of `validator_of_number_or_table`.
+    The parameters are as in `validator_of_number_or_table`.
     """
     return BeforeValidator(
         partial(_convert_table_rows_to_si, place=place, name=name, row=(place_si, si))
@@ -452,9 +452,8 @@ def _convert_number_or_table_to_si(
 ) -> float | Rows:
     """Convert a number, or a table of rows (coordinate, value), to SI units.
 
-    Raises ValueError for other data and for a table of fewer than two rows. The parameters are
-    those of `_convert_table_rows_to_si`; `si` is the SI unit of a number that stands in place of
-    the table.
+    Raises ValueError for other data and for a table of fewer than two rows. `si` is the SI unit of
+    a number in place of a table. The other parameters are as in `_convert_table_rows_to_si`.
     """
     if not isinstance(value, list | tuple):
         return _quantity_in_si(value, info, si)

@@ -41,7 +41,7 @@ FAULT_TEXTS = {
     "bool_type": "must be true or false",
     "bool_parsing": "must be true or false",
 }
-"""What a value must be, by pydantic's name of the error.
+"""Texts that say what a value must be, by pydantic's name of the error.
 
 pydantic's own messages for these errors use words of Python, such as "tuple".
 """
@@ -121,7 +121,7 @@ def make_drum_brake_from_data(
 ) -> Brake:
     """Make a brake on a drum from the nested data of a brake file.
 
-    Raises BadInput for wrong data; parameters as of `make_validated_part`.
+    Raises BadInput for wrong data. The parameters are as in `make_validated_part`.
     """
     return make_validated_part(DrumBrake, data, unit_required=unit_required, base=base)
 
@@ -142,7 +142,7 @@ def parse_text_of_brake_file(text: str, path: Path) -> dict[str, Any]:
         ) from error
 
 
-# What people write in a line that TOML does not take, and what to write.
+# Pairs: a pattern of lines that TOML does not take, and the hint on what to write.
 _TOML_HINTS = (
     (r"^\s*\[{1,2}\s*(?:shoe|link)\s*\]", "write [[shoe]] in double brackets above each shoe"),
     ("[“”„‟«»‘’]", 'write quotes as "'),
@@ -153,12 +153,15 @@ _TOML_HINTS = (
 
 
 def _hint_about_toml_error(text: str, error: Exception) -> str:
-    """What to write in the line of a TOML text that the error names, after "; "; "" if unknown."""
+    """A hint on what to write in the line that a TOML error names, as "; write quotes as ...".
+
+    It is "" if the cause is unknown.
+    """
     at = re.search(r"at line (\d+)", str(error))
     lines = text.split("\n")
     if at is None or int(at.group(1)) > len(lines):
         return ""
-    # Texts in quotes and comments are no cause.
+    # Texts in quotes and comments are removed, because they cannot be the cause.
     line = re.sub(r'"[^"]*"|\'[^\']*\'|#.*', "", lines[int(at.group(1)) - 1])
     for pattern, hint in _TOML_HINTS:
         if re.search(pattern, line):
@@ -232,11 +235,12 @@ def si_unit_of_brake_key(brake: Part, key: str) -> str | None:
 
 
 def is_allowed_range_an_interval(brake: Part, key: str) -> bool:
-    """Whether the allowed positive values of a key form one interval, and the negative ones too.
+    """Whether all positive values that a key may have form one interval, and all negative too.
 
-    All other keys of the brake stay. It is True for lengths, forces, moduli and numbers without
-    unit: they only have upper and lower limits. It is False for angles and for coordinates of
-    points: there, single values in between may be forbidden, such as a force through the hinge.
+    The values of all other keys are fixed. The result is True for lengths, forces, moduli and
+    numbers without unit: they only have upper and lower limits. It is False for angles and for
+    coordinates of points: there, single values in between may be forbidden, such as the direction
+    of a force through the hinge.
     """
     unit = si_unit_of_brake_key(brake, key)
     return unit not in {None, "rad"} and not isinstance(
@@ -284,7 +288,10 @@ def parts_and_field_of_key(brake: Part, key: str) -> tuple[list[Part], str]:
 
 
 def _is_part_with_name(part: Part, step: str) -> bool:
-    """Whether a step of a key is the name of a part, and no key of it."""
+    """Whether `step`, one word of a dotted key, is the name of this part, such as a shoe.
+
+    It is False if the part has a key with this word.
+    """
     is_key = any(step == (field.alias or name) for name, field in type(part).model_fields.items())
     return getattr(part, "name", None) == step and not is_key
 
@@ -363,7 +370,7 @@ def _split_dotted_key(key: str) -> list[str]:
 
 
 def _is_index_in_key(step: str) -> bool:
-    """Whether a part of a dotted key is an index, such as that of a shoe."""
+    """Whether `step`, one word of a dotted key, is an index, such as 0 in "shoe[0].lining"."""
     return step.isascii() and step.isdigit() and len(step) < 9
 
 
@@ -395,7 +402,7 @@ def _set_value_in_nested_data(data: Any, steps: list[str], value: Any, key: str)
             _set_value_in_nested_data(target, rest_of, value, key)
     elif not isinstance(data, dict):
         raise BadInput(f"{key}: {head!r} has nothing to be set in")
-    # As long as names remain, the value is set in the table below.
+    # If more names follow, the value belongs into the table with the key `head`.
     elif rest:
         if head not in data:
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
@@ -407,9 +414,9 @@ def _set_value_in_nested_data(data: Any, steps: list[str], value: Any, key: str)
 
 
 def _convert_point_to_coordinates_with_key(data: dict[str, Any], key: str) -> None:
-    """Convert the data of a point to those coordinates, x and y or polar, that have a key.
+    """Convert a point's data, in place, to the coordinates that have `key`: x and y, or polar.
 
-    The data are changed in place. Other data, and data that have the key already, stay.
+    Data of anything else, and data that have the key already, are not changed.
     """
     if key in data or not isinstance(key, str):
         return
@@ -424,7 +431,7 @@ def _convert_point_to_coordinates_with_key(data: dict[str, Any], key: str) -> No
 
 
 def _number_of_point_in_si(value: Any, si: str) -> float:
-    """A coordinate of a point in SI. Raises BadInput for a value that is no such quantity."""
+    """Convert a coordinate of a point to SI; BadInput for a value that is no such quantity."""
     try:
         return quantity_in_si(value, si, unit_required=False)
     except ValueError as error:

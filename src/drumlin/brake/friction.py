@@ -1,9 +1,9 @@
 """Friction coefficients that depend on pressure, sliding speed and temperature.
 
 The key `friction` of a brake or of a lining is a number or a table of measured coefficients. The
-sliding speed is that of the brake, and the temperature is that of the lining's face. Both are
-given, so that a table over them alone gives each lining a number. A table over the pressure gives
-each point of the lining a coefficient of its own.
+sliding speed belongs to the whole brake, the temperature to the face of each lining. Both are
+known before the solve, so that a table over speed and temperature alone gives each lining one
+coefficient. A table over the pressure gives each point of the lining a coefficient of its own.
 """
 
 import math
@@ -43,9 +43,9 @@ COLUMN_TEXTS = {"pressure": "pressures", "speed": "speeds", "temperature_rise": 
 
 
 class FrictionCurve(NamedTuple):
-    """The friction coefficient over the pressure, at a given speed and temperature.
+    """The friction coefficient as a function of pressure, at a given speed and temperature.
 
-    Between two pressures the coefficient is linear. Beyond the first and the last it is constant.
+    It is linear between two pressures, and constant beyond the first and the last pressure.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class FrictionCurve(NamedTuple):
         return np.interp(p, self.pressure, self.mu)
 
     def slope(self, p: Floats) -> Floats:
-        """The slope of the friction coefficient over the pressure [1/Pa] at p [Pa], same shape.
+        """The derivative of the friction coefficient by the pressure [1/Pa] at p [Pa], same shape.
 
         At a pressure of the table it is the slope on the side of higher pressures.
         """
@@ -84,7 +84,7 @@ class FrictionTable(Part):
 
     @property
     def columns(self) -> dict[str, tuple[float, ...]]:
-        """The columns of the table that are given, without that of the coefficients."""
+        """The columns of the table that are given, by key, without the coefficients `mu`."""
         return {key: values for key in COLUMN_TEXTS if (values := getattr(self, key))}
 
     @model_validator(mode="after")
@@ -112,7 +112,7 @@ class FrictionTable(Part):
         return self
 
     def curve(self, speed: float, temperature_rise: float) -> FrictionCurve:
-        """The coefficient over the pressure, at a sliding speed [m/s] and a temperature rise [K].
+        """The coefficient as a function of pressure, at a speed [m/s] and a temperature rise [K].
 
         If the table has no pressures, the curve has one point, at the pressure 0.
         """
@@ -120,7 +120,7 @@ class FrictionTable(Part):
         rows = dict(zip(zip(*self.columns.values(), strict=True), self.mu, strict=True))
         grid = np.array([rows[row] for row in product(*places)]).reshape(list(map(len, places)))
         at = {"speed": speed, "temperature_rise": temperature_rise}
-        # The last column is interpolated first, so that only the pressure is left.
+        # The last column is interpolated first. At the end only the pressure is left.
         for key, values in reversed(list(zip(self.columns, places, strict=True))):
             if key in at:
                 grid = _interpolate_last_axis(grid, np.array(values), at[key])
@@ -137,7 +137,7 @@ def _interpolate_last_axis(values: Floats, places: Floats, at: float) -> Floats:
 
 
 def _kind_of_friction_data(data: object) -> str:
-    """Whether data of a friction coefficient are a table or a number."""
+    """The tag of data of a friction coefficient: "friction table" or "friction number"."""
     return "friction table" if isinstance(data, dict | FrictionTable) else "friction number"
 
 
@@ -151,7 +151,7 @@ FrictionOrTable = Annotated[
 def friction_curve_of_lining(
     written: float | FrictionTable, speed: float, temperature_rise: float
 ) -> FrictionCurve:
-    """The friction coefficient of a lining over its pressure; a single point if it is constant.
+    """The friction coefficient of a lining as a function of pressure; one point if constant.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def key_of_friction_over_pressure(brake: "Brake") -> str | None:
 
 
 def reason_if_friction_depends_on_pressure(brake: "Brake", what: str) -> str | None:
-    """Why a computation that takes numbers for friction does not apply; None if it applies.
+    """Why a computation does not apply if friction depends on the pressure; None if it does not.
 
     `what` names the computation in the text.
     """
@@ -204,7 +204,7 @@ def require_friction_without_pressure(brake: "Brake", what: str) -> None:
 
 
 def check_speed_of_friction_tables(brake: "Brake", key: str, given: bool) -> None:
-    """Raise ValueError if a table of friction needs a sliding speed, or no table needs that given.
+    """Raise ValueError if a friction table lacks a sliding speed, or if no table uses the speed.
 
     `key` is the key of the speed in the brake file, and `given` whether the brake has it.
     """

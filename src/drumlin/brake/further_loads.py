@@ -58,7 +58,7 @@ class LoadsOfBrake(NamedTuple):
 
 
 NO_LOADS = LoadsOfBrake()
-"""Loads of a shoe on which the brake as a whole exerts none."""
+"""LoadsOfBrake of a shoe without springs, levers, weight and centrifugal force."""
 
 
 class ShoeForce(Actuation):
@@ -118,7 +118,7 @@ class Spring(Part):
         return np.asarray(along / np.linalg.norm(along))
 
     def force_on_shoe(self, name: str, pull: float) -> ForceAtPoint | None:
-        """The force of a pull [N] on the shoe with this name; None if the spring is not there."""
+        """The spring's force on the shoe `name` by a pull [N]; None if it joins other shoes."""
         if name not in (self.shoe, self.to):
             return None
         sign, at = (1, self.point) if name == self.shoe else (-1, self.end)
@@ -173,7 +173,7 @@ class Lever(ShoeForce):
         return about_pin / per_newton if per_newton else math.nan
 
     def force_on_shoe(self, name: str) -> ForceAtPoint | None:
-        """The force on the shoe with this name; None if neither lever nor strut is there."""
+        """The force of lever or strut on the shoe `name`; None if they touch another shoe."""
         strut = self.strut_force * self._direction_of_strut
         if name == self.shoe:
             return force_at_point(self.force_vector - strut, self.pivot.xy)
@@ -181,7 +181,7 @@ class Lever(ShoeForce):
 
 
 def force_at_point(force: Floats, point: Floats) -> ForceAtPoint:
-    """A force (2,) [N] at a point (2,) [m], as plain numbers."""
+    """Make a ForceAtPoint from the arrays of a force (2,) [N] and of its point (2,) [m]."""
     return ForceAtPoint((float(force[0]), float(force[1])), (float(point[0]), float(point[1])))
 
 
@@ -191,7 +191,7 @@ def resultant_of_force_at_point(force: Floats, point: Floats) -> Floats:
 
 
 def brake_with_spring_pulls(brake: Any, pulls: Sequence[float] | None = None) -> Any:
-    """Return the brake whose shoes know the loads of its springs, levers, weight and rotation.
+    """Return a copy of the brake that tells each shoe its springs, levers, weight and rotation.
 
     Parameters
     ----------
@@ -227,9 +227,9 @@ def brake_with_spring_pulls(brake: Any, pulls: Sequence[float] | None = None) ->
 
 
 def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> Any:
-    """The brake whose springs have no rate and these pulls [N], or the brake itself for no pulls.
+    """A copy of the brake whose springs have constant pulls [N]; the brake itself for no pulls.
 
-    The pulls are those of an answer, in which springs with a rate have settled.
+    `pulls` come from a solved brake, in which springs with a rate have found their pull.
     """
     if not pulls:
         return brake
@@ -241,9 +241,9 @@ def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> A
 
 
 def brake_with_loads_at_actuation(brake: Any) -> Any:
-    """The brake on whose shoes finite elements let all loads act where the actuation acts.
+    """A copy of the brake in which all loads of a shoe act on the nodes that the actuation loads.
 
-    Models of shoes with their widths have loads nowhere else.
+    This holds for finite elements. Elements in three dimensions can load no other nodes.
     """
     shoes = tuple(shoe.shoe_with_loads_at_actuation() for shoe in brake.shoes)
     return brake.model_copy(update={"shoes": shoes})
@@ -274,7 +274,7 @@ def _check_keys_of_brake_loads(brake: Any) -> None:
 def reason_if_shoe_has_further_loads(brake: Any, what: str) -> str | None:
     """Why a computation that takes actuation forces only does not apply; None if it applies.
 
-    `what` names the computation in the text, which names the first key of a further load.
+    `what` names the computation in the text. The text also names the first key of another load.
     """
     key = first_key_of_further_loads(brake)
     return None if key is None else f"{key}: {what} takes forces of the actuation only"

@@ -82,7 +82,7 @@ def check_heated_shoes_can_expand(shoes: Sequence["Shoe"]) -> None:
 
 
 def _check_layer_can_expand(key: str, shoe: "Shoe", layer: HeatedLayer) -> None:
-    """Raise ValueError for a heated layer without expansion, or whose bending is not modelled.
+    """Raise ValueError if a heated layer lacks a coefficient of expansion, or cannot be modelled.
 
     `key` is the key of the layer in the brake, for the message.
     """
@@ -126,12 +126,12 @@ def check_heated_drum_can_expand(drum: Drum) -> None:
 
 
 def _ring_material(ring: Ring | None) -> AnyMaterial | None:
-    """The material of an elastic ring; None without a ring or if its file gives none."""
+    """The material of an elastic ring; None without a ring or without its material."""
     return None if ring is None else ring.material
 
 
 def _expansion_of_drum(drum: Drum) -> float | None:
-    """Coefficient of thermal expansion of the drum [1/K], given with it or with its ring."""
+    """Thermal expansion of the drum [1/K]: its own value, or that of its ring's material."""
     material = _ring_material(drum.ring)
     if drum.expansion is None and material is not None:
         return material.expansion_along
@@ -165,10 +165,10 @@ def radial_growth_of_heated_drum(drum: Drum, sign: int) -> float:
     section = drum.ring.section
     assert section is not None
     edge, nu = R + sign * section.thickness, section.material.nu_along_through
-    # The integral of T s ds from the friction surface at R to the far edge, with T linear in s.
+    # `heat` is the integral of T s ds from the friction surface at R to the far edge, T linear.
     span = edge - R
     heat = span * ((near + far) / 2 * R + span * (near + 2 * far) / 6)
-    # The integral begins at the friction surface, where the first term of u is then zero.
+    # The integral begins at R, so that the first term of u is zero at the friction surface.
     # Stress at r is E/(1 - nu^2) ((1 + nu) C_1 - (1 - nu) C_2/r^2) - E alpha/r^2 Int T s ds.
     free_face = [1 + nu, -(1 - nu) / R**2]
     if drum.ring.support == "fixed":
@@ -196,7 +196,7 @@ def brake_with_heat_in_parts(brake: "Brake", keys: Collection[str]) -> "Brake":
         parts = {}
         for layer in heated_layers_of_shoe(shoe):
             if layer.key not in keys:
-                # Several linings of a shoe all lose their heat.
+                # If the shoe has several linings, `copy_with` removes the heat of each.
                 part = layer.part
                 is_lining = isinstance(part, Lining)
                 changed = part.copy_with(cold) if is_lining else part.model_copy(update=cold)
@@ -222,7 +222,10 @@ def names_of_heated_parts(brake: "Brake") -> list[str]:
 
 
 def note_on_heat(brake: "Brake") -> str | None:
-    """The line on the heat of a brake in the answer of a model that takes it; None without heat."""
+    """Note on the heated parts and the drum's growth, for results that include heat.
+
+    It is None for a brake without heated parts.
+    """
     names = names_of_heated_parts(brake)
     if not names:
         return None
@@ -234,13 +237,16 @@ def note_on_heat(brake: "Brake") -> str | None:
 
 
 def warning_on_heat_left_out(brake: "Brake") -> str | None:
-    """The line on the heat of a brake in the answer of a law, which leaves it out; None without."""
+    """Warning that names the heated parts, for results of closed-form laws, which neglect heat.
+
+    It is None for a brake without heated parts.
+    """
     names = "; ".join(names_of_heated_parts(brake))
     return f"warning: left out is the heat of {names}; --model fem has it" if names else None
 
 
 def is_any_shoe_heated(brake: "Brake") -> bool:
-    """Whether a lining, a backing or a body of a brake is heated."""
+    """Whether the lining, backing or body of any shoe is heated."""
     return any(True for shoe in brake.shoes for _ in heated_layers_of_shoe(shoe))
 
 

@@ -37,7 +37,7 @@ def gap_of_lining_ground_to_circle(
     Floats
         gap [m] at each angle, with the shape of `theta`; positive where lining and drum are apart
     """
-    # c is the centre of the lining's circle; along and across are its components at each angle.
+    # c is the centre of the lining's circle; along = c.e_r and across = c x e_r at each angle.
     r = R if radius is None else radius
     to_middle = np.array([np.cos(middle), np.sin(middle)])
     c = (R - r) * to_middle + offset.xy
@@ -74,15 +74,15 @@ def radial_deviation_of_drum(harmonics: Sequence[Lobes], angle: float, theta: Fl
     """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
     It is positive where the friction surface lies outside its circle. The deviation turns with the
-    drum, so that it depends on the angle at which the drum stands.
+    drum, so that it depends on the angular position of the drum.
 
     Parameters
     ----------
     harmonics : harmonics of the deviation
-    angle : angle [rad] at which the drum stands
+    angle : angular position of the drum [rad]
     theta : angles [rad]
     """
-    # In these angles, which count from the drum, the deviation is fixed.
+    # The deviation is fixed in these angles, which count from a mark on the drum.
     at = np.asarray(theta) - angle
     lobes = (part.amplitude * np.cos(part.order * (at - part.phase)) for part in harmonics)
     return np.sum([np.zeros(at.shape), *lobes], axis=0)

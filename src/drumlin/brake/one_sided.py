@@ -26,25 +26,25 @@ the deepest overlap of an open support that counts as none. The value is far abo
 an equilibrium, 1e-12, and far below any force in a brake file.
 """
 SINGULAR_SUPPORT = 1e-9
-"""Relative singular value of the supports' matrix below which the supports hold no more motions.
+"""Smallest singular value of the openings of bearing supports, below which one is redundant.
 
-Motions are measured by displacements, and a turn by its angle times the size of the brake. Above
-the value the supports that bear hold as many motions as they are, below it one of them is
-redundant. The value is a judgement: it lies far above round-off, and no lever arm in a brake is so
-small.
+The matrix has the opening of each bearing support per rigid-body motion, scaled so that each motion
+displaces points by about 1 m. If its smallest singular value is above the limit, c supports hold c
+independent motions. The limit is a judgement: it lies far above round-off, and no lever arm in a
+brake is so small.
 """
 
 
 NOT_HELD_TEXT = (
     "no equilibrium, on no choice of its one-sided supports do pushes balance the actuation"
 )
-"""Text of the refusal of a shoe that its anchors, abutments and struts cannot hold by pushing."""
+"""Error text for a shoe that its anchors, abutments and struts cannot hold by pushing."""
 
 
 class SideOfSupport(NamedTuple):
     """The push of a one-sided support on one shoe.
 
-    `shoe` is the position of the shoe in the brake, `push` a force of 1 N with its line of action.
+    `shoe` is the index of the shoe in the brake, `push` a force of 1 N with its line of action.
     """
 
     shoe: int
@@ -72,9 +72,9 @@ class OneSidedSupport(NamedTuple):
 
 
 def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
-    """The one-sided supports of a brake: of each shoe with anchors its anchors and its abutment.
+    """The one-sided supports of a brake: abutment and anchors of each shoe that has anchors.
 
-    A strut between the feet of two such shoes is one support in place of both abutments.
+    A strut between the feet of two such shoes is one support in place of their two abutments.
     """
     numbers = {shoe.name: i for i, shoe in enumerate(brake.shoes)}
     found, on_strut = [], set()
@@ -106,7 +106,10 @@ def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
 
 
 def groups_of_shoes_on_anchors(brake: Brake) -> list[tuple[int, ...]]:
-    """The positions of the shoes on anchors, in groups that struts join."""
+    """The indices of the shoes on anchors, in groups.
+
+    Two shoes with a strut between them are one group, any other shoe is a group of its own.
+    """
     groups: list[tuple[int, ...]] = []
     joined: dict[int, tuple[int, ...]] = {}
     for support in one_sided_supports_of_brake(brake):
@@ -121,7 +124,7 @@ def groups_of_shoes_on_anchors(brake: Brake) -> list[tuple[int, ...]]:
 
 
 def pushes_of_one_sided_supports_on_shoe(brake: Brake, name: str) -> list[Actuation]:
-    """The pushes of 1 N of the one-sided supports on the shoe called `name`, in their order."""
+    """Forces of 1 N of the one-sided supports on the shoe `name`, in the supports' order."""
     found = []
     for support in one_sided_supports_of_brake(brake):
         found += [side.push for side in support.sides if brake.shoes[side.shoe].name == name]
@@ -134,7 +137,7 @@ def _unit_push(point: Point, direction: float) -> Actuation:
 
 
 class SupportForce(NamedTuple):
-    """The force of a one-sided support on a shoe in a solution: not negative, 0 if it is left.
+    """The force of a one-sided support on a shoe in a solution; 0 if the shoe has left it.
 
     `name` is the text that names the support, `push` the force [N] with its line of action.
     """
@@ -164,8 +167,8 @@ def forces_of_supports_on_shoe(
 ) -> tuple[SupportForce, ...]:
     """The forces of the supports on which a shoe bears or could bear.
 
-    `forces` (m,) [N] are those of all supports, and `shoe` is the number of the shoe in them. The
-    round-off of a force that is zero may be a pull; it is left out.
+    `forces` (m,) [N] are the forces of all supports, and `shoe` is the index of the shoe. A
+    negative force, a pull, can only be the round-off of zero, and becomes 0.
     """
     found = []
     for support, force in zip(supports, np.maximum(forces, 0.0).tolist(), strict=True):
@@ -187,12 +190,14 @@ def work_of_push_in_motions(shoe: Held, push: Actuation) -> Floats:
 
 
 class HeldMotions(NamedTuple):
-    """The rigid-body motions that bearing supports hold, and those that they leave free.
+    """The rigid-body motions that c bearing supports hold, and the motions that they leave free.
+
+    Each column of both matrices has the amounts of the k rigid-body modes in one motion.
 
     Attributes
     ----------
-    free : motions (k, k - c) that no bearing support opposes, per unit of each
-    held : motions (k, c), the j-th of which opens the j-th bearing support by 1 and no other
+    free : (k, k - c), motions that no bearing support opposes
+    held : (k, c), motions of which number j opens bearing support j by 1 and no other support
     """
 
     free: Floats
@@ -200,10 +205,9 @@ class HeldMotions(NamedTuple):
 
 
 def divide_motions_by_supports(opening: Floats, sizes: Floats) -> HeldMotions | None:
-    """Divide k motions into those that c bearing supports hold and those that they leave free.
+    """Divide k rigid-body motions into c held by bearing supports and k - c that are left free.
 
-    The result is None if a support is redundant, since then the supports hold fewer motions than
-    they are.
+    The result is None if a support is redundant: then c supports hold fewer than c motions.
 
     Parameters
     ----------
@@ -229,8 +233,8 @@ def are_motions_resisted(closing: Floats, scale: float) -> bool:
 
     Parameters
     ----------
-    closing : how much each of k free motions closes gaps along the linings, (n, k)
-    scale : largest such closing by a motion that displaces points of the brake by about 1 m
+    closing : (n, k), closing of the gaps at n points of the linings by each of k free motions
+    scale : largest closing by a motion that displaces points of the brake by about 1 m
     """
     values = np.linalg.svd(closing, compute_uv=False)
     return bool(values.min(initial=math.inf) > SINGULAR_SUPPORT * scale)

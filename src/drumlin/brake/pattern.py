@@ -1,8 +1,8 @@
 """Shoes that repeat at equal steps, such as the blocks of a band, from one table of a brake file.
 
 A shoe with a pattern is read as several shoes: copies that are turned about the drum's centre, or
-moved along the plane, by one step after the other. Links between them can repeat with them, and
-springs from the shoe to the frame do.
+moved along the plane, by one step after the other. Links from each copy to the next can be added,
+and springs from the shoe to the frame are repeated as well.
 """
 
 import math
@@ -18,7 +18,7 @@ from drumlin.brake.further_loads import Spring
 ALONG_SURFACE = ("start", "end")
 """Keys of coordinates along the surface."""
 ROWS_ALONG_SURFACE = ("clearance", "blocks")
-"""Keys whose rows begin with a coordinate along the surface, where they are tables of rows."""
+"""Keys that may have a table of rows, which begin with a coordinate along the surface."""
 
 
 class Pattern(Part):
@@ -73,7 +73,8 @@ def move_along_plane(length: float) -> Move:
 def moved_part(part: Any, move: Move) -> Any:
     """A copy of a shoe or of a part of it, with all its places and directions moved.
 
-    The offset of a misfit is a vector: it turns with a drum's shoe and stays on a plane.
+    The offset of a misfit is a vector: it turns with a shoe on a drum, and is the same for each
+    shoe on a plane.
     """
     changes: dict[str, Any] = {}
     for name in part.model_fields_set:
@@ -97,16 +98,16 @@ def moved_part(part: Any, move: Move) -> Any:
 def data_with_repeated_shoes(
     data: object, kind: type[Any], move: Callable[[float], Move], info: ValidationInfo
 ) -> object:
-    """The data of a brake in which each shoe with a pattern stands for several shoes.
+    """Return the data of a brake with several shoes in place of each shoe with a pattern.
 
-    Data without a pattern are returned as they are. A shoe with wrong data stays, so that its error
-    is reported as that of any shoe.
+    Data without a pattern are returned as they are. A shoe with wrong data is kept, so that its
+    error is reported later, as for any shoe.
 
     Parameters
     ----------
     data : data of a brake file, or anything else that is not a brake
     kind : class of the shoes
-    move : function of a number of steps times the step, which returns the motion of the shoe
+    move : function of a distance (a number of steps times `step`) that returns the shoe's motion
     info : pydantic's state of the validation
 
     Raises
@@ -144,7 +145,7 @@ def data_with_repeated_shoes(
 
 
 def _valid_part_or_none(kind: type[Any], data: object, info: ValidationInfo) -> Any:
-    """The part that data describe; None for wrong data, which are reported where they stay.
+    """The part that data describe; None for wrong data, whose error is reported later.
 
     Parameters
     ----------
@@ -161,11 +162,11 @@ def _valid_part_or_none(kind: type[Any], data: object, info: ValidationInfo) -> 
 def _springs_of_repeated_shoe(
     springs: Any, first: Any, move: Callable[[float], Move], info: ValidationInfo
 ) -> Any:
-    """The springs of a brake, in which those from a repeated shoe to the frame repeat with it.
+    """The springs of a brake, with a copy for each copy of a shoe that a spring ties to the frame.
 
-    Data that are no list of springs stay. A spring to another shoe stays as well: it must name one
-    of the repeated shoes. The parameters are those of `data_with_repeated_shoes`, and `first` is
-    the shoe with the pattern.
+    Data that are no list of springs are not changed. A spring to another shoe is not repeated: it
+    must name one of the copies. `first` is the shoe with the pattern, the other parameters are as
+    in `data_with_repeated_shoes`.
     """
     if not isinstance(springs, list | tuple):
         return springs
@@ -184,7 +185,7 @@ def _springs_of_repeated_shoe(
 
 
 def _repeated_shoes(key: str, first: Any, move: Callable[[float], Move]) -> list[Any]:
-    """The shoes that a shoe with a pattern stands for; `key` is its key in messages.
+    """The copies of `first`, a shoe with a pattern; `key` is its key in messages.
 
     Raises ValueError for a mesh file in the brake's coordinates, which would not move with a shoe,
     and for linked shoes without an abutment.
@@ -208,9 +209,9 @@ def _repeated_shoes(key: str, first: Any, move: Callable[[float], Move]) -> list
 
 
 def _links_from_first_to_last(links: list[Any]) -> list[Any]:
-    """The links in an order in which every shoe is pushed before it pushes another.
+    """Sort links so that every shoe is pushed by a link before it pushes another shoe.
 
-    Links that are no tables, or that form a ring, keep their places at the end.
+    Links that are no tables, or that form a closed ring, come last in their given order.
     """
     left = list(links)
     found: list[Any] = []

@@ -110,7 +110,7 @@ class FlatLining(Lining):
             raise ValueError(
                 f"end = {mm_text(self.end)} must be greater than start = {mm_text(self.start)}"
             )
-        # With the smallest allowed radius the gap at the lining's ends is the largest misfit.
+        # A face of the smallest allowed radius has the largest allowed gap at its ends.
         most = LARGEST_MISFIT * long
         least = long / (8 * LARGEST_MISFIT)
         if radius is not None and abs(radius) < least:
@@ -299,7 +299,8 @@ class FlatBrake(Brake):
     def brake_reduced_to_stiffness_data(self) -> Self:
         """The brake reduced to data that change the condensed stiffness of its shoes.
 
-        Title and direction get fixed values, a friction coefficient above 0 becomes 1.
+        Title and direction get fixed values, and a friction coefficient above 0 becomes 1. The
+        speed, springs, levers and gravity are removed.
         """
         changes = {
             "title": "-",
@@ -326,7 +327,7 @@ class FlatBrake(Brake):
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
         check_speed_of_friction_tables(self, "plane.speed", self.plane.speed is not None)
         self.check_friction_of_brake_scales_linings()
-        # Only data of a file must have units: this tells them from data of a program.
+        # `unit_required` is set for data of a file, which need units, and not for a program's data.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive(self, file=from_file)
         # The length of the first lining is the size of the brake, which all its shoes must know.
@@ -335,7 +336,7 @@ class FlatBrake(Brake):
         check_heated_shoes_can_expand(shoes)
         for i, shoe in enumerate(shoes):
             check_abutment_has_no_grip(f"shoe[{i}]", shoe)
-            # Moves along y and turns close the gap to a plane, moves along x do not.
+            # Translations along y and turns close the gap to a plane, translations along x do not.
             check_motions_close_gap_differently(f"shoe[{i}]", shoe, slice(1, 3))
             if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
                 shown = f"shoe[{i}].guide.direction = {deg_text(shoe.guide.direction)}"

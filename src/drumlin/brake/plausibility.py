@@ -39,17 +39,17 @@ DRUM_RADII = (1e-3, 30.0)
 Drums have radii of some 20 mm to 5 m.
 """
 HIGH_FRICTION = 2.0
-"""Friction coefficient above which a note asks whether per cent were meant.
+"""Friction coefficient above which a note asks whether the number is in per cent.
 
 Brake linings reach 0.7, and dry rubber 1.5.
 """
 LARGEST_TURNS_OF_ANGLE = 2.0
-"""Turns of an angle above which a note asks whether degrees were meant.
+"""Number of turns of an angle above which a note asks whether its unit should be degrees.
 
 An angle of 75 deg that is written as 75 rad is 12 turns.
 """
 SOFTEST_LINING, SOFTEST_BODY, STIFFEST_PART = 1e5, 1e6, 3e13
-"""Moduli [Pa]: those of linings and bodies below which, and of any part above which, a note asks.
+"""Moduli [Pa] beyond which a note asks: of a lining below, of a body below, of any part above.
 
 Foams have 1e5 Pa, wood across its grain 1e8 Pa, steel 2e11 Pa and diamond 1e12 Pa. A modulus in
 N/m^2 that was meant in N/mm^2 is a million times too small.
@@ -60,9 +60,9 @@ METAL_MODULI = (6e10, 2.2e11)
 A note asks about a lining that is stiffer than a shoe of such a metal.
 """
 STIFFEST_USUAL_LINING = 2e10
-"""Modulus [Pa] up to which a material may be that of a lining; organic linings have 1e8 to 5e9 Pa.
+"""Largest usual modulus [Pa] of a lining's material; organic linings have 1e8 to 5e9 Pa.
 
-A note asks about a lining of metal on a shoe of such a material.
+A note asks about a metal lining on a shoe whose modulus is not above this value.
 """
 HOTTEST = 1200.0
 """Temperature rise [K] above which a note asks whether it is meant. Cast iron melts at 1400 K."""
@@ -87,19 +87,22 @@ def notes_on_values_that_can_hardly_be_meant(brake: Brake) -> tuple[str, ...]:
     size = brake.size
     if brake.surface.is_plane_and_not_drum:
         size = max(shoe.lining.end - shoe.lining.start for shoe in brake.shoes)
-    lines = [*_lines_on_friction(brake), *_lines_on_stiff_linings(brake)]
-    # If the drum's radius itself is a mistake, no length can be compared with it.
-    on_drum = list(_lines_on_drum_radius(brake))
-    lines += on_drum or _lines_on_far_points(brake, size)
+    lines = [*_notes_on_too_high_friction(brake), *_notes_on_too_stiff_linings(brake)]
+    # If the drum's radius itself is probably a mistake, no length is compared with it.
+    on_drum = list(_notes_on_unusual_drum_radius(brake))
+    lines += on_drum or _notes_on_far_points(brake, size)
     for value in _quantities_of_part(brake, ""):
-        lines += [] if on_drum else _lines_on_length(value, brake, size)
-        lines += [*_lines_on_angle(value), *_lines_on_modulus_or_pressure(value)]
-        lines += _lines_on_heat(value)
-    return tuple(f"note: {line}" for line in _lines_without_repeated_shoes(lines))
+        lines += [] if on_drum else _notes_on_unusual_length(value, brake, size)
+        lines += [
+            *_notes_on_angle_of_many_turns(value),
+            *_notes_on_unit_of_modulus_or_pressure(value),
+        ]
+        lines += _notes_on_temperature_or_expansion(value)
+    return tuple(f"note: {line}" for line in _notes_merged_over_shoes(lines))
 
 
-def _lines_without_repeated_shoes(lines: list[str]) -> Iterator[str]:
-    """Yield each line once, if others differ from it in the number of the shoe alone."""
+def _notes_merged_over_shoes(lines: list[str]) -> Iterator[str]:
+    """Yield one line, with a count, for lines that differ in the index of the shoe alone."""
     counts: dict[str, int] = {}
     firsts: dict[str, str] = {}
     for line in lines:
@@ -121,7 +124,7 @@ class _Quantity(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The last part of the key."""
+        """The last word of the key, such as "thickness"."""
         return self.key.rpartition(".")[2]
 
 
@@ -152,8 +155,8 @@ def _si_unit_of_field(kind: type[Part], name: str) -> str:
     return si_unit_of_field_type(annotation) or ""
 
 
-def _lines_on_friction(brake: Brake) -> Iterator[str]:
-    """A line on each friction coefficient that no lining has."""
+def _notes_on_too_high_friction(brake: Brake) -> Iterator[str]:
+    """Yield a note for each friction coefficient that is too large for a lining."""
     frictions = {"friction": brake.friction}
     for i, shoe in enumerate(brake.shoes):
         if shoe.lining.friction is not None:
@@ -167,11 +170,11 @@ def _lines_on_friction(brake: Brake) -> Iterator[str]:
             )
 
 
-def _lines_on_drum_radius(brake: Brake) -> Iterator[str]:
-    """A line on a drum that is smaller or larger than drums are."""
+def _notes_on_unusual_drum_radius(brake: Brake) -> Iterator[str]:
+    """Yield a note if the drum's radius is outside DRUM_RADII."""
     low, high = DRUM_RADII
     if isinstance(brake, DrumBrake) and not low <= brake.drum.radius <= high:
-        meant = _length_in_other_unit(brake.drum.radius, small=brake.drum.radius < low)
+        meant = _text_of_length_in_other_unit(brake.drum.radius, small=brake.drum.radius < low)
         yield (
             f"drum.radius = {mm_text(brake.drum.radius)} is not usual, "
             f"20 mm to 5 m are; "
@@ -179,8 +182,8 @@ def _lines_on_drum_radius(brake: Brake) -> Iterator[str]:
         )
 
 
-def _lines_on_far_points(brake: Brake, size: float) -> Iterator[str]:
-    """A line on each support or point of actuation that is far from the drum or the linings."""
+def _notes_on_far_points(brake: Brake, size: float) -> Iterator[str]:
+    """Yield a note for each support or point of actuation far from the drum or the linings."""
     for i, shoe in enumerate(brake.shoes):
         abutment = None if shoe.abutment is None else shoe.abutment.point
         points = {
@@ -194,7 +197,7 @@ def _lines_on_far_points(brake: Brake, size: float) -> Iterator[str]:
             away = 0.0 if point is None else _distance_from_surface_centre(brake, point)
             if away > FAR_AWAY * size:
                 words = _words_for_size(brake, size)
-                meant = _length_in_other_unit(away, small=False)
+                meant = _text_of_length_in_other_unit(away, small=False)
                 yield (
                     f"shoe[{i}].{name} is {away:.4g} m away, {away / size:.3g} times {words}; "
                     f"did you mean {meant}?"
@@ -202,30 +205,31 @@ def _lines_on_far_points(brake: Brake, size: float) -> Iterator[str]:
 
 
 def _distance_from_surface_centre(brake: Brake, point: Point) -> float:
-    """Distance [m] of a point from the drum's centre, on a plane from the nearest lining."""
+    """Distance [m] of a point from the drum's centre, or from the nearest pad's middle."""
     if not brake.surface.is_plane_and_not_drum:
         return point.radius
     return min(math.dist(point.xy, (shoe.lining.middle, 0.0)) for shoe in brake.shoes)
 
 
 def _words_for_size(brake: Brake, size: float) -> str:
-    """Words for the length to which lengths are compared, with its value."""
+    """Words for the brake's size with its value, such as "drum.radius = 150 mm"."""
     name = "the lining's length" if brake.surface.is_plane_and_not_drum else "drum.radius"
     return f"{name} = {mm_text(size)}"
 
 
-def _length_in_other_unit(length: float, *, small: bool) -> str:
-    """The lengths that the same number would give in other usual units.
+def _text_of_length_in_other_unit(length: float, *, small: bool) -> str:
+    """The length [m] as a text with the same number in another unit, as a suggestion.
 
-    A `small` length may be meant in m and written in mm, a large one the other way round.
+    A `small` length may be meant in m and written in mm. A large length may be meant in mm or cm
+    and written in m.
     """
     if small:
         return f"{length * 1e3:.4g} m"
     return f"{length:.4g} mm or {length:.4g} cm"
 
 
-def _lines_on_length(value: _Quantity, brake: Brake, size: float) -> Iterator[str]:
-    """A line on a width, thickness, grip or diameter that is far from the size of the brake."""
+def _notes_on_unusual_length(value: _Quantity, brake: Brake, size: float) -> Iterator[str]:
+    """Yield a note on a width, thickness, grip or diameter far from the size of the brake."""
     least = {"thickness": THIN, "width": NARROW, "grip": THIN, "diameter": NARROW}.get(value.name)
     if least is None or value.unit != "m":
         return
@@ -233,35 +237,37 @@ def _lines_on_length(value: _Quantity, brake: Brake, size: float) -> Iterator[st
     if value.value > FAR_AWAY * size:
         yield (
             f"{value.key} = {value.value:.4g} m is {value.value / size:.3g} times {words}; "
-            f"did you mean {_length_in_other_unit(value.value, small=False)}?"
+            f"did you mean {_text_of_length_in_other_unit(value.value, small=False)}?"
         )
     elif 0 < value.value < least * size:
         yield (
             f"{value.key} = {mm_text(value.value)} is {value.value / size:.2g} of {words}; "
-            f"did you mean {_length_in_other_unit(value.value, small=True)}?"
+            f"did you mean {_text_of_length_in_other_unit(value.value, small=True)}?"
         )
 
 
-def _lines_on_angle(value: _Quantity) -> Iterator[str]:
-    """A line on an angle of several turns, as radians give that were meant as degrees.
+def _notes_on_angle_of_many_turns(value: _Quantity) -> Iterator[str]:
+    """Yield a note on an angle of several turns, probably degrees that were written as radians.
 
-    The angle of the drum may have many turns.
+    The angular position of the drum may have many turns.
     """
     if value.unit == "rad" and value.key != "drum.angle":
-        yield from _line_on_turns(value.key, value.value)
+        yield from _note_if_angle_has_many_turns(value.key, value.value)
     if isinstance(value.part, Point) and value.name == "x" and value.part.written_angle is not None:
-        yield from _line_on_turns(f"{value.key.removesuffix('.x')}.angle", value.part.written_angle)
+        yield from _note_if_angle_has_many_turns(
+            f"{value.key.removesuffix('.x')}.angle", value.part.written_angle
+        )
 
 
-def _line_on_turns(key: str, angle: float) -> Iterator[str]:
-    """A line on an angle [rad] of too many turns; `key` is its key in the file."""
+def _note_if_angle_has_many_turns(key: str, angle: float) -> Iterator[str]:
+    """Yield a note if an angle [rad] has too many turns; `key` is its key in the file."""
     if abs(angle) > LARGEST_TURNS_OF_ANGLE * 2 * math.pi:
         turns = abs(angle) / (2 * math.pi)
         yield f"{key} = {angle:.6g} rad is {turns:.3g} turns; did you mean {angle:.6g} deg?"
 
 
-def _lines_on_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
-    """A line on a modulus or a cylinder's pressure as it is if N/m^2 and N/mm^2 are mistaken."""
+def _notes_on_unit_of_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
+    """Yield a note on a modulus or cylinder pressure that confuses N/m^2 with N/mm^2."""
     if value.unit != "Pa":
         return
     low, high = CYLINDER_PRESSURES
@@ -282,8 +288,8 @@ def _lines_on_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
         )
 
 
-def _lines_on_heat(value: _Quantity) -> Iterator[str]:
-    """A line on a temperature rise that no brake bears, or on a coefficient of expansion."""
+def _notes_on_temperature_or_expansion(value: _Quantity) -> Iterator[str]:
+    """Yield a note on a too large temperature rise or coefficient of thermal expansion."""
     if value.unit == "K" and abs(value.value) > HOTTEST:
         yield f"{value.key} = {value.value:.4g} K is more than the materials of a brake bear"
     if value.unit == "1/K" and abs(value.value) > LARGEST_EXPANSION:
@@ -298,12 +304,12 @@ def _modulus_text(modulus: float) -> str:
     return f"{number_as_text(modulus * 1e-6, '.4g')} MPa"
 
 
-def _lines_on_stiff_linings(brake: Brake) -> Iterator[str]:
-    """A line on each lining that is stiffer than a metal shoe, or is of metal on a soft shoe."""
+def _notes_on_too_stiff_linings(brake: Brake) -> Iterator[str]:
+    """Yield a note on each lining that is stiffer than its metal shoe, or metal on a soft shoe."""
     softest_metal, stiffest_metal = METAL_MODULI
     for i, shoe in enumerate(brake.shoes):
         body = None if shoe.body is None else shoe.body.material
-        # Moduli beyond STIFFEST_PART have a line of their own.
+        # A modulus beyond STIFFEST_PART has a note of its own from another function.
         if body is None or shoe.lining.material is None:
             continue
         E_lining, E_body = shoe.lining.material.E_through, body.E_along

@@ -85,7 +85,7 @@ def _json_schema_of_texts_with_units(found: JsonSchemaValue, si: str | None) -> 
         return (
             json_schema_of_quantity_with_unit(si) if si else {"type": "string", "pattern": QUANTITY}
         )
-    # Any other schema is that of a table of numbers: rows of two quantities.
+    # Any other schema describes a table of numbers: rows of two quantities.
     row = {
         "type": "array",
         "items": {"type": "string", "pattern": QUANTITY},
@@ -115,7 +115,7 @@ def schema_reduced_to_file_content(schema: Any) -> Any:
         default_in_si = key == "default" and not isinstance(value, str | bool)
         if title_of_name or default_in_si:
             continue
-        # The keys below these two entries are names of fields and classes, which all stay.
+        # The keys below these two entries are names of fields and classes, which are all kept.
         if key in {"properties", "$defs"}:
             found[key] = {
                 name: schema_reduced_to_file_content(part) for name, part in value.items()
@@ -140,7 +140,7 @@ The schema calls them Brake, Lining, Shoe and Body; editors of users may rely on
 def json_schema_of_brake_file() -> dict[str, Any]:
     """The JSON schema of a brake file, for brakes on a drum and on a plane."""
     made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
-    # A row of linings stands in a file as a list of tables.
+    # In a file several linings of a shoe are a list of tables, not a table with the key `parts`.
     row = made["$defs"]["DrumLiningRow"]
     made["$defs"]["DrumLiningRow"] = {
         "description": row["description"],

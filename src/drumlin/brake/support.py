@@ -42,7 +42,7 @@ from drumlin.brake.further_loads import (
 )
 
 MAIN_SUPPORTS = ("hinge", "abutment", "guide")
-"""Keys of the supports; a shoe has exactly one of them. A pivot needs a hinge besides."""
+"""Keys of supports of which a shoe without anchors has exactly one; a pivot needs a hinge."""
 
 MOVES = {
     "hinge": "it turns about its hinge",
@@ -54,7 +54,7 @@ MOVES = {
 """How a shoe moves on each support, for error messages, by `Held.kind_of_support`."""
 
 UNHELD = 2
-"""Value of `sense` by which `Held.freedoms` gives the motions of a shoe without its abutment."""
+"""Value of `sense` with which `Held.freedoms` lets the foot slide along and leave its abutment."""
 
 STICKS = 1e-9
 """Relative excess of the friction at a sticking foot over its limit that counts as round-off.
@@ -102,10 +102,10 @@ class Freedoms(NamedTuple):
     motions : (k, 3), dx, dy and turn of each unit mode
     tests : (k, 3), test modes, on which the support reactions do no work
     work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
-    further_work : (k,), work of all further loads on each test mode [N m or N]
-    tip : (k,), displacement of the point of actuation along its force in each mode [m]
-    names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" or "off" (the face), "x"
-        or "y" (translations of a shoe on anchors)
+    further_work : (k,), work of all loads besides the actuation on each test mode [N m or N]
+    tip : (k,), displacement of the point of actuation along the actuation force in each mode [m]
+    names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" (along an abutment or a
+        guide), "off" (away from an abutment), "x" or "y" (translations of a shoe on anchors)
     """
 
     motions: Floats
@@ -117,7 +117,7 @@ class Freedoms(NamedTuple):
 
     @property
     def work_of_all_loads(self) -> Floats:
-        """Work (k,) of the actuation and of all further loads on each test mode [N m or N]."""
+        """Work (k,) of the actuation and of all other loads on each test mode [N m or N]."""
         return self.work + self.further_work
 
 
@@ -182,18 +182,18 @@ class Held(Part):
     abutment: Abutment | None = None
     guide: Guide | None = None
     anchors: Annotated[tuple[Anchor, ...], Field(alias="anchor")] = ()
-    # A shoe that a strut pushes has this actuation until the strut gives it its line of action.
+    # A shoe that a strut pushes has this actuation until the strut's line of action is found.
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
     forces: Annotated[tuple[ShoeForce, ...], Field(alias="force")] = ()
     mass: ShoeMass | None = None
-    # The loads of springs, levers, gravity and rotation, which the brake tells its shoes.
+    # The loads on this shoe by springs, levers, gravity and rotation, which the brake sets.
     _loads_of_brake: LoadsOfBrake = PrivateAttr(NO_LOADS)
     # Whether finite elements let all loads of the shoe act where its actuation acts.
     _has_loads_at_actuation: bool = PrivateAttr(False)
 
     @model_validator(mode="after")
     def _check_has_one_support(self) -> Self:
-        """Raise ValueError unless the shoe has one of the five supports."""
+        """Raise ValueError unless the shoe has one support: hinge, abutment, guide or anchors."""
         given = [key for key in MAIN_SUPPORTS if getattr(self, key) is not None]
         if self.anchors:
             self._check_anchors_fit_other_supports(given)
@@ -283,7 +283,7 @@ class Held(Part):
 
     @property
     def further_forces_at_points(self) -> tuple[ForceAtPoint, ...]:
-        """The forces on the shoe besides its actuation and the forces on its mass."""
+        """The plain forces, spring and lever forces on the shoe: no actuation, no force on mass."""
         of_shoe = [force_at_point(each.force_vector, each.point.xy) for each in self.forces]
         return (*of_shoe, *self._loads_of_brake.forces)
 
@@ -308,7 +308,7 @@ class Held(Part):
 
     @property
     def largest_load(self) -> float:
-        """Largest force [N] among the actuation, the further forces and the loads of the brake."""
+        """Largest force [N] of the actuation, plain forces, springs, levers, and on the mass."""
         forces = [abs(each.force) for each in (self.actuation, *self.forces)]
         of_brake = (*self._loads_of_brake.forces, self._force_on_mass)
         of_brake_sizes = [math.hypot(*each.force) for each in of_brake if each is not None]
@@ -328,17 +328,17 @@ class Held(Part):
 
     @property
     def force_of_all_loads(self) -> Floats:
-        """Sum (2,) [N] of the actuation force and of all further loads on the shoe."""
+        """Sum (2,) [N] of the actuation force and of the forces of all other loads on the shoe."""
         actuation = self.actuation.force_vector
         return actuation + self.further_load[:2] if self.has_further_loads else actuation
 
     def moment_of_further_loads_about_point(self, point: Point) -> float:
-        """Moment [N m] of all loads besides the actuation about a point, counter-clockwise."""
+        """Moment [N m] of all loads but the actuation about a point; counter-clockwise positive."""
         fx, fy, moment = self.further_load.tolist()
         return float(moment - (point.x * fy - point.y * fx))
 
     def moment_of_all_loads_about_point(self, point: Point) -> float:
-        """Moment [N m] of actuation and further loads about a point, counter-clockwise positive."""
+        """Moment [N m] about a point of actuation and other loads; counter-clockwise positive."""
         moment = self.actuation.moment_of_force_about_point(point)
         if self.has_further_loads:
             moment += self.moment_of_further_loads_about_point(point)
@@ -364,7 +364,8 @@ class Held(Part):
         """Whether an abutment can exert a given reaction on the foot.
 
         It can if it presses on the foot, and if its friction opposes the slide of the foot or is
-        large enough to hold it. For a shoe without abutment the result is always True.
+        large enough to hold it. The result is always True for a shoe without abutment and for a
+        shoe on anchors.
 
         Parameters
         ----------
@@ -379,7 +380,7 @@ class Held(Part):
         bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
         if bearing <= 0 or self.abutment.friction == 0:
             return bearing > 0
-        # A foot that sticks needs no more friction than the bearing force can give.
+        # A foot sticks if the force along the face is within the limit of Coulomb friction.
         if sense == 0:
             return abs(along) <= self.abutment.friction * bearing * (1 + STICKS)
         return sense * slide <= 0
@@ -417,7 +418,7 @@ class Held(Part):
             motions.append(motion_of_slide_in_direction(along))
             tests.append(motion_of_slide_in_direction(along + leaning))
             names.append("slide")
-        # Without the abutment the foot also moves along the normal of the face.
+        # With UNHELD the foot also moves along the normal of the face.
         if on_abutment and sense == UNHELD:
             assert self.abutment is not None
             motions.append(motion_of_slide_in_direction(self.abutment.direction))
@@ -426,7 +427,8 @@ class Held(Part):
         moved, tested = np.array(motions), np.array(tests)
         work = work_of_force_in_rigid_body_motions(tested, self.actuation.force_vector, at)
         tip = work_of_force_in_rigid_body_motions(moved, self.actuation.unit_vector_of_force, at)
-        # With a pivot the actuation acts on the lever. It does no work as the shoe tilts about it.
+        # With a pivot the actuation acts on the lever, which rests while the shoe tilts about the
+        # pivot: the actuation does no work.
         if self.pivot is not None:
             work[1] = tip[1] = 0.0
         return Freedoms(moved, tested, work, tested @ self.further_load, tip, tuple(names))
@@ -469,7 +471,7 @@ class Held(Part):
 def _absolute_mesh_path(mesh: Path | None, info: ValidationInfo) -> Path | None:
     """Make the path of a mesh file absolute; relative paths start from the brake file's folder.
 
-    The mesh file is protected from being overwritten. Without a brake file the path stays.
+    The mesh file is protected from being overwritten. Without a brake file the path is not changed.
     """
     base = (info.context or {}).get("base")
     if mesh is None or base is None:
@@ -555,7 +557,7 @@ class Meshed(Held):
 
 
 def _changes_of_one_mode_alone(count: int, row: int, change: Floats) -> Floats:
-    """Derivatives (count, 3) of `count` modes, zero except for mode `row`, which has `change`."""
+    """Derivatives (count, 3) of `count` modes: `change` (3,) of mode `row`, 0 of the others."""
     found = np.zeros((count, 3))
     found[row] = change
     return found

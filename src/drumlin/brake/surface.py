@@ -128,10 +128,11 @@ class FrictionSurface:
         return np.array([zero, zero + size])
 
     def turns(self, twice: float) -> float:
-        """The multiple of a full turn, in q, that is nearest to half of `twice`; 0 on a plane.
+        """Round the distance `twice`/2 between two coordinates q to whole turns; 0 on a plane.
 
-        It tells by how many turns two linings are given apart from each other. Then `twice` is the
-        sum of the two ends of the first lining minus that of the second lining.
+        The result is in the unit of q, a multiple of 2 pi on a drum. For two linings `twice` is
+        twice the distance of their middles: the sum of the ends of the first lining minus the sum
+        of the ends of the second lining.
         """
         return 0.0 if self.is_plane_and_not_drum else self.period * round(twice / (2 * self.period))
 

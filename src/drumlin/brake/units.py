@@ -46,7 +46,7 @@ SMALLEST = 1e-30
 The square of a much smaller number would be rounded to 0 although the number is not 0.
 """
 
-# Error messages show these examples of a quantity, by its SI unit.
+# Examples of quantities in error messages, by SI unit.
 EXAMPLES = {
     "m": "8 mm",
     "N": "2 kN",
@@ -64,7 +64,7 @@ EXAMPLES = {
     "K": "180 K",
     "1/K": "12e-6 1/K",
 }
-# Error messages call a quantity by these names, by its SI unit.
+# Names of quantities in error messages, by SI unit.
 QUANTITY_NAMES = {
     "m": "a length",
     "N": "a force",
@@ -110,7 +110,7 @@ _FURTHER_UNITS = (
     "pond = 9.80665e-3 * newton",
     "kilogram_weight = 9.80665 * newton = kp",
 )
-# Words that pint takes for a mass or an angle, and what they mean where this is a wrong dimension.
+# Units that pint reads as a mass or an angle, and the force or length that they may mean instead.
 _OTHER_MEANINGS = {"lb": "lbf", "lbs": "lbf", "mil": "thou", "mils": "thou"}
 
 
@@ -141,11 +141,11 @@ def _si_factor_of_unit(unit: str, si: str) -> float:
 def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
     """Factor that converts a number in `unit` to the SI unit `si`, as the package pint knows it.
 
-    A unit with several readings has the first of them that has the dimension of `si`. Raises
-    ValueError if `unit` is unknown or has another dimension than `si`.
+    If the text of a unit can be read in several ways, the first reading with the dimension of `si`
+    counts. Raises ValueError if `unit` is unknown or has another dimension than `si`.
     """
     readings = _readings_of_unit(unit, si)
-    # A reading that pint does not know has no factor and does not stop the others.
+    # pint may know some readings and not others, which give None.
     found = [_si_factor_and_dimension_by_pint(reading) for reading in readings]
     needed = _si_factor_and_dimension_by_pint(si)
     assert needed is not None  # the SI units of this module are known
@@ -165,7 +165,7 @@ def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
 
 
 def _si_factor_and_dimension_by_pint(unit: str) -> tuple[float, Any] | None:
-    """The factor from `unit` to base units and its base units, by pint; None if it is unknown."""
+    """The factor from `unit` to pint's base units, and these units; None for an unknown unit."""
     registry = _pint_unit_registry()
     try:
         factor, base = registry.get_base_units(registry.parse_units(unit))
@@ -181,7 +181,7 @@ def _readings_of_unit(unit: str, si: str) -> list[str]:
     Of these readings at most one has the dimension of the SI unit `si`.
     """
     if unit in {'"', "'"}:
-        # The signs of inches and feet are those of seconds and minutes of arc as well.
+        # The signs " and ' are inches and feet of a length, but seconds and minutes of an angle.
         return [{'"': "in", "'": "ft"}[unit]] if si == "m" else [unit]
     # A point or a hyphen between two words is a product, and a digit after a length is its power.
     plain = re.sub(r"(?<=[A-Za-z])[.-]+", " ", unit)
@@ -189,7 +189,7 @@ def _readings_of_unit(unit: str, si: str) -> list[str]:
     # pint would take the square of Nm for N^2 m^2.
     squared = re.sub(r"N(mm|cm|m)(?= ?(?:\^|\*\*))", r"N \1", plain)
     readings = [plain, squared, re.sub(r"[A-Za-z]+", _other_meaning_of_word, plain)]
-    # In "mm^3/N m" the force and the last length are often both meant to be below the line.
+    # In "mm^3/N m" both N and m are often meant to be in the denominator.
     above, line, below = plain.partition("/")
     if line and not set("/()") & set(below):
         readings.append(f"{above}/({below})")
@@ -256,7 +256,7 @@ def _quantity_text_in_si(text: str, si: str) -> float:
 
 
 def _text_with_plain_signs(text: str) -> str:
-    """The text of a quantity with the signs of a plain keyboard for typographic signs."""
+    """The text of a quantity, with typographic signs replaced by those of a plain keyboard."""
     if text.isascii():
         return text
     plain = text_with_plain_spaces_and_minus_signs(text).translate(_PLAIN_UNIT_SIGNS)

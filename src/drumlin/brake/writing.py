@@ -24,7 +24,7 @@ from drumlin.brake.support import Held
 from drumlin.brake.units import COMMON, quantity_in_si
 
 INLINE = (Material, Orthotropic, Point, Misfit, Lobes, Table, FrictionTable)
-"""Classes of parts that a brake file has in one line, in braces, and not as a table of lines."""
+"""Classes of parts that are written as { key = value, ... } in one line of a brake file."""
 
 READABLE = {
     "m": ("mm", "m"),
@@ -69,7 +69,7 @@ def _brake_without_derived_forces(brake: Part) -> Part:
 
 
 def values_other_than_defaults(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
-    """Key in the file, value and pydantic field of each value of a part that is no default."""
+    """Yield key in the file, value and pydantic field of each value other than its default."""
     for name, field in type(part).model_fields.items():
         value = getattr(part, name)
         # A force of nan follows from the drive and is left out. Any other force is written, even if
@@ -125,7 +125,7 @@ def _toml_text_of_value(value: Any, field: FieldInfo) -> str:
 
 
 def _toml_texts_of_table_rows(rows: tuple[Any, ...], kind: Any) -> list[str]:
-    """The text of each row of a table, or of each quantity of a column; `kind` is the type."""
+    """Texts of the rows of a table, or of the numbers of a column; `kind` is the field's type."""
     if not isinstance(rows[0], tuple):
         si = si_unit_of_field_type(kind) or ""
         return [quoted_toml_text_of_quantity(item, si) for item in rows]
@@ -139,7 +139,7 @@ def _toml_texts_of_table_rows(rows: tuple[Any, ...], kind: Any) -> list[str]:
 def _toml_text_in_quotes(text: str) -> str:
     """A text in quotes for TOML. Raises BadInput for a text that is no UTF-8.
 
-    The escape sequences are those of JSON, which TOML takes, and one for the character DEL.
+    Special characters are escaped as in JSON, which TOML accepts; DEL is escaped in addition.
     """
     try:
         text.encode("utf-8")
