@@ -1,4 +1,4 @@
-"""The old name of drumlin.fem.preparation.prepare."""
+"""Former name of the module drumlin.fem.preparation.prepare; old imports work, with a warning."""
 
 from drumlin.base.moved import getattr_of_moved_module
 

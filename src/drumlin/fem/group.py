@@ -1,4 +1,4 @@
-"""The old name of drumlin.fem.equilibrium.group."""
+"""Former name of the module drumlin.fem.equilibrium.group; old imports work, with a warning."""
 
 from drumlin.base.moved import getattr_of_moved_module
 

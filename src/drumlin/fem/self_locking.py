@@ -1,4 +1,4 @@
-"""The old name of drumlin.fem.analysis.self_locking."""
+"""Former name of the module drumlin.fem.analysis.self_locking; old imports work, with a warning."""
 
 from drumlin.base.moved import getattr_of_moved_module
 

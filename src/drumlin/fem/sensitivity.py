@@ -1,4 +1,4 @@
-"""The old name of drumlin.fem.analysis.sensitivity."""
+"""Former name of the module drumlin.fem.analysis.sensitivity; old imports work, with a warning."""
 
 from drumlin.base.moved import getattr_of_moved_module
 
