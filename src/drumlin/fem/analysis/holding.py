@@ -538,8 +538,7 @@ def _energy_dissipated_by_slip(
 def _state_of_brake_at_rotation(
     brake: Brake, paths: list[_RotationPath], k: int, rotation: float
 ) -> Hold:
-    """The state of the whole brake at rotation number `k`, from the paths of its groups of shoes.
-    """
+    """The state of the whole brake at rotation number `k`, from the paths of its groups."""
     linings: dict[int, _LiningNodeStates] = {}
     torque, dissipated = 0.0, 0.0
     notes: list[str] = []
