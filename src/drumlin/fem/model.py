@@ -331,7 +331,7 @@ class _GroupSolution(NamedTuple):
 
     Attributes
     ----------
-    group : the group, with known senses of friction at its abutments
+    group : the group, with known directions of friction at its abutments
     pressures : pressures (n_i,) [Pa] of each shoe
     coordinates : generalised coordinates (k_i,) of each shoe
     forces : actuation forces (shoes,) [N]
@@ -521,7 +521,7 @@ def refine_group_solution(
 
     Parameters
     ----------
-    group : the group, with known senses of friction at its abutments
+    group : the group, with known directions of friction at its abutments
     active : (n,) whether each contact node touches at the start of the refinement
     order : SuperLU's name for the order in which the unknowns are eliminated
 
@@ -867,7 +867,7 @@ def _pressure_errors_by_penalty_and_round_off(
 
     Parameters
     ----------
-    group : the group of shoes, with known senses of friction at its abutments
+    group : the group of shoes, with known directions of friction at its abutments
     contact : contact of the group under a unit force
     coordinates : (k_i,) generalised coordinates of each shoe
     """

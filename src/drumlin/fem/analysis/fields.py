@@ -47,7 +47,7 @@ class Fields:
 
     Attributes
     ----------
-    points : places (n, 2) [m] of the nodes
+    points : coordinates (n, 2) [m] of the nodes
     cells : numbers (m, k) of the nodes of each cell
     cell_type : type of the cells by its name in meshio
     part : number (m,) of the subdomain (material) of each cell

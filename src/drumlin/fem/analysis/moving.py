@@ -78,7 +78,7 @@ def node_motions_per_motion_of_shoe_point(
     """The motions of the nodes of a shoe as one of its points moves along x and along y.
 
     The axes x and y are those of the brake. The list has one motion for each axis. It is empty if
-    no node moves.
+    neither a node nor the axis of a straight beam moves.
 
     Parameters
     ----------

@@ -152,7 +152,7 @@ class GroupProblems(GroupState):
         )
 
     def contact_effects_of_actuation_force_per_shoe(self, friction: float) -> list[ForceEffects]:
-        """For each shoe, the effects of its actuation force, and what moves its tip and loads its
+        """For each shoe, the effects of its force, and what moves the force's point and loads the
         foot.
 
         The effects are linear in the friction coefficient.
@@ -162,7 +162,9 @@ class GroupProblems(GroupState):
         ]
 
     def _effects_of_actuation_force_on_shoe(self, k: int, friction: float) -> ForceEffects:
-        """The effects of shoe k's actuation force, and what moves its tip and loads its foot."""
+        """The effects of shoe k's actuation force, and what moves its point and loads the shoe's
+        foot.
+        """
         body, shoe, modes = (
             self.substructures_of_shoes[k],
             self.shoes[k],

@@ -378,7 +378,7 @@ class GroupState:
 
     @cached_property
     def pushing_and_pushed_shoe_of_struts(self) -> list[tuple[int, int]]:
-        """For each strut of the group, the number of the pushing shoe and that of the pushed shoe.
+        """For each strut of the group, the numbers of the pushing shoe and of the pushed shoe.
 
         The numbers are positions in the group.
         """
@@ -420,7 +420,7 @@ def unloaded_lining_gaps_at_points(xy: Floats, phi: Floats, brake: Brake, shoe: 
 
     Parameters
     ----------
-    xy : places (2, ...) [m] of the points in the frame of the shoe
+    xy : coordinates (2, ...) [m] of the points in the frame of the shoe
     phi : angles (...) [rad] of the points in the frame of the shoe
     brake : the brake
     shoe : the shoe of the lining

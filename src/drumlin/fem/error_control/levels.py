@@ -162,8 +162,7 @@ class ResponseFunction(Protocol):
 
 
 PrepareFunction = Callable[[Level, PointsByShape], PreparedModel]
-"""Function that makes a prepared model from a level and the singular points of each shape of shoe.
-"""
+"""Function that makes a prepared model from a level and the singular points of each shoe shape."""
 
 
 class SolvedLevel(NamedTuple):

@@ -309,7 +309,8 @@ def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Flo
 
 
 def _angles_of_strongest_kinks(angle: Floats, change: Floats, negligible: float) -> Floats:
-    """The sorted angles (m,) [rad] of the kinks of a gap, without the weakest ones.
+    """The sorted angles (m,) [rad] of kinks of the gap or of the friction, without the weakest
+    kinks.
 
     Parameters
     ----------

@@ -88,7 +88,7 @@ def stresses_from_displacement_gradients(
     ----------
     gradient : (2, 2, ...) derivatives d u_i / d x_j
     elasticity : (..., 3, 3) elasticity matrix of each point, or one matrix of all points
-    along : (2, ...) unit vectors along the layers; None where all layers are isotropic
+    along : (2, ...) unit vectors along the layers; None if all layers are isotropic
     """
     lam, mu, a, b = np.moveaxis(isotropic_and_orthotropic_elastic_constants(elasticity), -1, 0)
     strain = 0.5 * (gradient + gradient.swapaxes(0, 1))

@@ -69,8 +69,7 @@ class ContactLine:
         return len(self.pieces) - 1
 
     def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> "Coupling":
-        """The coupling matrices of this line with drum or plane; `width` [m] is the lining's width.
-        """
+        """The coupling matrices of this line with drum or plane; `width` [m] of the lining."""
         return weak_coupling_of_contact_line(self, width, directions)
 
     @cached_property
@@ -103,8 +102,7 @@ class ContactLine:
 
     @property
     def node_distances_from_mid_plane(self) -> Floats:
-        """Distances (m,) [m] of the nodes across the width from the mid-plane: here one node, at 0.
-        """
+        """Distances (m,) [m] from the mid-plane of the nodes across the width: here one, at 0."""
         return np.zeros(1)
 
     @property
@@ -258,8 +256,7 @@ def function_for_drum_normals_and_tangents(sign: int) -> Directions:
 
 
 def plane_normals_and_tangents(x: Floats) -> tuple[Floats, Floats]:
-    """The unit normals and unit tangents (2, ...), at points x, of a plane y = 0 under the lining.
-    """
+    """The unit normals and tangents (2, ...), at points x, of a plane y = 0 under the lining."""
     ones, zeros = np.ones(x.shape[1:]), np.zeros(x.shape[1:])
     return np.array([zeros, -ones]), np.array([ones, zeros])
 

@@ -20,8 +20,7 @@ ACTUATION = "actuation"
 HEAT = "heat"
 """Name of the load of a heated shoe: the nodal forces of its free strains, in one column."""
 FURTHER_FORCES = "further forces"
-"""Name of the unit loads at the points of springs and other forces on a shoe: x, y at each point.
-"""
+"""Name of the unit loads at the points of springs and other forces: force x, y at each point."""
 FORCES_ON_MASS = "forces on mass"
 """Name of the unit loads on a shoe's mass of 1 kg: unit acceleration x, y, and centrifugal force at
 the angular speed 1 rad/s.
@@ -39,8 +38,7 @@ class LoadColumns:
 
     @classmethod
     def load_columns_of_named_loads(cls, loads: Mapping[str, Floats]) -> "LoadColumns":
-        """Make the load columns of unit loads, given by name as arrays (unknowns, k) of k columns.
-        """
+        """Make the load columns of unit loads, given by name as arrays (unknowns, k)."""
         return cls(tuple((name, forces.shape[1]) for name, forces in loads.items()))
 
     @cached_property

@@ -54,8 +54,7 @@ from drumlin.response.resultants import (
 )
 
 RIM = "rim"
-"""Name of the unit loads on the far edge of a free ring, which balance the forces of the linings.
-"""
+"""Name of the unit loads on a free ring's far edge, which balance the forces of the linings."""
 
 
 @dataclass(frozen=True)
@@ -287,8 +286,7 @@ def ring_stiffness(basis: Any, ring: Ring, *, precise: bool = False) -> Any:
 
 
 def fixed_nodes_of_ring(ring: Ring, far_edge: Ints) -> Ints:
-    """The fixed nodes of a ring: all nodes of its far edge if that edge is fixed, otherwise none.
-    """
+    """The fixed nodes of a ring: all nodes of its far edge if the edge is fixed, or none."""
     return far_edge if ring.support == "fixed" else far_edge[:0]
 
 
