@@ -275,7 +275,7 @@ def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
     shoes_of: dict[str, list[str]] = {}
     for shoe in brake.shoes:
         if shoe.mesh is None and isinstance(shoe.body, Bar):
-            shoes_of.setdefault(_text_on_body_support(shoe, shoe.body, brake.size), []).append(
+            shoes_of.setdefault(_body_support_as_text(shoe, shoe.body, brake.size), []).append(
                 shoe.name
             )
     if shoes_of:
@@ -283,7 +283,7 @@ def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
         yield "held: " + "; ".join(parts)
 
 
-def _text_on_body_support(shoe: Shoe, bar: Bar, size: float) -> str:
+def _body_support_as_text(shoe: Shoe, bar: Bar, size: float) -> str:
     """The text that says how its support holds the elastic body of a shoe."""
     grip = shoe.grip(size)
     if grip is not None:

@@ -148,7 +148,7 @@ def _equation_matrix_of_shoe_group(group: ShoeGroup, friction: float) -> Floats:
     The matrix is linear in the friction coefficient. The actuation forces are among the unknowns,
     see `contact_matrix_with_forces_as_unknowns`.
     """
-    blocks = group.contact_problem_without_shared_forces(friction)
+    blocks = group.contact_problem_with_given_actuation_forces(friction)
     effects = group.contact_effects_of_actuation_force_per_shoe(friction)
     return contact_matrix_with_forces_as_unknowns(
         blocks, effects, group.pushing_and_pushed_shoe_of_struts, group.indices_of_shoes_under_cam

@@ -18,7 +18,10 @@ from drumlin.brake.support import UNHELD
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import FrictionalProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import ForceEffects, make_contact_problem_with_shared_forces
+from drumlin.fem.equilibrium.sharing import (
+    ForceEffects,
+    make_contact_problem_with_strut_and_cam_forces,
+)
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.bodies import (
     load_factors_and_pin_moment_per_newton,
@@ -43,7 +46,7 @@ def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalP
         _stick_slip_problem_with_free_feet(still, shoes), still
     )
     if group.pushing_and_pushed_shoe_of_struts or group.indices_of_shoes_under_cam:
-        problem = _stick_slip_problem_with_shared_forces(still, problem, shoes)
+        problem = _stick_slip_problem_with_strut_and_cam_forces(still, problem, shoes)
     problem = _stick_slip_problem_with_support_nodes(still, problem, shoes)
     lever = np.concatenate([body.coupling.lever for body in group.substructures_of_shoes])
     return problem, np.append(lever, np.zeros(len(problem.q_w) - len(lever)))
@@ -136,7 +139,7 @@ def _stick_slip_problem_with_free_feet(
     still : the group without friction
     shoes : the matrices of tractions on each lining
     """
-    normal = still.contact_problem_without_shared_forces(0.0)
+    normal = still.contact_problem_with_given_actuation_forces(0.0)
 
     def block_diagonal_matrix_of_shoes(name: str) -> Floats:
         """The block-diagonal matrix of all shoes' `_TractionMatrices` entries with this name."""
@@ -303,8 +306,10 @@ def _stick_slip_problem_with_support_nodes(
     by_motion = matrices.opening_by_motion
     return problem._replace(
         A_wp=np.block([[problem.A_wp, gap], [by_pressure, matrices.opening_by_force + yielding]]),
-        A_wt=block_diag(problem.A_wt, nothing) + _lower_left_block(by_traction, count),
-        A_sp=block_diag(problem.A_sp, nothing) - _lower_left_block(by_traction, count).T,
+        A_wt=block_diag(problem.A_wt, nothing)
+        + _zero_matrix_with_lower_left_block(by_traction, count),
+        A_sp=block_diag(problem.A_sp, nothing)
+        - _zero_matrix_with_lower_left_block(by_traction, count).T,
         A_st=block_diag(problem.A_st, nothing),
         Q=block_diag(problem.Q, yielding),
         B_w=np.vstack([problem.B_w, by_motion]),
@@ -316,7 +321,7 @@ def _stick_slip_problem_with_support_nodes(
     )
 
 
-def _lower_left_block(block: Floats, count: int) -> Floats:
+def _zero_matrix_with_lower_left_block(block: Floats, count: int) -> Floats:
     """A square matrix of zeros with a block (count, size) at the start of its last `count` rows."""
     size = block.shape[1]
     whole = np.zeros((size + count, size + count))
@@ -324,7 +329,7 @@ def _lower_left_block(block: Floats, count: int) -> Floats:
     return whole
 
 
-def _stick_slip_problem_with_shared_forces(
+def _stick_slip_problem_with_strut_and_cam_forces(
     still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
 ) -> FrictionalProblem:
     """Replace the actuation forces in a stick-slip problem by the forces of struts and a cam.
@@ -335,7 +340,7 @@ def _stick_slip_problem_with_shared_forces(
     problem : the stick-slip problem in which each shoe has its own, given actuation force
     shoes : the matrices of tractions on each lining
     """
-    sharing = make_contact_problem_with_shared_forces(
+    sharing = make_contact_problem_with_strut_and_cam_forces(
         _problem_with_stacked_pressures_and_tractions(problem),
         _stacked_effects_of_actuation_forces(still, shoes, len(problem.q_w)),
         still.relative_actuation_forces_of_file,
@@ -352,7 +357,7 @@ def _problem_with_stacked_pressures_and_tractions(
     """A stick-slip problem written as a contact problem, with tractions among the pressures.
 
     The n pressures and the n tractions are stacked to 2n unknowns, and the gaps and slips likewise,
-    since `make_contact_problem_with_shared_forces` takes a contact problem.
+    since `make_contact_problem_with_strut_and_cam_forces` takes a contact problem.
     """
     return equations.ContactProblem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),

@@ -462,7 +462,7 @@ class _TorqueSlopesOfShoe:
         group, k = self.group, self.k
         effects = {}
         for key, changes in self._rigid_mode_changes_by_supports().items():
-            if not self._has_slope_by_point(key):
+            if not self._can_slope_by_point_be_computed(key):
                 continue
             effects[key] = np.array(
                 list(map(self._torque_slope_by_rigid_body_mode_change, changes))
@@ -474,7 +474,7 @@ class _TorqueSlopesOfShoe:
                 effects[key] = effects[key] + self._torque_slopes_by_node_motions(moves)
         for to in self._indices_of_shoes_pushed_by_struts():
             pushed = _TorqueSlopesOfShoe(self.adjoint, to, self.changed)
-            if pushed._has_slope_by_point("actuation.point"):
+            if pushed._can_slope_by_point_be_computed("actuation.point"):
                 _add_torque_slopes_by_strut_line_of_action(effects, pushed)
             else:
                 effects.pop("abutment.point", None)
@@ -487,7 +487,7 @@ class _TorqueSlopesOfShoe:
         """
         return self.shoe.changes(self.group.friction_senses[self.k])
 
-    def _has_slope_by_point(self, key: str) -> bool:
+    def _can_slope_by_point_be_computed(self, key: str) -> bool:
         """Whether the derivative of the torque by the point `key` of the shoe can be computed.
 
         It cannot if nodes of the body move with the point and the shoe is solid, or springs, weight
@@ -757,7 +757,7 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
             f"d{symbol}/dmu {own.friction:.6g} {unit}, "
             f"S {_friction_sensitivity_as_text(own.S)}{by_law}; of the whole {effect}:"
         )
-        lines += _text_lines_on_torque_slopes_of_shoe(
+        lines += _torque_slopes_of_shoe_as_text_lines(
             own, brake.shoes[k].actuation.force, T, elasticity
         )
     parts = ", ".join(names_of_orthotropic_parts(brake))
@@ -773,7 +773,7 @@ def _friction_sensitivity_as_text(S: float | None) -> str:
     return "none" if S is None else f"{S:.5g}"
 
 
-def _text_lines_on_torque_slopes_of_shoe(
+def _torque_slopes_of_shoe_as_text_lines(
     own: ShoeSensitivity, force: float, T: float, elasticity: str
 ) -> list[str]:
     """Lines of text with the relative slopes of the whole torque by data of one shoe.
@@ -795,7 +795,7 @@ def _text_lines_on_torque_slopes_of_shoe(
     if own.bending_stiffness is not None:
         bent = f"; {elasticity} bending_stiffness: shoe {own.bending_stiffness / T:+.4g}"
     held = "; ".join(
-        _text_on_torque_slopes_by_support(key, value / T) for key, value in own.held.items()
+        _torque_slopes_by_support_as_text(key, value / T) for key, value in own.held.items()
     )
     # Adding 0.0 turns -0.0 into 0.0, which prints without a sign of minus.
     per_micrometre = own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0
@@ -812,7 +812,7 @@ def _text_lines_on_torque_slopes_of_shoe(
     return lines
 
 
-def _text_on_torque_slopes_by_support(key: str, value: Floats) -> str:
+def _torque_slopes_by_support_as_text(key: str, value: Floats) -> str:
     """The text with the relative slopes of the torque by one support.
 
     `key` is a key of `ShoeSensitivity.held`, and `value` (1,) or (2,) its slopes divided by the

@@ -227,7 +227,7 @@ class ShoeGroup(GroupProblems):
         Each choice of directions, and of bearing one-sided supports, is tried. If the solution
         agrees with no choice, the error of the first trial is raised.
         """
-        failure = NoAnswer(f"{self.names_of_shoes}: {self._text_if_nothing_bears}")
+        failure = NoAnswer(f"{self.names_of_shoes}: {self._error_text_if_shoes_are_not_held}")
         for number, group in enumerate(self.groups_with_each_direction_of_foot_friction()):
             try:
                 contact = group.solve_contact_for_known_friction_senses(first_contact_set)
@@ -240,7 +240,7 @@ class ShoeGroup(GroupProblems):
         raise failure
 
     @property
-    def _text_if_nothing_bears(self) -> str:
+    def _error_text_if_shoes_are_not_held(self) -> str:
         """The error text for a group that no choice of supports and friction directions holds."""
         return NOT_HELD_TEXT if self.one_sided_supports else FOOT_LEAVES_TEXT
 
@@ -261,9 +261,9 @@ class ShoeGroup(GroupProblems):
             group = self
             if senses != self.friction_senses:
                 group = replace(self, friction_senses=senses)
-            yield from group._groups_with_each_bearing()
+            yield from group._groups_with_each_choice_of_supports()
 
-    def _groups_with_each_bearing(self) -> Iterator["ShoeGroup"]:
+    def _groups_with_each_choice_of_supports(self) -> Iterator["ShoeGroup"]:
         """Yield the group with each choice of one-sided supports that bear and together hold the
         shoes.
 
@@ -386,7 +386,7 @@ class ShoeGroup(GroupProblems):
         )
         while low < (last := min(end.friction * (1 - CHECK_DISTANCE_FROM_POLE), largest_friction)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
-            after = at._solve_if_all_shared_forces_push(high)
+            after = at._solve_if_struts_and_cam_push(high)
             # Under more friction the group may have a solution again, but the solution that is
             # followed ends between `low` and `high`.
             if after is None:
@@ -413,14 +413,14 @@ class ShoeGroup(GroupProblems):
         """
         friction = 0.0
         while friction < largest_friction:
-            found = self._solve_if_all_shared_forces_push(friction)
+            found = self._solve_if_struts_and_cam_push(friction)
             if found is not None:
                 return friction, found
             friction += FRICTION_STEP * max(1.0, friction)
         # No friction has a solution. The next line raises an error with the reason at friction 0.
         return 0.0, self.group_with_drum_friction(0.0)._solve_with_consistent_friction_senses()
 
-    def _solve_if_all_shared_forces_push(self, friction: float) -> SolvedGroup | None:
+    def _solve_if_struts_and_cam_push(self, friction: float) -> SolvedGroup | None:
         """Solve the group at a friction coefficient of the drum, if struts and cam then push.
 
         Returns None if there is no solution, or if a cam or a strut would have to pull.
@@ -449,7 +449,7 @@ class ShoeGroup(GroupProblems):
         at = self
         while high - low > self_locking.POLE_DISTANCE * high:
             middle = 0.5 * (low + high)
-            after = at._solve_if_all_shared_forces_push(middle)
+            after = at._solve_if_struts_and_cam_push(middle)
             if after is None:
                 high = middle
             else:

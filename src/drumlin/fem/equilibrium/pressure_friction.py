@@ -35,20 +35,20 @@ def solve_group_with_its_friction(group: ShoeGroup, first: Bools | None = None) 
     curves = [group.brake.friction_curve_of_shoe(shoe) for shoe in group.shoes]
     if all(len(curve.mu) == 1 for curve in curves):
         return group.solve_contact_and_abutment_friction(first)
-    start, settled = _solve_at_bound_of_friction(group, curves, first)
+    start, settled = _solve_at_least_or_largest_friction(group, curves, first)
     for _ in range(MOST_CHANGES_OF_SUPPORT):
-        contact = _contact_on_known_supports(settled, curves, start)
+        contact = _contact_with_friction_of_its_pressures(settled, curves, start)
         friction = _friction_at_nodes(settled.group, curves, contact.p).coefficient
         # The contact is solved once more at these fixed coefficients, as for any other brake. This
         # solve checks that the solution is the one that friction growing from zero reaches.
-        settled = _solve_at_friction(settled.group, friction, contact.active)
+        settled = _solve_at_nodal_friction(settled.group, friction, contact.active)
         reached = _friction_at_nodes(settled.group, curves, settled.contact.p).coefficient
         if np.abs(reached - friction).max() <= FRICTION_TOLERANCE * friction.max():
             return settled
     raise NoAnswer(f"{group.names_of_shoes}: friction and pressure do not agree, not converged")
 
 
-def _solve_at_bound_of_friction(
+def _solve_at_least_or_largest_friction(
     group: ShoeGroup, curves: list[FrictionCurve], first: Bools | None
 ) -> tuple[Floats, SolvedGroup]:
     """Solve a group with the least friction of each lining's curve, or, failing that, the largest.
@@ -61,20 +61,22 @@ def _solve_at_bound_of_friction(
     least = np.repeat([curve.mu.min() for curve in curves], counts)
     largest = np.repeat([curve.mu.max() for curve in curves], counts)
     try:
-        return least, _solve_at_friction(group, least, first)
+        return least, _solve_at_nodal_friction(group, least, first)
     except NoAnswer as error:
         try:
-            return largest, _solve_at_friction(group, largest, first)
+            return largest, _solve_at_nodal_friction(group, largest, first)
         except NoAnswer:
             raise error from None
 
 
-def _solve_at_friction(group: ShoeGroup, friction: Floats, first: Bools | None) -> SolvedGroup:
+def _solve_at_nodal_friction(
+    group: ShoeGroup, friction: Floats, first: Bools | None
+) -> SolvedGroup:
     """Solve a group at friction coefficients (n,) of its nodes, from a contact set (n,)."""
-    return _group_with_friction(group, friction).solve_contact_and_abutment_friction(first)
+    return _group_with_nodal_friction(group, friction).solve_contact_and_abutment_friction(first)
 
 
-def _group_with_friction(group: ShoeGroup, friction: Floats) -> ShoeGroup:
+def _group_with_nodal_friction(group: ShoeGroup, friction: Floats) -> ShoeGroup:
     """A copy of a group with a friction coefficient (n,) for each of its contact nodes."""
     return replace(group, friction_at_nodes=friction / group.brake.friction)
 
@@ -88,7 +90,7 @@ def _friction_at_nodes(group: ShoeGroup, curves: list[FrictionCurve], p: Floats)
     return NodalFriction(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
-def _contact_on_known_supports(
+def _contact_with_friction_of_its_pressures(
     settled: SolvedGroup, curves: list[FrictionCurve], start: Floats
 ) -> Contact:
     """The contact in which the friction at each node agrees with the pressure there.

@@ -20,7 +20,7 @@ from drumlin.fem.equilibrium.one_sided import (
 from drumlin.fem.equilibrium.sharing import (
     ForceEffects,
     ForceSharing,
-    make_contact_problem_with_shared_forces,
+    make_contact_problem_with_strut_and_cam_forces,
 )
 from drumlin.fem.equilibrium.state import GroupState
 from drumlin.fem.preparation.bodies import (
@@ -74,12 +74,12 @@ class GroupProblems(GroupState):
             return supports.problem
         sharing = self._force_sharing_at_friction(friction)
         return (
-            self.contact_problem_without_shared_forces(friction)
+            self.contact_problem_with_given_actuation_forces(friction)
             if sharing is None
             else sharing.problem
         )
 
-    def contact_problem_without_shared_forces(self, friction: float) -> ContactProblem:
+    def contact_problem_with_given_actuation_forces(self, friction: float) -> ContactProblem:
         """The contact problem of the group at a friction coefficient, with a given force on each
         shoe.
 
@@ -139,10 +139,10 @@ class GroupProblems(GroupState):
         if not self.pushing_and_pushed_shoe_of_struts and not self.indices_of_shoes_under_cam:
             return None
         blocks, effects = (
-            self.contact_problem_without_shared_forces(friction),
+            self.contact_problem_with_given_actuation_forces(friction),
             self.contact_effects_of_actuation_force_per_shoe(friction),
         )
-        return make_contact_problem_with_shared_forces(
+        return make_contact_problem_with_strut_and_cam_forces(
             blocks,
             effects,
             self.relative_actuation_forces_of_file,
@@ -172,7 +172,7 @@ class GroupProblems(GroupState):
         )
         load = self.actuation_of_each_shoe_by_one_newton[k].load_factors
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
-        tip = self._travel_of_load_by_pressure(k, load, friction)
+        tip = self._load_point_travel_by_pressure(k, load, friction)
         # This is the force on the lining along x and y, per pressure of each node.
         contact = (
             drag * body.resultants_of_contact_node_forces[1]
@@ -206,7 +206,7 @@ class GroupProblems(GroupState):
             foot_force_by_further_loads=borne,
         )
 
-    def _travel_of_load_by_pressure(self, k: int, load: Floats, friction: float) -> Floats:
+    def _load_point_travel_by_pressure(self, k: int, load: Floats, friction: float) -> Floats:
         """The elastic travel (n,) of a load's point on shoe `k` along the load, per nodal pressure.
 
         `load` (l,) are the factors by which the load columns of the body make up the load.
@@ -227,7 +227,9 @@ class GroupProblems(GroupState):
         The effects are linear in the friction coefficient.
         """
         count, n = len(self.one_sided_supports), len(self.contact_node_areas)
-        sizes = np.concatenate([self._sizes_of_motions(shoe) for shoe in self.shoes])
+        sizes = np.concatenate(
+            [self._motion_amounts_for_unit_displacement(shoe) for shoe in self.shoes]
+        )
         opening, by_pressure = np.zeros(count), np.zeros((count, n))
         by_motion, gap = np.zeros((count, len(sizes))), np.zeros((n, count))
         loads = []
@@ -241,7 +243,7 @@ class GroupProblems(GroupState):
                 acting = load_factors_under_actuation_force(body, self.shoes[k], force)
                 travel = load @ body.load_motion_by_load @ acting
                 opening[j] += travel / self.largest_actuation_force
-                by_pressure[j, nodes] = self._travel_of_load_by_pressure(k, load, friction)
+                by_pressure[j, nodes] = self._load_point_travel_by_pressure(k, load, friction)
                 modes = self.rigid_body_mode_slices_of_shoes[k]
                 by_motion[j, modes] = self.work_of_push_on_modes(k, side.push)
                 gap[nodes, j] = -(body.closure_by_load @ load)
@@ -252,7 +254,7 @@ class GroupProblems(GroupState):
                 by_force[i, j] += loads[i][k] @ body.load_motion_by_load @ loads[j][k]
         return SupportMatrices(opening, by_pressure, by_force, by_motion, gap, sizes)
 
-    def _sizes_of_motions(self, shoe: Shoe) -> Floats:
+    def _motion_amounts_for_unit_displacement(self, shoe: Shoe) -> Floats:
         """The amount (k,) of each rigid-body motion of a shoe by which its points move about 1 m.
 
         A turn is taken to move a point at the distance of the drum's radius, or of a plane's size.
@@ -288,7 +290,7 @@ class GroupProblems(GroupState):
         if len(bearing) != len(self.one_sided_supports):
             return None
         return contact_problem_on_bearing_supports(
-            self.contact_problem_without_shared_forces(friction),
+            self.contact_problem_with_given_actuation_forces(friction),
             self.support_matrices_at_friction(friction),
             bearing,
         )

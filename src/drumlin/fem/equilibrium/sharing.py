@@ -116,7 +116,7 @@ class _LinearForces(NamedTuple):
     by_pressure: Floats
 
 
-def make_contact_problem_with_shared_forces(
+def make_contact_problem_with_strut_and_cam_forces(
     problem: ContactProblem,
     effects: list[ForceEffects],
     own_forces: Floats,
@@ -238,7 +238,9 @@ def _contact_problem_with_cam_travel_as_unknown(
         size = shoe.tip_travel_by_modes[mode]
         # The main mode gives the tip (the point of actuation) the travel of the cam, less the
         # elastic travel and the travel by all other modes.
-        by_pressure[main] = -_elastic_tip_travel_by_pressures(shoe, forces.by_pressure[i]) / size
+        by_pressure[main] = (
+            -_elastic_actuation_point_travel_by_pressures(shoe, forces.by_pressure[i]) / size
+        )
         elastic = shoe.tip_travel_by_force * forces.without_pressure[i]
         of_loads[main] = -(elastic + shoe.tip_travel_by_further_loads) / size
         # The entry of the main mode itself becomes zero.
@@ -258,7 +260,9 @@ def _contact_problem_with_cam_travel_as_unknown(
     return ForceSharing(problem, *forces, of_coordinates, by_pressure, of_loads)
 
 
-def _elastic_tip_travel_by_pressures(shoe: ForceEffects, force_by_pressure: Floats) -> Floats:
+def _elastic_actuation_point_travel_by_pressures(
+    shoe: ForceEffects, force_by_pressure: Floats
+) -> Floats:
     """The elastic travel (n,) of a shoe's point of actuation per pressure on each contact node.
 
     The n contact nodes are those of the group. `force_by_pressure` (n,) is the shoe's actuation

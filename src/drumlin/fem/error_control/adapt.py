@@ -126,9 +126,9 @@ def solve_brake_to_tolerance(
     progress = _solve_levels_until_tolerance(brake, tolerance, levels)
     if not progress.missed:
         return SolvedLevel(progress.scene, _last_response_with_estimated_errors(progress))
-    why = _text_on_shoes_with_unbounded_pressure(brake, progress.responses[-1])
+    why = _shoes_with_unbounded_pressure_as_text(brake, progress.responses[-1])
     if must:
-        reached = _text_on_reached_errors(progress, tolerance)
+        reached = _reached_errors_as_text(progress, tolerance)
         raise NoAnswer(
             f"{progress.missed} on {len(progress.responses)} meshes of up to {progress.unknowns} "
             f"unknowns a shoe: {reached}{why}"
@@ -181,7 +181,7 @@ def is_tolerance_met(error: Errors, tolerance: Tolerance) -> bool:
     return pressure <= tolerance.pressure and torque <= tolerance.torque
 
 
-def _text_on_shoes_with_unbounded_pressure(brake: Brake, response: Response) -> str:
+def _shoes_with_unbounded_pressure_as_text(brake: Brake, response: Response) -> str:
     """The text that names the shoes whose pressure grows without bound at a point of the lining.
 
     The text is empty if there is no such shoe.
@@ -195,7 +195,7 @@ def _text_on_shoes_with_unbounded_pressure(brake: Brake, response: Response) -> 
     return f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}"
 
 
-def _text_on_reached_errors(progress: _Progress, tolerance: Tolerance) -> str:
+def _reached_errors_as_text(progress: _Progress, tolerance: Tolerance) -> str:
     """The text that states the errors which were reached.
 
     If the finite contact stiffness (penalty) causes more than half of the allowed error of p, the
@@ -323,7 +323,7 @@ def _missing_fraction_of_peak_pressure(
     zone = length_of_edge_zone_without_peak(shoe, scale_factor)
     if _is_peak_pressure_at_lining_end(answer, zone):
         return 1.0
-    return _missing_fraction_of_peak_under_gap_tips(shoe, scale_factor, answer, zone)
+    return _missing_fraction_of_peak_at_pointed_gap_kinks(shoe, scale_factor, answer, zone)
 
 
 def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
@@ -360,7 +360,7 @@ def _elements_at_ends_of_linings(answer: ShoeResponse) -> list[tuple[int, slice]
     return at_starts + [(node, slice(node - order, node + 1)) for node in ends]
 
 
-def _missing_fraction_of_peak_under_gap_tips(
+def _missing_fraction_of_peak_at_pointed_gap_kinks(
     shoe: Shoe, scale_factor: float, answer: ShoeResponse, zone: float
 ) -> float:
     """The fraction by which the computed pressure peak may be too small because of tips of the gap.

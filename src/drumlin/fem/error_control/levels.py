@@ -237,13 +237,13 @@ def solve_on_finer_and_finer_levels(
             last, points = response, points_after(response)
             # The passes end when the new points agree with the points of any earlier pass. Ends of
             # the contact that return to an earlier position would otherwise alternate for ever.
-            if _are_points_those_of_earlier_pass(brake, points_of_passes, points):
+            if _do_points_agree_with_earlier_pass(brake, points_of_passes, points):
                 break
         if solved is not None:
             yield solved
 
 
-def _are_points_those_of_earlier_pass(
+def _do_points_agree_with_earlier_pass(
     brake: Brake, points_of_passes: Sequence[PointsByShape], points: PointsByShape
 ) -> bool:
     """Whether the singular points agree with the points of an earlier pass on the level."""

@@ -201,10 +201,10 @@ def assemble_full_system_of_group(
     """
     members = range(len(group.members))
     shoe_blocks = [
-        _part_of_shoe_in_full_system(group, k, relative_to_rigid_motion) for k in members
+        _assemble_shoe_block_of_full_system(group, k, relative_to_rigid_motion) for k in members
     ]
     ring = (
-        _part_of_ring_in_full_system(group.scene, group.brake)
+        _assemble_ring_block_of_full_system(group.scene, group.brake)
         if group.scene.ring is not None
         else None
     )
@@ -298,7 +298,7 @@ def _torque_factors_of_full_system_unknowns(group: ShoeGroup, layout: _Layout) -
     return lever
 
 
-def _part_of_shoe_in_full_system(
+def _assemble_shoe_block_of_full_system(
     group: ShoeGroup, k: int, relative_to_rigid_motion: bool
 ) -> _ShoeBlock:
     """The part of shoe `k` of a group in the full system, in long double.
@@ -327,28 +327,28 @@ def _part_of_shoe_in_full_system(
     count = contact_modes.shape[1]
     # The contact nodes have the last displacements, two for each node.
     first, shape = inside - 2 * n, (inside + count, n)
-    closures = _sparse_matrix_with_rows_from_place(N.T, shape, row=first)
+    closures = _sparse_matrix_with_values_from_row(N.T, shape, row=first)
     modes_to_nodes = None
     if relative_to_rigid_motion:
-        closures = closures + _sparse_matrix_with_rows_from_place(
+        closures = closures + _sparse_matrix_with_values_from_row(
             (N @ contact_modes).T, shape, row=inside
         )
     else:
         # The generalised coordinates move the supports of the body, and the supports deform the
         # body.
         modes_to_nodes = (constrained[:inside, inside:] @ sp.csr_matrix(pin_motion)).tocsr()
-    on_nodes = _sparse_matrix_with_rows_from_place(pushing, shape, row=first)
-    on_modes = _sparse_matrix_with_rows_from_place(test_modes.T @ pushing, shape, row=inside)
+    on_nodes = _sparse_matrix_with_values_from_row(pushing, shape, row=first)
+    on_modes = _sparse_matrix_with_values_from_row(test_modes.T @ pushing, shape, row=inside)
     stiffness_blocks = [[constrained[:inside, :inside], modes_to_nodes], [None, None]]
     return _ShoeBlock(
         K=_sparse_matrix_from_blocks(stiffness_blocks, [inside, count]),
         pressure_forces=on_nodes + on_modes,
         gap_closures=closures.T.tocsr(),
-        load=_actuation_on_unknowns_of_shoe(group, k, inside),
+        load=_loads_on_unknowns_of_shoe(group, k, inside),
     )
 
 
-def _actuation_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Floats:
+def _loads_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Floats:
     """The loads on shoe `k` as forces on its unknowns in the full system, in long double.
 
     They are nodal forces on the first `inside` unknowns, the displacements, and generalised forces
@@ -368,7 +368,7 @@ def _actuation_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Flo
     return np.append(load[:inside], share * work + further)
 
 
-def _part_of_ring_in_full_system(scene: PreparedModel, brake: Brake) -> _RingBlock:
+def _assemble_ring_block_of_full_system(scene: PreparedModel, brake: Brake) -> _RingBlock:
     """The part of the drum's elastic ring in the full system, in long double."""
     ring, part = scene.ring, brake.ring
     # The function is called only for models with an elastic ring.
@@ -404,7 +404,7 @@ def _sparse_matrix_with_columns_at_indices(values: Floats, dofs: Any, count: int
     return sp.csr_matrix((entries.data, places), shape=(entries.shape[0], count))
 
 
-def _sparse_matrix_with_rows_from_place(values: Any, size: tuple[int, int], row: int) -> Any:
+def _sparse_matrix_with_values_from_row(values: Any, size: tuple[int, int], row: int) -> Any:
     """A sparse matrix of a given size, with the dense `values` in the rows from `row` on."""
     i, j = np.nonzero(values)
     return sp.csr_matrix((values[i, j], (i + row, j)), shape=size)

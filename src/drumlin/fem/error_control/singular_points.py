@@ -116,7 +116,7 @@ def _singular_points_of_lining(
     # The ends of each contact arc are singular points. Their angles are rounded, and moved into the
     # lining if rounding has put them outside.
     for arc_start, arc_end in arcs:
-        start, end = _lining_that_contact_covers(shoe, arc_start, arc_end)
+        start, end = _ends_of_lining_with_contact(shoe, arc_start, arc_end)
         length = arc_end - arc_start
         first = min(max(_rounded_angle_of_contact_end(arc_start, length), start), end)
         last = min(max(_rounded_angle_of_contact_end(arc_end, length), start), end)
@@ -128,7 +128,7 @@ def _singular_points_of_lining(
     return points
 
 
-def _lining_that_contact_covers(shoe: Shoe, first: float, last: float) -> tuple[float, float]:
+def _ends_of_lining_with_contact(shoe: Shoe, first: float, last: float) -> tuple[float, float]:
     """The ends (phi_1, phi_2) [rad] of the lining that has the contact from `first` to `last`."""
     middle = 0.5 * (first + last)
     return min(shoe.arcs, key=lambda arc: max(arc[0] - middle, middle - arc[1]))
@@ -201,7 +201,7 @@ def _singular_points_at_kinks_of_gap(
         SingularPoint(phi, end - start, Singularity.KINK)
         for phi in frame.phi_coordinates_as_list(kinks)
     ]
-    return points + _singular_points_at_tips_of_gap(shoe, scale_factor, norm, kinks)
+    return points + _singular_points_at_pointed_gap_kinks(shoe, scale_factor, norm, kinks)
 
 
 def _singular_points_at_kinks_of_friction(
@@ -255,7 +255,7 @@ def _singular_points_at_kinks_of_friction(
     return points
 
 
-def _singular_points_at_tips_of_gap(
+def _singular_points_at_pointed_gap_kinks(
     shoe: Shoe, scale_factor: float, norm: float, kinks: Floats
 ) -> list[SingularPoint]:
     """The singular points at kinks of a lining's gap that point to the drum (kind TIP).

@@ -320,10 +320,11 @@ def couple_ring_with_linings(
         line,
         condensed,
         normal_half_flexibilities=tuple(
-            _square_root_of_work_of_ring_forces(condensed, N.T, rim_balance) for N, _ in matrices
+            _half_flexibility_of_ring_under_forces(condensed, N.T, rim_balance) for N, _ in matrices
         ),
         friction_half_flexibilities=tuple(
-            _square_root_of_work_of_ring_forces(condensed, -T.T, rim_balance) for _, T in matrices
+            _half_flexibility_of_ring_under_forces(condensed, -T.T, rim_balance)
+            for _, T in matrices
         ),
         coupling_matrices=tuple(matrices),
         held=held,
@@ -590,7 +591,7 @@ class RimBalance:
         )
 
 
-def _square_root_of_work_of_ring_forces(
+def _half_flexibility_of_ring_under_forces(
     condensed: CondensedBody, forces: Floats, rim_balance: RimBalance | None
 ) -> Floats:
     """The half flexibility W (m, k) of a drum ring under nodal forces on its contact nodes.
