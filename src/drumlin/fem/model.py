@@ -249,8 +249,10 @@ def _notes_on_mesh_files(
 
 
 def _notes_on_loads_away_from_their_places(scene: PreparedModel, brake: Brake) -> Iterator[str]:
-    """Yield a note that names the elastic shoes whose springs, weight and further forces act as one
-    resultant at the point of actuation and not at their own points.
+    """Yield a note that names elastic shoes whose further loads act at the point of actuation.
+
+    Further loads are springs, weight and further forces. They act as one resultant at the point of
+    actuation if the model cannot place them at their own points.
     """
     names = [
         repr(shoe.name)
@@ -705,10 +707,11 @@ def _force_and_moment_imbalance_of_shoe(solution: _ShoeSolution, acting: _Forces
 
 
 def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
-    """The largest residual of virtual work among a shoe's test modes, relative to the larger of the
-    work of the loads and the sum of the absolute work at all contact nodes.
+    """The largest relative residual of virtual work among a shoe's test modes.
 
-    A test mode is a rigid-body motion on which the support of the shoe does no work.
+    A test mode is a rigid-body motion on which the support of the shoe does no work. The residual
+    is relative to the work of the loads, or to the sum of the absolute work at all contact nodes if
+    this is larger.
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     coupling, modes = group.substructures_of_shoes[k].coupling, group.rigid_body_modes_of_shoes[k]
@@ -857,8 +860,7 @@ def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
 def _pressure_errors_by_penalty_and_round_off(
     group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]
 ) -> Floats:
-    """The first-order change of all n pressures by the penalty (first row) and by round-off
-    (second).
+    """The first-order change (2, n) of all pressures: by the penalty, and by round-off.
 
     The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), so that the slope at x
     times x would be too small by the factor 1 + x. The change is multiplied by it. The round-off of

@@ -371,8 +371,7 @@ def _problem_with_stacked_pressures_and_tractions(
 def _stacked_effects_of_actuation_forces(
     still: ShoeGroup, shoes: list[_TractionMatrices], n: int
 ) -> list[ForceEffects]:
-    """The effects of each shoe's actuation force, for pressures and tractions stacked to one
-    vector.
+    """The effects of each shoe's actuation force, for stacked pressures and tractions.
 
     Parameters
     ----------

@@ -196,9 +196,7 @@ class _LoadedGroupAtRest(NamedTuple):
         return self.group.contact_node_slices_of_shoes[-1].stop
 
     def torque(self, at: Increment) -> float:
-        """The moment [N m] of the linings on the drum at an increment, positive against the
-        rotation.
-        """
+        """The moment [N m] of the linings on the drum at an increment, against the rotation."""
         return float(self.group.largest_actuation_force**2 * (self.slip_per_rotation @ at.t))
 
     def turn_drum_in_increments(
@@ -525,8 +523,7 @@ def _shoe_group_with_changed_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
 def _energy_dissipated_by_slip(
     problem: FrictionalProblem, after: Increment, before: SlipHistory
 ) -> float:
-    """The energy dissipated by slip in an increment, divided by the squared actuation force
-    [J/N^2].
+    """The energy dissipated by slip in an increment, per squared actuation force [J/N^2].
 
     It is computed with the tractions at the end of the increment.
     """
@@ -675,8 +672,7 @@ def _direction_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: Increment) -> 
 def _feet_whose_friction_differs_from_solve(
     held: _LoadedGroupAtRest, at: Increment, group: ShoeGroup, contact: Contact
 ) -> list[_FootSlide]:
-    """The feet with another ratio of friction to normal force than on a drum that slides from the
-    start.
+    """The feet whose ratio of friction to normal force differs from the ratio by `solve`.
 
     Parameters
     ----------

@@ -482,9 +482,7 @@ class _TorqueSlopesOfShoe:
         return effects
 
     def _rigid_mode_changes_by_supports(self) -> Mapping[str, Any]:
-        """The derivatives of the shoe's rigid-body modes by the data of its supports, by their
-        keys.
-        """
+        """The derivatives of the shoe's rigid-body modes by data of its supports, by their keys."""
         return self.shoe.changes(self.group.friction_senses[self.k])
 
     def _can_slope_by_point_be_computed(self, key: str) -> bool:
@@ -614,8 +612,7 @@ class _TorqueSlopesOfShoe:
         return value
 
     def _gaps_by_ring_times_adjoint(self, line: ContactLine) -> float:
-        """The weighted gaps by the ring's displacement times their adjoint, on a moved contact
-        line.
+        """The weighted gaps by the ring's motion times their adjoint, on a moved contact line.
 
         The value [N m] is 0 for a rigid drum.
         """
@@ -702,8 +699,7 @@ class _TorqueSlopesOfShoe:
 def _add_torque_slopes_by_strut_line_of_action(
     effects: dict[str, Floats], pushed: _TorqueSlopesOfShoe
 ) -> None:
-    """Add the slopes by a strut's line of action to the slopes by the abutment that the strut
-    forms.
+    """Add the slopes by a strut's line of action to the slopes by the abutment that it forms.
 
     The strut is the abutment of one shoe and pushes another shoe along a line that moves and turns
     with this abutment. The size of the strut's force does not change with the direction of the

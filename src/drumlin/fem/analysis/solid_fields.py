@@ -195,9 +195,7 @@ def _samples_across_pieces_of_width(functions: WidthFunctions, half: float) -> I
 
 
 def fields_in_part_of_shoe(unknowns: WidthUnknowns, u: Floats, name: str) -> _PartFields:
-    """The displacements and stresses in the part `name` of a shoe, from all displacement unknowns
-    u.
-    """
+    """The displacements and stresses in the part `name` of a shoe, from all unknowns u [m]."""
     grid, elements = unknowns.grid, unknowns.grid.subdomains[name]
     even, odd = unknowns.even_and_odd_factors_of_nodes(u)
     layer = unknowns.division.part.index(name)

@@ -52,9 +52,7 @@ class VirtualLoads(NamedTuple):
     adjoint_load: Floats
 
     def work_on_displacements_of_body(self, body: ShoeSubstructure) -> float:
-        """The work [N m] of the adjoint loads on a body's displacements under the loads of the
-        solution.
-        """
+        """The work [N m] of the adjoint loads on a body's displacements under the actual loads."""
         p, drag = self.pressures, self.drag
         closed = body.closure_by_pressure @ p + body.closure_by_load @ self.load
         moved = body.load_motion_by_load @ self.load - body.closure_by_load.T @ p

@@ -148,8 +148,7 @@ class ShoeGroup(GroupProblems):
         return own / ratio if ratio else math.inf
 
     def moment_of_loads_about_pin(self, k: int) -> float:
-        """The moment of all loads on shoe `k` about its pin, positive in the sense of the shoe's
-        frame.
+        """The moment of all loads on shoe `k` about its pin, in the sense of the shoe's frame.
 
         It is per newton of the actuation force [m]. If springs, weight or further forces act on the
         shoe, it is the moment itself [N m].
@@ -161,8 +160,7 @@ class ShoeGroup(GroupProblems):
         return abs(shoe.actuation.force) * per_newton + moment_of_further_loads_about_pin(shoe)
 
     def locking_friction_of_rigid_shoe(self, i: int) -> float:
-        """The friction coefficient at which shoe `i` of the brake locks itself by the rigid-shoe
-        law.
+        """The friction at which shoe `i` of the brake locks itself by the rigid-shoe law.
 
         If the shoe is hinged or on anchors, and the drum drags it the same way as in the prepared
         model, the value is taken from the model.
@@ -264,8 +262,7 @@ class ShoeGroup(GroupProblems):
             yield from group._groups_with_each_choice_of_supports()
 
     def _groups_with_each_choice_of_supports(self) -> Iterator["ShoeGroup"]:
-        """Yield the group with each choice of one-sided supports that bear and together hold the
-        shoes.
+        """Yield the group with each choice of bearing one-sided supports that holds the shoes.
 
         The present choice comes first; if it is unknown, the choice for rigid shoes. A group
         without one-sided supports is yielded as it is.
@@ -290,8 +287,7 @@ class ShoeGroup(GroupProblems):
         return supports is None or supports.is_bearing_as_assumed(contact.p, contact.y)
 
     def is_foot_friction_as_assumed(self, contact: active_set.Contact, k: int) -> bool:
-        """Whether the abutment can exert the reaction on the foot of shoe `k` that the solution
-        needs.
+        """Whether the abutment can exert the computed reaction on the foot of shoe `k`.
 
         It can if it presses on the foot, and if its friction has the direction assumed for the
         solve: against the slide of the foot, or large enough to hold it.

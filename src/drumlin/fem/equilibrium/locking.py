@@ -43,8 +43,7 @@ printed line alone.
 def distance_of_friction_from_self_locking(
     scene: PreparedModel, brake: Brake, penalty: float
 ) -> SelfLocking:
-    """Compare a brake's friction with its self-locking limits by rigid-shoe law and finite
-    elements.
+    """Compare a brake's friction with its self-locking limits by law and by finite elements.
 
     If the friction is above NEAR_LAW times the smallest rigid-shoe limit, the elastic limit is
     sought up to FURTHEST_SEARCH times the friction. Otherwise it is sought up to 1/WARNED_SHARE

@@ -51,8 +51,7 @@ class SupportMatrices:
 
 @dataclass(frozen=True)
 class BearingSupports:
-    """The contact problem of a group on the one-sided supports that bear, without their forces as
-    unknowns; the forces and the motions of the shoes follow from its solution.
+    """The contact problem of a group of shoes on the one-sided supports that bear.
 
     Attributes
     ----------
@@ -80,15 +79,12 @@ class BearingSupports:
         return self.forces_without_pressure + self.forces_by_pressure @ p
 
     def rigid_body_motions(self, p: Floats, y: Floats) -> Floats:
-        """The rigid-body motions (k,) of all shoes, from a solution p (n,), y (k',) of the contact
-        problem.
-        """
+        """The rigid-body motions (k,) of all shoes, by a solution p (n,), y (k',) of `problem`."""
         by_pressure = self.motions_without_pressure + self.motions_by_pressure @ p
         return by_pressure + self.motions_by_unknown @ y
 
     def is_bearing_as_assumed(self, p: Floats, y: Floats) -> bool:
-        """Whether no support that was assumed to bear pulls, and none assumed open overlaps its
-        shoe.
+        """Whether no support assumed to bear pulls, and no support assumed open overlaps a shoe.
 
         p (n,) and y (k',) are the solution of the contact problem.
         """

@@ -80,11 +80,11 @@ class GroupProblems(GroupState):
         )
 
     def contact_problem_with_given_actuation_forces(self, friction: float) -> ContactProblem:
-        """The contact problem of the group at a friction coefficient, with a given force on each
-        shoe.
+        """The contact problem of the group at a friction coefficient, under given forces.
 
-        Struts, a cam and one-sided supports are left out. The matrices of single shoes are the
-        blocks of the group's matrices, and the flexibility of the drum's ring is added.
+        Each shoe has its actuation force of the brake file. Struts, a cam and one-sided supports
+        are left out. The matrices of single shoes are the blocks of the group's matrices, and the
+        flexibility of the drum's ring is added.
         """
         parts = [
             self._contact_problem_of_single_shoe(k, friction) for k in range(len(self.members))
@@ -152,19 +152,17 @@ class GroupProblems(GroupState):
         )
 
     def contact_effects_of_actuation_force_per_shoe(self, friction: float) -> list[ForceEffects]:
-        """For each shoe, the effects of its force, and what moves the force's point and loads the
-        foot.
+        """For each shoe, the effects of its force, and the causes of its tip travel and foot force.
 
-        The effects are linear in the friction coefficient.
+        The tip is the point where the actuation force acts. All values are linear in the friction
+        coefficient.
         """
         return [
             self._effects_of_actuation_force_on_shoe(k, friction) for k in range(len(self.shoes))
         ]
 
     def _effects_of_actuation_force_on_shoe(self, k: int, friction: float) -> ForceEffects:
-        """The effects of shoe k's actuation force, and what moves its point and loads the shoe's
-        foot.
-        """
+        """The effects of shoe k's actuation force, and the causes of tip travel and foot force."""
         body, shoe, modes = (
             self.substructures_of_shoes[k],
             self.shoes[k],

@@ -32,8 +32,7 @@ WOULD_PULL_TEXT = "no equilibrium, what pushes it would have to pull"
 
 
 class ForceEffects(NamedTuple):
-    """The effects of a shoe's actuation force, and the contributions to the travel of its tip and
-    to the force on its foot.
+    """The effects of a shoe's actuation force, and the causes of its tip travel and foot force.
 
     The tip is the point of the shoe where the force acts. The foot is the end of the shoe that
     stands on an abutment or pushes a strut. All values hold per newton of the force or per pascal
@@ -70,8 +69,7 @@ class ForceEffects(NamedTuple):
 
 @dataclass(frozen=True)
 class ForceSharing:
-    """The contact problem of m shoes under strut and cam forces, without these forces as unknowns;
-    the forces and the motions follow from its solution.
+    """The contact problem of m shoes under strut and cam forces, which follow from its solution.
 
     Attributes
     ----------
@@ -96,10 +94,10 @@ class ForceSharing:
         return self.forces_without_pressure + self.forces_by_pressure @ p
 
     def rigid_body_coordinates_from_contact_solution(self, p: Floats, y: Floats) -> Floats:
-        """The generalised coordinates (k,) of all shoes, from a solution p (n,), y (k',) of
-        `problem`.
+        """The generalised coordinates (k,) of all shoes, from a solution p, y of `problem`.
 
-        Under a cam, y has the travel of the cam in place of two of the coordinates.
+        p (n,) are pressures and y (k',) motions. Under a cam, y has the travel of the cam in place
+        of two of the coordinates.
         """
         by_unknowns = self.coordinates_by_unknown @ y + self.coordinates_by_pressure @ p
         return by_unknowns + self.coordinates_of_loads
@@ -206,8 +204,7 @@ def _contact_problem_with_cam_travel_as_unknown(
     cam_shoes: list[int],
     cam_force_sum: float,
 ) -> ForceSharing:
-    """Return the contact problem under a cam, with the travel of the points of actuation as
-    unknown.
+    """Return the contact problem under a cam, with the travel of the cam as an unknown.
 
     The cam moves the points of actuation of its two shoes by the same travel. The travel replaces
     the coordinates of both shoes' main modes, on which the cam's forces do most work. The sum of

@@ -140,10 +140,10 @@ class GroupState:
 
     @property
     def known_abutment_friction_directions(self) -> tuple[int, ...]:
-        """The direction of friction at each shoe's abutment: +1 or -1 along its face, 0 for a foot
-        that sticks, and +1 for a smooth or missing abutment.
+        """The direction of friction at each shoe's abutment: +1 or -1 along its face.
 
-        Raises RuntimeError if an abutment is rough and the direction is not known yet.
+        It is 0 for a foot that sticks, and +1 for a smooth or missing abutment. Raises RuntimeError
+        if an abutment is rough and the direction is not known yet.
         """
         if not self.friction_senses and self.has_abutment_with_friction:
             raise RuntimeError(
@@ -161,17 +161,13 @@ class GroupState:
 
     @property
     def drag_at_nodes(self) -> Floats:
-        """The friction stress (n,) per pressure at each contact node, in the sense of growing
-        theta.
-        """
+        """The friction stress (n,) per pressure at each contact node, along growing theta."""
         return self.brake.friction * self.brake.sign_of_motion * self.relative_friction_of_nodes
 
     def dragging_pressures_of_shoe(self, k: int, p: Floats) -> Floats:
-        """The pressures (n_k,) which times the friction coefficient of shoe `k` give the friction
-        stress.
+        """The friction stress (n_k,) on shoe `k`, divided by the shoe's friction coefficient.
 
-        They are the pressures p (n_k,) themselves, unless the coefficient differs from node to
-        node.
+        It equals the pressures p (n_k,), unless the coefficient differs from node to node.
         """
         return np.asarray(self.friction_ratios_at_nodes_of_shoe(k) * p)
 
@@ -300,9 +296,7 @@ class GroupState:
 
     @cached_property
     def one_sided_supports(self) -> tuple[OneSidedSupport, ...]:
-        """The one-sided supports of the group's shoes; their sides number the shoes within the
-        group.
-        """
+        """The one-sided supports of the group's shoes, which are numbered within the group."""
         found = []
         for support in one_sided_supports_of_brake(self.brake):
             if support.sides[0].shoe in self.members:
@@ -331,8 +325,7 @@ class GroupState:
 
     @cached_property
     def torque_of_each_shoe_per_nodal_pressure(self) -> Floats:
-        """The torque (n, shoes) [m^3] of each shoe per nodal pressure, if the brake's friction is
-        1.
+        """The torque (n, shoes) [m^3] of each shoe per nodal pressure, for a brake friction of 1.
 
         The friction of a lining with a coefficient of its own is scaled in proportion.
         """
@@ -356,18 +349,14 @@ class GroupState:
 
     @cached_property
     def mass_matrix_of_contact_nodes(self) -> Floats:
-        """The mass matrix (n, n) [m^2] of the contact nodes, which turns nodal gaps into weighted
-        gaps.
-        """
+        """The mass matrix (n, n) [m^2] of the contact nodes: weighted gaps from nodal gaps."""
         return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.substructures_of_shoes)))
 
     # These properties describe the ring, the struts and the cam.
 
     @cached_property
     def factors_of_ring_flexibility(self) -> RingFlexibilityRoots | None:
-        """The factors of the drum ring's flexibility under the group's linings; None without a
-        ring.
-        """
+        """The factors of the drum ring's flexibility under the linings; None without a ring."""
         ring = self.scene.ring
         if ring is None:
             return None

@@ -211,8 +211,7 @@ def _reached_errors_as_text(progress: _Progress, tolerance: Tolerance) -> str:
 
 
 def _last_response_with_estimated_errors(progress: _Progress) -> Response:
-    """The response of the last level with its errors, the time of all levels, and a note on the
-    levels.
+    """The last level's response with its errors, the time of all levels and a note on them.
 
     If the errors miss the tolerance, the notes end with a warning.
     """

@@ -243,9 +243,7 @@ def _errors_of_rounded_coordinates(brake: Brake, cache: Cache) -> Floats:
 
 
 def _has_straight_sides_on_curves(brake: Brake, cache: Cache) -> bool:
-    """Whether a mesh file has straight sides that lie noticeably off the smooth outline of its
-    shoe.
-    """
+    """Whether a mesh file has straight sides that lie noticeably off the shoe's smooth outline."""
     # The modules load scikit-fem, which takes long.
     from drumlin.fem.mesh.degree import nodal_basis_of_shoe_mesh  # noqa: PLC0415
     from drumlin.fem.mesh.smooth_outline import moves_onto_smooth_outline  # noqa: PLC0415

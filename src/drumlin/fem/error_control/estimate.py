@@ -71,9 +71,7 @@ class Factors(NamedTuple):
     peak: float
 
     def error_factors_of_refinement_differences(self, shoes: int) -> Floats:
-        """The factor (1 + 4 shoes,) of each difference: of the brake's torque, then of each shoe's
-        pressure, torque, peak and reaction.
-        """
+        """The factors (1 + 4 shoes,) of the differences, in the order of `LevelDifferences`."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 

@@ -1,5 +1,4 @@
-"""The equations of a group of shoes without static condensation, solved by refinement in long
-double.
+"""The equations of a group of shoes without static condensation, refined in long double.
 
 A solve usually eliminates the displacements inside the bodies (static condensation). The full
 system keeps them. Its unknowns are all displacements of the shoes and of the drum ring, the

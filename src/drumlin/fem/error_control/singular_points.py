@@ -135,8 +135,7 @@ def _ends_of_lining_with_contact(shoe: Shoe, first: float, last: float) -> tuple
 
 
 def _is_angle_near_contact(phi: float, arcs: list[list[float]]) -> bool:
-    """Whether the angle phi [rad] lies in a contact, or nearer to a contact than the contact's
-    length.
+    """Whether the angle phi [rad] lies in a contact, or within one contact length of it.
 
     `arcs` are the start and the end [rad] of each contact.
     """
@@ -277,8 +276,7 @@ def _singular_points_at_pointed_gap_kinks(
 
 
 def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Floats:
-    """The L2 norm (k,) [Pa rad^0.5] of the change of p by the kink at each row of a clearance
-    table.
+    """The change of p in L2 (k,) [Pa rad^0.5] by the kink at each row of a clearance table.
 
     Between the rows of the table the gap varies linearly, along chords. The change of p is the
     difference between these chords and a smooth curve through the rows. If the slope changes by s
@@ -309,8 +307,7 @@ def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Flo
 
 
 def _angles_of_strongest_kinks(angle: Floats, change: Floats, negligible: float) -> Floats:
-    """The sorted angles (m,) [rad] of kinks of the gap or of the friction, without the weakest
-    kinks.
+    """The sorted angles (m,) [rad] of kinks of gap or friction, without the weakest kinks.
 
     Parameters
     ----------

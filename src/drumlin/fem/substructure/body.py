@@ -82,9 +82,7 @@ class InnerSystem(NamedTuple):
         return self
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
-        """The stiffness and the unit loads of the body, condensed to its contact nodes and its
-        frame.
-        """
+        """The stiffness and the unit loads of the body, condensed to contact nodes and frame."""
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
     def body_system_with_further_loads(self, forces: Floats) -> "InnerSystem":
@@ -134,9 +132,7 @@ class InnerEquations(InnerUnknowns, Protocol):
         """The equations of the body on all its nodes, before condensation."""
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
-        """The stiffness and the unit loads of the body, condensed to its contact nodes and its
-        frame.
-        """
+        """The stiffness and the unit loads of the body, condensed to contact nodes and frame."""
 
     def body_system_with_further_loads(self, forces: Floats) -> "InnerEquations":
         """The same unknowns with nodal forces (2 nodes, k) as k more unit loads, after its own."""
@@ -439,9 +435,7 @@ def _orthotropic_part_of_element_stiffness(
     along = layer.directions(points)
 
     def integrals_of_products_of_strains_in_direction(direction: Any) -> Any:
-        """The integrals (e, d a, d a) [1] of products of two unknowns' strains in a direction (2,
-        e, q).
-        """
+        """The integrals (e, d a, d a) of products of two unknowns' strains in a direction."""
         grown = np.einsum("ceq,aceq->aeq", direction, gradients)
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)

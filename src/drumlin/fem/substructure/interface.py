@@ -89,8 +89,7 @@ class ContactLine:
 
     @cached_property
     def nodes_over_all_linings(self) -> tuple[Floats, Bools]:
-        """Angles (m,) [rad] of nodes over all linings and the slots between, and which are on
-        linings.
+        """Angles (m,) [rad] of nodes on all linings and in the slots, and which are on linings.
 
         The nodes on linings are the nodes of `angles_and_mean_pressures`. Nodes are added in the
         slots between linings, so that a piecewise polynomial spans them, see
