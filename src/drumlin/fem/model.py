@@ -485,7 +485,8 @@ def _shoe_results_after_refinement(
         )
     )
     imbalance = _largest_imbalance_of_shoes(answers)
-    # Meshes (order 1 and 2) alone state no error and are judged more strictly than hp elements.
+    # A solve on a mesh of degree 1 or 2 states no error, and is judged more strictly than hp
+    # elements.
     if (
         max(
             body.line.interpolation_degree_along_contact_line

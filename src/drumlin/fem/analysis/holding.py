@@ -169,13 +169,14 @@ class Hold:
 class _LoadedGroupAtRest(NamedTuple):
     """A group of shoes under the full actuation force, with the drum at rest.
 
-    The stick-slip problem and its increments hold per newton of the group's unit force, and
-    energies per newton squared.
+    The stick-slip problem and its increments hold per newton of the group's largest actuation
+    force, and energies per newton squared.
 
     Attributes
     ----------
     group : the group of shoes
-    problem : the stick-slip problem, whose last nodes are feet on rough abutments
+    problem : the stick-slip problem, whose last nodes are feet on rough abutments and one-sided
+        supports
     slip_per_rotation : growth (n,) of the weighted slips q_s of the nodes per radian of drum
         rotation in the brake's sense
     friction : friction coefficient (n,) of each node
@@ -192,7 +193,7 @@ class _LoadedGroupAtRest(NamedTuple):
 
     @property
     def number_of_lining_nodes(self) -> int:
-        """The number of nodes on linings, which come before the nodes of feet."""
+        """The number of nodes on linings, which come before the nodes of feet and supports."""
         return self.group.contact_node_slices_of_shoes[-1].stop
 
     def torque(self, at: Increment) -> float:
@@ -535,7 +536,7 @@ def _energy_dissipated_by_slip(
 def _state_of_brake_at_rotation(
     brake: Brake, paths: list[_RotationPath], k: int, rotation: float
 ) -> Hold:
-    """The state of the whole brake at rotation number `k`, from the paths of its groups."""
+    """The state of the whole brake at rotation number `k`, from the increments of its groups."""
     linings: dict[int, _LiningNodeStates] = {}
     torque, dissipated = 0.0, 0.0
     notes: list[str] = []

@@ -206,9 +206,10 @@ def _shoe_with_moved_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
 def contact_lines_with_moved_nodes(
     body: ShoeSubstructure, shoe: Shoe, radius: float, moves: NodeMotion
 ) -> Iterator[tuple[float, ContactLine]]:
-    """Yield the moved contact line for a step forwards and a step backwards of a point.
+    """Yield the contact line after a point of the shoe moves by a step forwards or backwards.
 
-    Each item is the step [m] and the contact line with its nodes moved.
+    Each of the two items is the step [m], which is negative if backwards, and the contact line with
+    its nodes moved.
 
     Parameters
     ----------

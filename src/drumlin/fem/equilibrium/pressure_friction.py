@@ -16,7 +16,7 @@ from drumlin.contact.pressure_friction import (
 from drumlin.fem.equilibrium.group import ShoeGroup, SolvedGroup
 
 MOST_CHANGES_OF_SUPPORT = 5
-"""Most repetitions of the solve in which friction depends on the pressure, with new supports.
+"""Most repetitions of a solve with pressure-dependent friction in which supports may change.
 
 The bearing one-sided supports and the directions of friction at abutments may differ between two
 estimates of the linings' friction. They are then found anew, and the solve is repeated. Brakes need
