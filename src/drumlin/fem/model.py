@@ -622,8 +622,8 @@ class _ForcesOnShoe(NamedTuple):
     resultant_of_pressure : (3,) force x, y [N] and moment about the centre [N m] of the pressures
         on the drum
     force_of_drum : (3,) force x, y [N] and moment about the centre [N m] of the drum on the lining
-    actuation_force : (2,) force of the actuation [N]
-    actuation_moment : moment of the actuation about the pin [N m]
+    actuation_force : (2,) force of the actuation, with springs, weight and further forces [N]
+    actuation_moment : moment of the same loads about the pin [N m]
     support_force : (2,) force of the support [N]
     guide_moment : moment [N m] of a guide or of one-sided supports on the shoe, about the pin; 0
         for other supports

@@ -71,8 +71,8 @@ class _Piece(NamedTuple):
     Attributes
     ----------
     z : (s,) distances from the mid-plane [m]
-    even, even_slopes : (e, s) values [1] and slopes [1/m] of the even functions
-    odd, odd_slopes : (o, s) values [1] and slopes [1/m] of the odd functions
+    even, even_slopes : (e, s) values [1] and slopes [1/m] of the functions that are even in z
+    odd, odd_slopes : (o, s) values [1] and slopes [1/m] of the functions that are odd in z
     """
 
     z: Floats

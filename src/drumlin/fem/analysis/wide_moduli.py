@@ -39,10 +39,10 @@ class VirtualLoads(NamedTuple):
     Attributes
     ----------
     pressures : pressures (n,) [Pa] at the contact nodes
-    drag : friction coefficient with the sign of the drag in the frame of the shoe
-    load : factors (l,) of the load columns
+    drag : friction coefficient, positive if the drum drags along growing angles of the shoe's frame
+    load : factors (l,) by which the body's load columns make up the other loads on the shoe
     gap_multipliers : adjoint multipliers (n,) of the weighted gaps
-    adjoint_load : adjoint factors (l,) of the load columns
+    adjoint_load : factors (l,) by which the load columns make up the adjoint load
     """
 
     pressures: Floats

@@ -86,7 +86,7 @@ class InnerSystem(NamedTuple):
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
     def body_system_with_further_loads(self, forces: Floats) -> "InnerSystem":
-        """A system with nodal forces (2 nodes, k) as k more unit loads, after the present ones."""
+        """A copy with nodal forces (2 nodes, k) as k further unit loads, in the last columns."""
         further = self.constraints.matrix.T @ forces
         return self._replace(loads=np.hstack([self.loads, further]))
 
@@ -135,7 +135,7 @@ class InnerEquations(InnerUnknowns, Protocol):
         """The stiffness and the unit loads of the body, condensed to contact nodes and frame."""
 
     def body_system_with_further_loads(self, forces: Floats) -> "InnerEquations":
-        """The same unknowns with nodal forces (2 nodes, k) as k more unit loads, after its own."""
+        """A copy with nodal forces (2 nodes, k) as k further unit loads, in the last columns."""
 
 
 @dataclass(frozen=True)
