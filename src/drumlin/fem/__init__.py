@@ -1,10 +1,12 @@
 """The finite-element model: plane stress, with linings in unilateral frictional contact.
 
-A brake passes the rooms from the bottom to the top. `mesh` and `hp` divide it into elements,
-`substructure` condenses its bodies, `preparation` collects them as a prepared model, and
-`equilibrium` poses the contact problem of its shoes. `model` solves that problem and answers with a
-response; `solve` repeats this on finer divisions until `error_control` accepts the answer.
-`analysis` asks a solved brake for more than its response. `width` multiplies the elements of a
-section by polynomials across the width of the shoe. `solid` solves shoes of finite width, by
-`width` or by hexahedra.
+A solve uses the packages in this order. `mesh` and `hp` divide the brake into elements,
+`substructure` condenses its bodies to the contact nodes, `preparation` collects the condensed
+bodies as a prepared model, and `equilibrium` poses the contact problem of the shoes. The module
+`model` solves this problem and returns a response. `solve` repeats the work on finer divisions
+until `error_control` accepts the response.
+
+`analysis` computes more than the response, such as stresses, holding and sensitivities. `width`
+multiplies the elements of a cross-section by polynomials across the width of the shoe. `solid`
+solves shoes of finite width by the model of `width`.
 """

@@ -1,9 +1,9 @@
-"""The old name of drumlin.fem.preparation.prepare."""
+"""Former name of the module drumlin.fem.preparation.prepare; old imports work, with a warning."""
 
 from drumlin.base.moved import getattr_of_moved_module
 
 RENAMED_IN_ASSEMBLY = {"prepare": "make_prepared_model"}
-"""The present name of each function by its old name."""
+"""The present name of each renamed function, by its old name."""
 
 __getattr__ = getattr_of_moved_module(
     __name__, "drumlin.fem.preparation.prepare", RENAMED_IN_ASSEMBLY

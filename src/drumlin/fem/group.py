@@ -1,4 +1,4 @@
-"""The old name of drumlin.fem.equilibrium.group."""
+"""Former name of the module drumlin.fem.equilibrium.group; old imports work, with a warning."""
 
 from drumlin.base.moved import getattr_of_moved_module
 
@@ -8,6 +8,6 @@ RENAMED_IN_GROUP = {
     "pressed_shoes": "indices_of_pressed_shoes_in_brake",
     "pressed": "is_shoe_pressed_on_drum",
 }
-"""The present name of each function by its old name."""
+"""The present name of each renamed function, by its old name."""
 
 __getattr__ = getattr_of_moved_module(__name__, "drumlin.fem.equilibrium.group", RENAMED_IN_GROUP)

@@ -1,8 +1,8 @@
 """The finite-element model: from a prepared model to the response of the brake.
 
-`prepare` does the work that depends on geometry and stiffness. `solve_prepared_model` does the work
-that depends on friction, rotation, force, line of action, clearance and penalty, in milliseconds on
-the same prepared model.
+`make_prepared_model` does the work that depends on geometry and stiffness. `solve_prepared_model`
+does the work that depends on friction, rotation, force, line of action, clearance and penalty, in
+milliseconds on the same prepared model.
 """
 
 import math
@@ -65,13 +65,13 @@ if TYPE_CHECKING:
 DOUBLE_SPACING = float(np.finfo(float).eps)
 """Relative spacing of double-precision numbers.
 
-A note on a refined solution never states a smaller relative error.
+No smaller relative error is stated for a solution that iterative refinement has corrected.
 """
 LARGEST_SILENT_OVERLAP = 0.01
-"""Overlap of a shoe's own mesh with the drum, relative to the lining's thickness, without warning.
+"""Largest overlap of a mesh-file shoe with the drum, in lining thicknesses, without a warning.
 
-If the overlap is larger, the pressure of the squeezed lining is noticeable, and a warning is
-printed. The value changes no result.
+A larger overlap squeezes the lining noticeably before any force acts, and a warning is printed. The
+value changes no result.
 """
 PENALTY = 1e8
 """Default penalty factor alpha: the contact stiffness per area is alpha E/t.
@@ -83,16 +83,17 @@ contact is short compared with the lining's thickness. Each response states this
 LARGEST_ANSWER_IMBALANCE = 1e-8
 """Largest imbalance of forces and moments on a shoe, relative to the largest of them.
 
-A solution with a larger imbalance has lost too many digits in the substructures, and is refined. If
-the imbalance is still larger after the refinement, the solution is refused.
+A larger imbalance shows that round-off in the condensed bodies has cost too many digits. The full
+system is then solved by iterative refinement. If the imbalance is still larger after the
+refinement, the solution is refused.
 """
 LARGEST_UNREFINED_ROUND_OFF = 1e-5
 """Relative round-off error of the pressure up to which a solution needs no refinement.
 
-On a mesh of degree 1 or 2 this is also the largest round-off error after a refinement. A larger one
-is refused, because the mesh alone states no error, and its discretisation error is some hundred
-times larger. Hp elements include the round-off error in their stated error. The value is a
-judgement, and the refusal prints the round-off error.
+On elements of degree 1 or 2 it is also the largest round-off error that is accepted after a
+refinement. A solve on such a mesh states no error, so a solution with a larger round-off error is
+refused; the discretisation error is some hundred times larger. Hp elements include the round-off
+error in their stated error. The value is a judgement, and the refusal prints the round-off error.
 """
 LARGEST_REFINED_ROUND_OFF = 1e-3
 """Relative round-off error of the pressure up to which a solution on hp elements is accepted.
@@ -111,13 +112,14 @@ high degree have so many entries that they take too long.
 LARGEST_CONVERGED_CORRECTION = 1e-10
 """Last relative correction of the pressures up to which an iterative refinement has converged.
 
-If the last correction is larger, the other form of the full system is refined as well, and the
-solution with the smaller correction is taken.
+The full system has two forms: its displacements include the rigid-body motion of the shoe or are
+relative to it. If the last correction in one form is larger than this, the other form is refined as
+well, and the solution with the smaller last correction is taken.
 """
 TOO_FAR_REASON = "stiffnesses or sizes are too far apart for the arithmetic"
 """Reason that is printed if a solution has lost too many digits by round-off."""
 REFINED_REMARK = "refined in the whole system, condensed it loses digits"
-"""Remark that is printed with a solution that iterative refinement has corrected."""
+"""Remark printed with a solution that was corrected by iterative refinement of the full system."""
 
 
 def solve_prepared_model(
@@ -157,7 +159,7 @@ def solve_prepared_model(
 def _solve_under_known_spring_pulls(
     scene: PreparedModel, brake: Brake, penalty: float, start: Response | None
 ) -> tuple[Response, Floats]:
-    """Solve a brake whose springs have known pulls; parameters as of `solve_prepared_model`.
+    """Solve a brake whose springs have known pulls; parameters as in `solve_prepared_model`.
 
     Returns the response, and the motion (springs,) [m] by which the two points of each spring come
     nearer to each other.
@@ -237,7 +239,7 @@ def _warnings_on_overlap_of_mesh_and_drum(scene: PreparedModel, brake: Brake) ->
 def _notes_on_mesh_files(
     scene: PreparedModel, brake: Brake, responses: Sequence[ShoeResponse]
 ) -> Iterator[str]:
-    """Yield lines of text on the shoes' mesh files: omitted parts, moved nodes and gaps.
+    """Yield the notes on the shoes' mesh files: omitted parts, moved nodes and gaps.
 
     Raises BadInput for a contact line that does not have the shape of a lining.
     """
@@ -247,7 +249,11 @@ def _notes_on_mesh_files(
 
 
 def _notes_on_loads_away_from_their_places(scene: PreparedModel, brake: Brake) -> Iterator[str]:
-    """Yield a line of text on elastic shoes whose further loads act where the actuation acts."""
+    """Yield a note that names elastic shoes whose further loads act at the point of actuation.
+
+    Further loads are springs, weight and further forces. They act as one resultant at the point of
+    actuation if the model cannot place them at their own points.
+    """
     names = [
         repr(shoe.name)
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True)
@@ -263,15 +269,15 @@ def _notes_on_loads_away_from_their_places(scene: PreparedModel, brake: Brake) -
 
 
 def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
-    """Yield one line of text on how the bodies of the shoes are held.
+    """Yield one note on how the supports hold the elastic bodies of the shoes.
 
-    There is no line if no shoe has a body of its own without a mesh file. A pin that stands off the
-    body is joined to it rigidly, which changes the pressure; the line says so.
+    There is no note if no shoe without a mesh file has an elastic body. If a pin lies away from the
+    body, a rigid arm joins the two, which changes the pressure; the note says so.
     """
     shoes_of: dict[str, list[str]] = {}
     for shoe in brake.shoes:
         if shoe.mesh is None and isinstance(shoe.body, Bar):
-            shoes_of.setdefault(_text_on_body_support(shoe, shoe.body, brake.size), []).append(
+            shoes_of.setdefault(_body_support_as_text(shoe, shoe.body, brake.size), []).append(
                 shoe.name
             )
     if shoes_of:
@@ -279,11 +285,12 @@ def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
         yield "held: " + "; ".join(parts)
 
 
-def _text_on_body_support(shoe: Shoe, bar: Bar, size: float) -> str:
-    """The text that says how the body of a shoe is held; `size` is the drum's radius [m]."""
+def _body_support_as_text(shoe: Shoe, bar: Bar, size: float) -> str:
+    """The text that says how its support holds the elastic body of a shoe."""
     grip = shoe.grip(size)
     if grip is not None:
-        # If the back of the body is shorter than the grip in the brake file, all of it is held.
+        # The support grips a length of the body's back. If the back is shorter than this length in
+        # the brake file, all of it is gripped.
         length = (grip[1] - grip[0]) * shoe.back(size)
         return (
             f"its {shoe.kind_of_support} grips {mm_text(round(length, 4))} of the back of its body"
@@ -310,7 +317,8 @@ class _ShoeResult:
     balance : relative imbalance of the forces and moments on the shoe
     steps : number of steps of the contact algorithm
     note : line of text on the contact of the shoe
-    spring_motion : (springs,) [m], motion of the shoe's points along the pulls of springs at them
+    spring_motion : (springs,) [m], displacement of each spring's point on the shoe along the pull
+        of the spring
     """
 
     response: ShoeResponse
@@ -321,18 +329,20 @@ class _ShoeResult:
 
 
 class _GroupSolution(NamedTuple):
-    """The solution of a group of shoes under the true forces, not per newton.
+    """The solution of a group of shoes under the forces of the brake, not per newton of force.
 
     Attributes
     ----------
-    group : the group, with known senses of friction at its abutments
+    group : the group, with known directions of friction at its abutments
     pressures : pressures (n_i,) [Pa] of each shoe
     coordinates : generalised coordinates (k_i,) of each shoe
     forces : actuation forces (shoes,) [N]
     support_forces : forces [N] of one-sided supports on each shoe
-    pressure_errors : change of all pressures (2, n) [Pa] by the penalty, and by round-off
+    pressure_errors : (2, n) [Pa], change of all pressures by the penalty (first row) and by
+        round-off (second row)
     steps : number of steps of the contact algorithm
-    refined : whether the full system was refined; the round-off is then the last correction
+    refined : whether the full system was solved by iterative refinement; the change by round-off is
+        then the last correction of the refinement
     """
 
     group: ShoeGroup
@@ -346,7 +356,7 @@ class _GroupSolution(NamedTuple):
 
 
 class _ShoeSolution(NamedTuple):
-    """The part of one shoe in the solution of its group; see `_GroupSolution`.
+    """The values of one shoe in the solution of its group; see `_GroupSolution`.
 
     `shoe_number` is the position of the shoe in the group.
     """
@@ -380,7 +390,7 @@ def _solve_group_of_coupled_shoes(
 
     Raises LostDigits if round-off leaves too few digits, even after a refinement.
     """
-    # The nodes that touch in the earlier response are the first contact set.
+    # The contact algorithm starts from the nodes that touch in the earlier response.
     first = None
     if start is not None:
         parts = [_mark_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))]
@@ -388,7 +398,7 @@ def _solve_group_of_coupled_shoes(
     settled = solve_group_with_its_friction(group, first)
     solution = _group_solution_by_substructures(*settled)
     answers = _results_of_shoes_in_solved_group(solution)
-    # A group with shared forces is never refined.
+    # A group in which struts or a cam give the forces is never refined.
     if settled.group.force_sharing_by_struts_and_cam is not None:
         if not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
             balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
@@ -398,7 +408,8 @@ def _solve_group_of_coupled_shoes(
         return answers
     # Any other group is refined if its round-off error or its imbalance is too large.
     refinable = _can_full_system_be_refined(settled.group)
-    # A solid is never refined, but is judged as strictly as a group that could be refined.
+    # Shoes of the solid model are never refined, but are judged as strictly as a group that could
+    # be refined.
     strict = refinable or settled.group.scene.model == "solid"
     most = LARGEST_UNREFINED_ROUND_OFF if strict else LARGEST_REFINED_ROUND_OFF
     lost = _largest_round_off_of_pressure(answers)
@@ -412,7 +423,7 @@ def _solve_group_of_coupled_shoes(
 
 
 def _group_solution_by_substructures(group: ShoeGroup, contact: Contact) -> _GroupSolution:
-    """The solution of a group under its true forces, from its contact under a unit force."""
+    """The solution of a group under the brake's forces, from its contact per newton of force."""
     size = group.largest_actuation_force
     coordinates = group.rigid_body_coordinates_of_each_shoe(contact)
     return _GroupSolution(
@@ -431,9 +442,9 @@ def _group_solution_by_substructures(group: ShoeGroup, contact: Contact) -> _Gro
 
 
 def _can_full_system_be_refined(group: ShoeGroup) -> bool:
-    """Whether the full system of a group of shoes can be refined in seconds.
+    """Whether iterative refinement of a group's full system is possible and takes only seconds.
 
-    The full system of a solid cannot, nor can that of shoes on one-sided supports.
+    It is not possible for the solid model and for shoes on one-sided supports.
     """
     orders = [
         body.line.interpolation_degree_along_contact_line for body in group.substructures_of_shoes
@@ -452,8 +463,8 @@ def _shoe_results_after_refinement(
 ) -> dict[int, _ShoeResult]:
     """Solve the full system of a group by iterative refinement, and return each shoe's result.
 
-    `contact` is the contact by the substructures, whose contact set is the first one. Raises
-    LostDigits if the refinement fails or leaves too few digits.
+    `contact` is the contact of the condensed bodies; the refinement starts from its contact set.
+    Raises LostDigits if the refinement fails or leaves too few digits.
     """
     group, size = solution.group, solution.group.largest_actuation_force
     try:
@@ -474,7 +485,8 @@ def _shoe_results_after_refinement(
         )
     )
     imbalance = _largest_imbalance_of_shoes(answers)
-    # Meshes (order 1 and 2) alone state no error and are judged more strictly than hp elements.
+    # A solve on a mesh of degree 1 or 2 states no error, and is judged more strictly than hp
+    # elements.
     if (
         max(
             body.line.interpolation_degree_along_contact_line
@@ -508,13 +520,13 @@ def _largest_imbalance_of_shoes(answers: dict[int, _ShoeResult]) -> float:
 def refine_group_solution(
     group: ShoeGroup, active: Bools, order: str = "COLAMD"
 ) -> "RefinedSolution":
-    """Solve a group of shoes to all digits, by iterative refinement of the full system.
+    """Solve the full (not condensed) system of a group of shoes by iterative refinement.
 
     Parameters
     ----------
-    group : the group, with known senses of friction at its abutments
+    group : the group, with known directions of friction at its abutments
     active : (n,) whether each contact node touches at the start of the refinement
-    order : order of the elimination, by SuperLU's names
+    order : SuperLU's name for the order in which the unknowns are eliminated
 
     Raises
     ------
@@ -530,8 +542,8 @@ def refine_group_solution(
     refined = solve_full_system_by_refinement(assemble_full_system_of_group(group), active, order)
     if refined.correction < LARGEST_CONVERGED_CORRECTION:
         return refined
-    # The other form of the full system may converge better, if a soft shoe turns behind a lining
-    # that the drum holds.
+    # The form without displacements relative to the rigid motion may converge better, if a soft
+    # shoe turns behind a lining that the drum holds.
     other = solve_full_system_by_refinement(
         assemble_full_system_of_group(group, relative_to_rigid_motion=False), active, order
     )
@@ -585,7 +597,7 @@ def _result_of_one_shoe_in_solved_group(solution: _ShoeSolution, steps: int) -> 
 
 
 def _motion_of_shoe_along_spring_pulls(solution: _ShoeSolution) -> Floats:
-    """The motion (springs,) [m] of a shoe's points along the pulls of the springs at them."""
+    """The displacement (springs,) [m] of each spring's point on a shoe along the spring's pull."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     brake, shoe, body = group.brake, group.shoes[k], group.substructures_of_shoes[k]
     if not any(spring.rate for spring in brake.springs):
@@ -603,18 +615,18 @@ def _motion_of_shoe_along_spring_pulls(solution: _ShoeSolution) -> Floats:
 class _ForcesOnShoe(NamedTuple):
     """The forces on a shoe, in the frame of the shoe.
 
-    The centre is that of the drum.
+    Moments about the centre are moments about the drum's centre.
 
     Attributes
     ----------
     resultant_of_pressure : (3,) force x, y [N] and moment about the centre [N m] of the pressures
         on the drum
     force_of_drum : (3,) force x, y [N] and moment about the centre [N m] of the drum on the lining
-    actuation_force : (2,) force of the actuation [N]
-    actuation_moment : moment of the actuation about the pin [N m]
+    actuation_force : (2,) force of the actuation, with springs, weight and further forces [N]
+    actuation_moment : moment of the same loads about the pin [N m]
     support_force : (2,) force of the support [N]
-    guide_moment : moment of a guide, or of one-sided supports about the pin [N m]; 0 for other
-        supports
+    guide_moment : moment [N m] of a guide or of one-sided supports on the shoe, about the pin; 0
+        for other supports
     """
 
     resultant_of_pressure: Floats
@@ -642,8 +654,9 @@ def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _Force
     if solution.support_forces:
         reaction = _resultant_of_support_forces_at_pin(shoe, solution.support_forces)
     elif solution.refined:
-        # A refined pressure has more digits than a reaction from the elastic body. The reaction is
-        # therefore the force that balances the others. Only moments or work are left to check.
+        # After a refinement the pressure is more accurate than the reaction computed from the
+        # condensed body. The reaction is therefore set to balance all other forces, and only the
+        # moments or the virtual work are left to check.
         about_pin = contact[2] + moment - planar_cross_product(shoe.pin_in_shoe_frame, contact[:2])
         reaction = -np.append(contact[:2] + push, about_pin)
     else:
@@ -655,7 +668,7 @@ def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _Force
 def _resultant_of_support_forces_at_pin(shoe: Shoe, supports: Sequence[SupportForce]) -> Floats:
     """The resultant (3,) of one-sided supports: force x, y [N] and moment about the pin [N m].
 
-    It is in the frame of the shoe. `supports` are the forces on the shoe.
+    The resultant is in the frame of the shoe. `supports` are the forces of the supports on it.
     """
     total = np.zeros(3)
     for support in supports:
@@ -669,9 +682,9 @@ def _force_and_moment_imbalance_of_shoe(solution: _ShoeSolution, acting: _Forces
     """The imbalance of the forces and of the moments on a shoe, relative to the largest of them."""
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     pin = shoe.pin_in_shoe_frame
-    # The actuation's moment about the centre is the sum of its moment about the pin and the moment
-    # of its force at the pin. The two stand apart, because all other moments vanish if mu = 0 and
-    # the actuation aims at the centre.
+    # The actuation's moment about the drum's centre is its moment about the pin plus the moment of
+    # its force moved to the pin. Both terms are listed, because their sum and all other moments
+    # vanish if mu = 0 and the actuation aims at the centre; no moment would then set the scale.
     moments = [
         float(acting.force_of_drum[2]),
         float(planar_cross_product(pin, acting.support_force)),
@@ -695,9 +708,11 @@ def _force_and_moment_imbalance_of_shoe(solution: _ShoeSolution, acting: _Forces
 
 
 def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
-    """The largest imbalance of virtual work among a shoe's test modes, relative to its terms.
+    """The largest relative residual of virtual work among a shoe's test modes.
 
-    A test mode is a rigid-body motion on which the support of the shoe does no work.
+    A test mode is a rigid-body motion on which the support of the shoe does no work. The residual
+    is relative to the work of the loads, or to the sum of the absolute work at all contact nodes if
+    this is larger.
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     coupling, modes = group.substructures_of_shoes[k].coupling, group.rigid_body_modes_of_shoes[k]
@@ -726,8 +741,7 @@ def _penalty_and_round_off_errors(
     normal_force = math.hypot(*acting.resultant_of_pressure[:2])
     size = reference_force_of_reaction_errors(acting.support_force, normal_force)
     by_penalty, by_round_off = _relative_errors_of_shoe_results(solution, size)
-    # The elimination of the unknowns inside a body causes a round-off error, which is the least
-    # error that is stated.
+    # Eliminating the unknowns inside a body causes a round-off error. No smaller error is stated.
     least = 0.0
     if not solution.refined:
         least = solution.group.substructures_of_shoes[
@@ -738,7 +752,7 @@ def _penalty_and_round_off_errors(
 
 
 def _note_on_accuracy_of_shoe_contact(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
-    """The note on a shoe's contact: its penetration, the penalty's effect, and any refinement."""
+    """The note on a shoe's penetration, the effect of the penalty on torque, and any refinement."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, lever = group.shoes[k], group.substructures_of_shoes[k].coupling.lever
     contact = "exact contact, no penetration"
@@ -765,7 +779,7 @@ def _response_of_shoe_in_brake_frame(
 
     Parameters
     ----------
-    solution : the part of the shoe in the solution of its group
+    solution : the shoe's pressures, motion and forces in the solution of its group
     acting : the forces on the shoe
     errors : relative errors by the penalty and by round-off
     """
@@ -820,7 +834,7 @@ def _response_of_shoe_in_brake_frame(
 def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
     """Whether the work of the friction on the first test mode of a shoe helps the actuation.
 
-    The works are per unit of the mode. For a shoe on anchors they are those in its own motion.
+    For a shoe on anchors the work is taken in the computed motion of the shoe instead.
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     drag = group.brake.signed_friction_per_pressure_in_shoe_frame(group.shoes[k])
@@ -847,15 +861,16 @@ def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
 def _pressure_errors_by_penalty_and_round_off(
     group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]
 ) -> Floats:
-    """The first-order change of all pressures (2, n), by the penalty and by round-off.
+    """The first-order change (2, n) of all pressures: by the penalty, and by round-off.
 
-    The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), and its slope falls as
-    1/(1 + x)^2; the change is corrected for this. The round-off of the elimination acts as if the
-    bodies were strained a little by their rigid-body modes. This strain changes the gaps.
+    The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), so that the slope at x
+    times x would be too small by the factor 1 + x. The change is multiplied by it. The round-off of
+    the elimination acts as if the bodies were strained a little by their rigid-body modes. This
+    strain changes the gaps.
 
     Parameters
     ----------
-    group : the group of shoes, with known senses of friction at its abutments
+    group : the group of shoes, with known directions of friction at its abutments
     contact : contact of the group under a unit force
     coordinates : (k_i,) generalised coordinates of each shoe
     """
@@ -877,9 +892,9 @@ def _pressure_errors_by_penalty_and_round_off(
 def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
     """The relative changes of a shoe's pressure, torque, reaction and peak pressure.
 
-    There is one result for the penalty and one for round-off, in the order of the rows of
-    `pressure_errors`. The pressure counts outside EDGE_ZONE at the lining's ends, unless half of
-    the force acts in these zones. `reaction` is the size of the support reaction [N].
+    The first item of the list is the change by the penalty, the second the change by round-off. The
+    pressure counts outside EDGE_ZONE at the lining's ends, unless more than half of the force acts
+    in these zones. `reaction` is the size of the support reaction [N].
     """
     group, k, p, changes = (
         solution.group,

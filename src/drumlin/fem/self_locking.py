@@ -1,4 +1,4 @@
-"""The old name of drumlin.fem.analysis.self_locking."""
+"""Former name of the module drumlin.fem.analysis.self_locking; old imports work, with a warning."""
 
 from drumlin.base.moved import getattr_of_moved_module
 
@@ -6,7 +6,7 @@ RENAMED_IN_SELF_LOCKING = {
     "limits": "self_locking_friction_of_shoe_groups",
     "torques": "shoe_torques_at_friction_coefficients",
 }
-"""The present name of each function by its old name."""
+"""The present name of each renamed function, by its old name."""
 
 __getattr__ = getattr_of_moved_module(
     __name__, "drumlin.fem.analysis.self_locking", RENAMED_IN_SELF_LOCKING

@@ -1,4 +1,4 @@
-"""The old name of drumlin.fem.analysis.sensitivity."""
+"""Former name of the module drumlin.fem.analysis.sensitivity; old imports work, with a warning."""
 
 from drumlin.base.moved import getattr_of_moved_module
 
@@ -8,7 +8,7 @@ RENAMED_IN_SENSITIVITY = {
     "law_sensitivity": "friction_sensitivity_by_rigid_shoe_law",
     "against_differences": "compare_torque_slopes_with_solve_differences",
 }
-"""The present name of each function by its old name."""
+"""The present name of each renamed function, by its old name."""
 
 __getattr__ = getattr_of_moved_module(
     __name__, "drumlin.fem.analysis.sensitivity", RENAMED_IN_SENSITIVITY

@@ -1,4 +1,4 @@
-"""Solid shoes, `--model solid`: the answer of the model of the width, and its file of fields."""
+"""The solve of shoes of finite width (`--model solid`), and its file of stresses."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response
 
 DEFAULT_SOLID_TOLERANCE = 0.01
-"""Tolerance of a solve of solid shoes without options: 1 % of the mean pressure and the torque."""
+"""Default tolerance of the solid model: relative error of p (mean over the width) and of torque."""
 
 
 def solve(
@@ -28,25 +28,27 @@ def solve(
 ) -> Response:
     """The response of a brake's solid shoes, with its stated errors.
 
-    Without a tolerance DEFAULT_SOLID_TOLERANCE is tried, and a note says what is reached.
+    Without a tolerance DEFAULT_SOLID_TOLERANCE is aimed at, and a note states the error that is
+    reached.
 
     Parameters
     ----------
     brake : the brake
-    across : degree of the polynomials across the width; None: the smallest that the tolerance needs
+    across : degree of the polynomials across the width; None for the smallest degree that meets the
+        tolerance
     tolerance : relative error of p (mean over the width, L2) and of the torque that must be reached
     penalty : factor alpha of the contact stiffness alpha E/t
     fields : name of a .vtu file for the displacements and stresses inside the shoes; half of each
         shoe, on one side of its mid-plane
-    cache : bodies of earlier models; found ones are taken from it, and new ones put there
+    cache : condensed bodies of earlier models; bodies found in it are reused, new ones are added
 
     Raises
     ------
     BadInput
-        where the model does not apply, for a degree or a tolerance out of range, for both of them,
-        and for a file of another kind
+        if the model does not apply to the brake, for a degree or a tolerance out of range, for a
+        degree together with a tolerance, and for a file name that does not end in .vtu
     NoAnswer
-        where the contact has no answer, and where a given tolerance is not reached
+        if the contact has no solution, and if a given tolerance is not reached
     """
     require_positive_penalty(penalty)
     if fields is not None and fields.suffix != ".vtu":
@@ -65,7 +67,8 @@ def solve(
     reason = reason_against_width_model(brake)
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
-    # The solve begins with plane stress, whose loads then act where those of wide shoes act.
+    # The solve begins with plane stress. All loads act at the point of actuation, as they do in the
+    # model of the width.
     solved = solve_and_keep_brake_with_widths(
         brake_with_loads_at_actuation(brake),
         Tolerance(asked, asked),
@@ -75,7 +78,7 @@ def solve(
         cache=cache,
     )
     if fields is not None:
-        # The fields load only where they are asked for.
+        # The modules of the fields take time to import, and are needed only for a file of fields.
         from drumlin.fem.analysis.fields import write_fields_to_vtu_file  # noqa: PLC0415
         from drumlin.fem.analysis.solid_fields import recover_fields_in_solid_shoes  # noqa: PLC0415
 

@@ -45,11 +45,11 @@ from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response
 
 REPORTED_IMBALANCE = 1e-8
-"""Relative imbalance of the pressure curve p(theta) above which a response has a note on it.
+"""Imbalance of the pressure curve p(theta) above which a note is added to the response.
 
-The imbalance counts beyond that of the nodal forces. Elements with straight or parabolic sides lie
-a little off the round drum, so that p(theta) on the drum balances worse than the forces at the
-nodes. The value changes no result.
+It is the relative imbalance of forces or moments under p(theta), less the imbalance under the nodal
+forces. Elements with straight or parabolic sides lie a little off the round drum, so that p(theta)
+on the drum balances worse than the forces at the nodes. The value changes no result.
 """
 
 
@@ -76,26 +76,25 @@ def solve(
         without error estimate
     kind : kind of the finite elements; the brake is then solved on one mesh, without error estimate
     tolerance : largest estimated relative error of p (L2, outside the zones at the lining's ends)
-        and of the torque; by default DEFAULT_TOLERANCE, or the errors that are reached. On the mesh
-        of a file the degree of the elements rises until the tolerance is met.
+        and of the torque; by default DEFAULT_TOLERANCE is aimed at, and larger errors are accepted.
+        On the mesh of a file the degree of the elements rises until the tolerance is met.
     penalty : factor alpha of the contact stiffness alpha E/t
     finite_width : whether the response is corrected for the widths of the shoes, see
         fem/width/correction.py; it then states the error that remains
     model_error : whether the response states the error that plane stress itself causes, see
         fem/width/error.py; not needed together with `finite_width`
-    self_locking : whether the response states how far the friction is from locking the brake; it
-        does not for friction that depends on the pressure
+    self_locking : whether the response states how far the friction is from locking the brake;
+        without effect for friction that depends on the pressure
     cache : keeps the condensed bodies of earlier solves
 
     Raises
     ------
     BadInput
-        for `elements` or a `kind` together with a tolerance, for options that
-        `require_element_options_have_effect` refuses, and for a correction that does not apply to
-        the brake
+        for `elements` or a `kind` together with a tolerance or without effect on any shoe, and for
+        a correction that does not apply to the brake
     NoAnswer
-        if a given tolerance is not reached without mesh files, if the correction for the widths is
-        not known, and if `solve_prepared_model` has no solution
+        if a given tolerance is not reached on a brake without mesh files, if the correction for the
+        widths cannot be computed, and if the contact has no solution
     """
     require_positive_penalty(penalty)
     _require_tolerance_without_elements(tolerance, elements, kind)
@@ -114,9 +113,9 @@ def solve(
     elif not brake.surface.is_plane_and_not_drum:
         response = _response_with_note_on_curve_balance(brake, response)
     if self_locking and key_of_friction_over_pressure(brake) is None:
-        # An answer that was found is kept where the limit of the elastic brake is not found.
+        # If the limit of the elastic brake is not found, the response is returned without it.
         with add_elapsed_time(seconds, "self-locking"), suppress(NoAnswer):
-            # Near the limit the springs of the answer keep their pulls.
+            # While the friction grows, the springs keep the pulls that they have in the response.
             under = brake_with_spring_pulls(brake, response.spring_pulls or None)
             found = distance_of_friction_from_self_locking(scene, under, penalty)
             response = replace(response, self_locking=found)
@@ -131,7 +130,7 @@ def solve(
 def _require_tolerance_without_elements(
     tolerance: float | None, elements: int | None, kind: str | None
 ) -> None:
-    """Raise BadInput for a number or kind of elements beside a tolerance, which chooses both."""
+    """Raise BadInput if elements are given together with a tolerance, which chooses them itself."""
     for option, value in {"elements": elements, "kind": kind}.items():
         if tolerance is not None and value is not None:
             raise BadInput(
@@ -150,9 +149,8 @@ def _solved_model_in_plane_stress(
 ) -> SolvedLevel:
     """The prepared model and the response of a brake in plane stress; parameters as in `solve`.
 
-    A given tolerance must be met. Without options the default tolerance is met as well as possible,
-    and so is any tolerance on the meshes of files. Given elements are solved once without error
-    estimate.
+    A given tolerance must be met, except on the meshes of files. There, and without options, the
+    tolerance is met as well as possible. Given elements are solved once without error estimate.
     """
     answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
@@ -177,8 +175,8 @@ def prepared_model_with_finest_elements(
 ) -> PreparedModel:
     """The prepared model of the finest division that `solve` uses, for further analyses.
 
-    The elements of a mesh file are split and raised as in `solve`. A brake that has no solution in
-    sliding is divided as on the second level.
+    The elements of a mesh file are split and their degree is raised as in `solve`. A brake without
+    a solution in sliding gets the second of the levels of refinement.
 
     Parameters
     ----------
@@ -189,7 +187,7 @@ def prepared_model_with_finest_elements(
     Raises
     ------
     BadInput
-        for `elements` or a `kind` that `require_element_options_have_effect` refuses
+        for `elements` or a `kind` that would change no part of the brake
     """
     require_element_options_have_effect(brake, elements=elements, kind=kind)
     if elements is None and kind is None and any(shoe.mesh for shoe in brake.shoes):
@@ -234,7 +232,7 @@ def require_element_options_have_effect(
 def _is_solved_on_finer_and_finer_levels(
     brake: Brake, elements: int | None, kind: str | None
 ) -> bool:
-    """Whether a brake is solved on finer and finer levels of hp elements, and not on one mesh."""
+    """Whether a brake is solved on finer and finer hp elements, and not on one mesh."""
     return elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes)
 
 

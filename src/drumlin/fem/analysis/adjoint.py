@@ -2,10 +2,11 @@
 
 As long as the same nodes are in contact, the solved brake fulfils linear equations r = 0. Their
 unknowns are the pressures p, the generalised coordinates y of the rigid-body motions, the actuation
-forces F and the travel d of the tips under a cam. The adjoint (a, b, c) is the solution of the
-transposed equations, whose right side is the derivative of a torque T with respect to these
-unknowns. If a small change of the brake changes the equations by dr, the torque changes by dT =
--(a, b, c) . dr. A change dmu of the friction coefficient adds (T/mu) dmu.
+forces F and, under a cam, the travel d of the points where its forces act. The adjoint (a, b, c) is
+the solution of the transposed equations, whose right side is the derivative of a torque T with
+respect to these unknowns. If a small change of the brake changes the equations by dr, the torque
+changes by dT = -(a, b, c) . dr. A change dmu of the friction coefficient adds (T/mu) dmu, since T =
+mu times an integral of p.
 
 The actuation forces are unknowns of the equations, so that forces of struts and cams need no
 special case: c is the change of T per given force.
@@ -22,7 +23,7 @@ from drumlin.fem.equilibrium.sharing import contact_matrix_with_forces_as_unknow
 
 
 class ShoeAdjoint(NamedTuple):
-    """The adjoint of the brake's torque on one shoe, and the solution of the contact of this shoe.
+    """The adjoint multipliers of one shoe's equations, and the solution of its contact.
 
     A weighted gap is the integral of the gap times the shape function of a contact node.
 
@@ -49,7 +50,7 @@ class GroupAdjoint(NamedTuple):
 
     Attributes
     ----------
-    group : the group, with the senses of friction at its abutments that its solution has
+    group : the group, with the directions of friction at its abutments in the solution
     shoes : the adjoint and the solution of each shoe
     torques : torque of each shoe (shoes,) [N m]
     friction_slopes : change of the torque of each shoe per friction coefficient (shoes,) [N m]
@@ -67,7 +68,7 @@ class GroupAdjoint(NamedTuple):
 
 
 def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
-    """Solve a group's contact problem, and the adjoint problem for the sum of its torques.
+    """Solve a group's contact problem, and the adjoint problem for the sum of its shoes' torques.
 
     Raises NoAnswer as `ShoeGroup.solve_contact_and_abutment_friction` does.
     """
@@ -79,13 +80,14 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     y = group.rigid_body_coordinates_of_each_shoe(contact)
     F = np.abs(group.actuation_forces_under_contact_pressures(contact.p))
     coordinates = sum(map(len, y))
-    # The last unknown is the travel of the tips under a cam. Its coefficients do not depend on the
-    # friction mu, so that its derivative by mu is filled with zeros here.
+    # Under a cam the last unknown is the travel of the points of actuation. No coefficient of it
+    # depends on friction, and `answer` is multiplied only by the part that does, so that zeros may
+    # stand for it.
     travel = np.zeros(len(without_friction) - n - coordinates - len(F))
     answer = np.concatenate([contact.p, *y, F, travel])
     weights = np.zeros((len(answer), len(F)))
     weights[:n] = mu * lever
-    # Pressures are unknowns at the active contact nodes only. All other unknowns are always free.
+    # Pressures are unknowns only at the nodes in contact. All other unknowns are always free.
     on = np.concatenate([contact.active, np.ones(len(answer) - n, dtype=bool)])
     each = _solve_transposed_equations(without_friction + mu * per_friction, on, weights)
     # The torque of the group is the sum of the shoes' torques, and so is its adjoint.
@@ -126,9 +128,9 @@ def _torque_slope_by_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> flo
 
 
 def _torque_slope_by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
-    """The change of the torque by the logarithm of all given actuation forces [N m].
+    """The change of the torque by the logarithm of all actuation forces in the brake file [N m].
 
-    The forces of struts are not given by the brake file and do not count.
+    The forces of struts are not in the brake file and do not count.
     """
     pushed_by_struts = [to for _, to in group.pushing_and_pushed_shoe_of_struts]
     return float(
@@ -146,7 +148,7 @@ def _equation_matrix_of_shoe_group(group: ShoeGroup, friction: float) -> Floats:
     The matrix is linear in the friction coefficient. The actuation forces are among the unknowns,
     see `contact_matrix_with_forces_as_unknowns`.
     """
-    blocks = group.contact_problem_without_shared_forces(friction)
+    blocks = group.contact_problem_with_given_actuation_forces(friction)
     effects = group.contact_effects_of_actuation_force_per_shoe(friction)
     return contact_matrix_with_forces_as_unknowns(
         blocks, effects, group.pushing_and_pushed_shoe_of_struts, group.indices_of_shoes_under_cam
@@ -169,7 +171,7 @@ def _solve_transposed_equations(matrix: Floats, on: Bools, weights: Floats) -> F
     Raises
     ------
     NoAnswer
-        where the equations are singular
+        if the equations are singular
     """
     K = matrix[np.ix_(on, on)]
     # Scaling of the rows and then of the columns makes their largest entries 1.

@@ -18,7 +18,10 @@ from drumlin.brake.support import UNHELD
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import FrictionalProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import ForceEffects, make_contact_problem_with_shared_forces
+from drumlin.fem.equilibrium.sharing import (
+    ForceEffects,
+    make_contact_problem_with_strut_and_cam_forces,
+)
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.bodies import (
     load_factors_and_pin_moment_per_newton,
@@ -31,10 +34,10 @@ def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalP
     """The stick-slip problem of a group of shoes on a drum at rest, and the slip per drum rotation.
 
     The problem holds for pressures per newton of the group's actuation force. The second value (n,)
-    [m^3] is the weighted slip of each contact node per radian: a rotation of the drum by Omega adds
-    this value times Omega to the slips q_s. Tractions and slips count along e_theta of the brake.
-    The nodes of the linings come first, then one node for each foot on a rough abutment, see
-    `FeetOnRoughAbutments`, then one without friction for each one-sided support.
+    [m^3] is the weighted slip of each node per radian of the drum: a rotation of the drum by Omega
+    adds this value times Omega to the slips q_s. Tractions and slips count along e_theta of the
+    brake. The nodes of the linings come first, then one node for each foot on a rough abutment, see
+    `FeetOnRoughAbutments`, then one frictionless node for each one-sided support.
     """
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     still = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=feet.senses)
@@ -43,29 +46,30 @@ def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalP
         _stick_slip_problem_with_free_feet(still, shoes), still
     )
     if group.pushing_and_pushed_shoe_of_struts or group.indices_of_shoes_under_cam:
-        problem = _stick_slip_problem_with_shared_forces(still, problem, shoes)
+        problem = _stick_slip_problem_with_strut_and_cam_forces(still, problem, shoes)
     problem = _stick_slip_problem_with_support_nodes(still, problem, shoes)
     lever = np.concatenate([body.coupling.lever for body in group.substructures_of_shoes])
     return problem, np.append(lever, np.zeros(len(problem.q_w) - len(lever)))
 
 
 class _TractionMatrices(NamedTuple):
-    """The matrices that tractions t and slips s of a lining add to the contact problem of its shoe.
+    """The matrices that tractions and slips of a lining add to the contact problem of its shoe.
 
     Weighted gaps and slips are integrals of the gap and of the slip times the shape function of
     each contact node.
 
     Attributes
     ----------
-    A_wt : weighted gaps (n, n) per traction
-    A_sp, A_st : weighted slips (n, n) per pressure and per traction
+    A_wt : weighted gaps (n, n) that open per nodal traction
+    A_sp, A_st : weighted slips (n, n) per nodal pressure and per nodal traction
     B_s : weighted slips (n, k) per generalised coordinate of the shoe's rigid-body motion
     C_t : generalised forces (k, n) per traction, in the equilibrium equations of the shoe
-    compliance : compliance (n, n) of the penalty, which is the same along the friction surface as
-        across the surface
+    compliance : compliance (n, n) of the penalty contact along the friction surface, which is the
+        same as normal to the surface
     q_s : weighted slips (n,) without pressure and traction
-    effects : effects of the actuation force in which tractions take the place of pressures
-    load_travel : travel (n, l) of each unit load along itself, per traction
+    effects : effects of the actuation force on slips in place of gaps, and contributions of
+        tractions in place of pressures
+    load_travel : elastic displacement (n, l) of each unit load's point along the load, per traction
     """
 
     A_wt: Floats
@@ -88,9 +92,9 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     # Tractions are positive in the direction e_theta of the brake, also if the shoe's own frame is
     # mirrored.
     T = shoe.frame.sense * coupling.T
-    # Y consists of nodal forces divided by the Cholesky factor of the stiffness. The product of two
-    # such factors, for example pressed^T dragged, is a flexibility: here the weighted gaps that
-    # tractions open.
+    # Y is L^-1 f for nodal forces f and the Cholesky factor L of the stiffness L L^T. The product
+    # of two parts of Y is a flexibility: pressed^T dragged gives the weighted gaps that tractions
+    # open.
     Y = condensed.nodal_forces_over_cholesky_factor(
         np.hstack([-coupling.N.T, T.T, condensed.load_on_contact])
     )
@@ -135,7 +139,7 @@ def _stick_slip_problem_with_free_feet(
     still : the group without friction
     shoes : the matrices of tractions on each lining
     """
-    normal = still.contact_problem_without_shared_forces(0.0)
+    normal = still.contact_problem_with_given_actuation_forces(0.0)
 
     def block_diagonal_matrix_of_shoes(name: str) -> Floats:
         """The block-diagonal matrix of all shoes' `_TractionMatrices` entries with this name."""
@@ -171,17 +175,17 @@ def _stick_slip_problem_with_free_feet(
 class FeetOnRoughAbutments(NamedTuple):
     """The feet of a group's shoes on rough abutments, each as a node of the stick-slip problem.
 
-    The node of a foot bears a force p [N] along the normal of the abutment's face and a force t [N]
-    along the face.
+    At the node of a foot, p [N] is the force normal to the abutment's face and t [N] the friction
+    force along the face.
 
     Attributes
     ----------
     group : the group of shoes
     shoe_numbers : numbers, within the group, of the shoes whose feet stand on rough abutments
-    senses : sense of friction at the abutment of each shoe of the group; UNHELD where the foot is a
-        node of the stick-slip problem
-    foot_compliance : compliance (feet,) [m/N] of the contact between each foot and its abutment,
-        both across and along the face; for linings this is the compliance of the penalty
+    senses : direction of friction at the abutment of each shoe of the group; UNHELD (the abutment
+        is left out) if the foot is a node of the stick-slip problem
+    foot_compliance : penalty compliance (feet,) [m/N] of the contact between each foot and its
+        abutment, normal to the face and along it
     """
 
     group: ShoeGroup
@@ -209,7 +213,7 @@ class FeetOnRoughAbutments(NamedTuple):
     def brake_with_smooth_abutments(self, friction: float) -> Brake:
         """The brake at a friction coefficient of the drum, with frictionless abutments.
 
-        Frictions that linings have of their own change in proportion.
+        The friction of linings with a coefficient of their own changes in proportion.
         """
         shoes = []
         for shoe in self.group.brake.shoes:
@@ -234,15 +238,16 @@ class FeetOnRoughAbutments(NamedTuple):
         Parameters
         ----------
         problem : the stick-slip problem of the linings
-        still : the group without friction that belongs to this problem, with feet that move freely
+        still : the frictionless group of this problem, whose feet move freely
         """
         if not self.shoe_numbers:
             return problem
         count = len(self.shoe_numbers)
         off = np.zeros((count, problem.B_w.shape[1]))
         slid = np.zeros((count, problem.B_w.shape[1]))
-        # The rigid-body modes of the shoe are two translations and the rotation about its foot.
-        # The translations move the foot off and along the abutment; the rotation leaves it.
+        # The rigid-body modes of the shoe are two translations and the rotation about its foot. One
+        # translation moves the foot off the abutment, the other along it; the rotation does not
+        # move it.
         for row, k in enumerate(self.shoe_numbers):
             names = still.shoes[k].freedoms(UNHELD).names
             first = still.rigid_body_mode_slices_of_shoes[k].start
@@ -301,8 +306,10 @@ def _stick_slip_problem_with_support_nodes(
     by_motion = matrices.opening_by_motion
     return problem._replace(
         A_wp=np.block([[problem.A_wp, gap], [by_pressure, matrices.opening_by_force + yielding]]),
-        A_wt=block_diag(problem.A_wt, nothing) + _lower_left_block(by_traction, count),
-        A_sp=block_diag(problem.A_sp, nothing) - _lower_left_block(by_traction, count).T,
+        A_wt=block_diag(problem.A_wt, nothing)
+        + _zero_matrix_with_lower_left_block(by_traction, count),
+        A_sp=block_diag(problem.A_sp, nothing)
+        - _zero_matrix_with_lower_left_block(by_traction, count).T,
         A_st=block_diag(problem.A_st, nothing),
         Q=block_diag(problem.Q, yielding),
         B_w=np.vstack([problem.B_w, by_motion]),
@@ -314,26 +321,26 @@ def _stick_slip_problem_with_support_nodes(
     )
 
 
-def _lower_left_block(block: Floats, count: int) -> Floats:
-    """The square matrix whose last `count` rows begin with a block, and which is 0 elsewhere."""
+def _zero_matrix_with_lower_left_block(block: Floats, count: int) -> Floats:
+    """A square matrix of zeros with a block (count, size) at the start of its last `count` rows."""
     size = block.shape[1]
     whole = np.zeros((size + count, size + count))
     whole[size:, :size] = block
     return whole
 
 
-def _stick_slip_problem_with_shared_forces(
+def _stick_slip_problem_with_strut_and_cam_forces(
     still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
 ) -> FrictionalProblem:
-    """Add the equations of struts and a cam, which share forces among shoes, to a problem.
+    """Replace the actuation forces in a stick-slip problem by the forces of struts and a cam.
 
     Parameters
     ----------
     still : the group without friction
-    problem : the stick-slip problem in which each shoe has an actuation force of its own
+    problem : the stick-slip problem in which each shoe has its own, given actuation force
     shoes : the matrices of tractions on each lining
     """
-    sharing = make_contact_problem_with_shared_forces(
+    sharing = make_contact_problem_with_strut_and_cam_forces(
         _problem_with_stacked_pressures_and_tractions(problem),
         _stacked_effects_of_actuation_forces(still, shoes, len(problem.q_w)),
         still.relative_actuation_forces_of_file,
@@ -347,10 +354,10 @@ def _stick_slip_problem_with_shared_forces(
 def _problem_with_stacked_pressures_and_tractions(
     problem: FrictionalProblem,
 ) -> equations.ContactProblem:
-    """A stick-slip problem as a contact problem with one kind of unknowns.
+    """A stick-slip problem written as a contact problem, with tractions among the pressures.
 
-    The n pressures and the n tractions are stacked to 2n unknowns, since
-    `make_contact_problem_with_shared_forces` takes a contact problem.
+    The n pressures and the n tractions are stacked to 2n unknowns, and the gaps and slips likewise,
+    since `make_contact_problem_with_strut_and_cam_forces` takes a contact problem.
     """
     return equations.ContactProblem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),
@@ -364,13 +371,13 @@ def _problem_with_stacked_pressures_and_tractions(
 def _stacked_effects_of_actuation_forces(
     still: ShoeGroup, shoes: list[_TractionMatrices], n: int
 ) -> list[ForceEffects]:
-    """The effects of each shoe's actuation force on the stacked pressures and tractions.
+    """The effects of each shoe's actuation force, for stacked pressures and tractions.
 
     Parameters
     ----------
     still : the group without friction
     shoes : the matrices of tractions on each lining
-    n : number of the pressures, and of the tractions
+    n : number of nodes, each with one pressure and one traction
     """
     effects = []
     for normal, shoe in zip(
@@ -394,7 +401,7 @@ def _stacked_effects_of_actuation_forces(
 def _stick_slip_problem_from_stacked_problem(
     stacked: equations.ContactProblem, Q: Floats
 ) -> FrictionalProblem:
-    """The stick-slip problem of a contact problem with stacked pressures and tractions.
+    """The stick-slip problem from a contact problem with stacked pressures and tractions.
 
     `Q` (n, n) is the compliance of the contact.
     """

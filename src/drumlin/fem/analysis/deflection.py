@@ -1,4 +1,4 @@
-"""Displacements of a straight beam and of the drum ring by finite elements.
+"""Displacements of a straight beam shoe and of the drum ring by finite elements.
 
 A study compares them with the displacements by the foundation model, in which the lining consists
 of independent springs (a Winkler foundation).
@@ -33,7 +33,7 @@ def stations_and_deflections_of_beam(
     from_hinge = of_shoe.points - axis.hinge
     # The nodes on the beam's axis are those whose distance from the axis is round-off.
     on = np.abs(from_hinge @ axis.towards) < 1e-9 * axis.length
-    # A node between two materials occurs twice in the fields. `unique` keeps each place once.
+    # A node between two materials occurs twice in the fields. `unique` keeps each position once.
     x, first = np.unique(np.round(from_hinge[on] @ axis.along, 12), return_index=True)
     return x, (of_shoe.displacement[on] @ axis.towards)[first]
 

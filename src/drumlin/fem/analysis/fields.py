@@ -45,15 +45,15 @@ class Fields:
 
     Attributes
     ----------
-    points : places (n, 2) [m] of the nodes
+    points : coordinates (n, 2) [m] of the nodes
     cells : numbers (m, k) of the nodes of each cell
     cell_type : type of the cells by its name in meshio
-    part : number (m,) of the subdomain of each cell
+    part : number (m,) of the subdomain (material) of each cell
     displacement : displacement (n, 2) [m]
     stress : stresses xx, yy, xy (n, 3) [Pa]
     von_mises : equivalent stress (n,) [Pa]
     pressure : contact pressure (n,) [Pa] on the friction surface, 0 elsewhere
-    push : normal traction (n, 2) [Pa] of the drum or the plane on the lining
+    push : pressure as a vector (n, 2) [Pa]: the normal traction of the drum or plane on the lining
     """
 
     points: Floats
@@ -92,7 +92,7 @@ class _Placement(NamedTuple):
 
     Attributes
     ----------
-    frame : the frame of the body, which rotates vectors
+    frame : the frame of the body, which converts vectors to the frame of the brake
     points : function that transforms the coordinates (2, n) [m] of points
     directions : function that returns the normals of the lining at points (2, n) [m]
     """
@@ -107,8 +107,8 @@ class _SubdomainFields(NamedTuple):
 
     Attributes
     ----------
-    nodes : numbers (n,) of the nodes in the body
-    cells : nodes (m, k) of each cell, as numbers within `nodes`
+    nodes : numbers (n,) of the subdomain's nodes among all nodes of the body
+    cells : nodes (m, k) of each cell, as indices into `nodes`
     stress : nodal stress (n, 2, 2) [Pa], the mean over the elements around a node
     """
 
@@ -122,9 +122,9 @@ class NodalMeans(NamedTuple):
 
     Attributes
     ----------
-    nodes : numbers (n,) of the nodes in the body
-    cells : the nodes of each element (a, m), as numbers within `nodes`
-    values : the means (n, d, d)
+    nodes : numbers (n,) of these nodes among all nodes of the body
+    cells : the a nodes of each of m elements (a, m), as indices into `nodes`
+    values : the mean tensors (n, d, d)
     """
 
     nodes: Ints
@@ -139,8 +139,7 @@ class _ElementNodes(NamedTuple):
     ----------
     dofs : nodes (a, m) of the elements
     slopes : gradients (a, 2, m, a) [1/m] of the shape functions at the nodes
-    corners : corners (k, c) of the c cells as which each element is drawn; the corners are local
-        node numbers of the element
+    corners : node numbers (k, c), within an element, of the corners of the c cells that draw it
     """
 
     dofs: Ints
@@ -206,9 +205,10 @@ def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> 
 
 
 def dragging_pressures_of_each_lining(brake: Brake, response: Response) -> list[Floats]:
-    """The pressures (n_i,) [Pa] that the friction coefficient of each shoe turns into friction.
+    """For each shoe the friction stress (n_i,) [Pa] divided by the shoe's friction coefficient.
 
-    The nodes are in the order of the shoe's own frame.
+    It equals the pressure, unless friction depends on the pressure. The nodes are in the order of
+    the shoe's own frame.
     """
     pressures = nodal_contact_pressures_of_each_lining(brake, response)
     found = []
@@ -220,9 +220,9 @@ def dragging_pressures_of_each_lining(brake: Brake, response: Response) -> list[
 def _dragging_pressures_of_lining(
     brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
 ) -> Floats:
-    """The pressures that friction turns into friction on one lining, see the function above.
+    """The friction stress (n,) [Pa] on one lining divided by the shoe's friction coefficient.
 
-    They are the pressures p (n,) themselves, unless friction depends on the pressure.
+    It equals the pressures p (n,), unless friction depends on the pressure.
     """
     if answer.friction_stress is None:
         return p
@@ -252,7 +252,7 @@ def nodal_displacements_of_shoe(
     ----------
     body : the substructure of the shoe
     brake : the brake
-    shoe : the shoe with the force that it has in the response
+    shoe : the shoe, with the actuation force of the response
     answer : the response of the shoe
     p : pressures (n,) [Pa] on the lining of the shoe, in the order of the shoe's own frame
     """
@@ -310,7 +310,7 @@ def _fields_of_body_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fi
 def _nodal_stresses_of_subdomain(solved: _SolvedBody, name: str) -> _SubdomainFields:
     """The nodes, cells and mean stresses of the subdomain `name` of a solved body.
 
-    The free strains of a heated subdomain cause no stress of their own.
+    The free thermal strains of a heated subdomain are subtracted from its strains.
     """
     basis, layer = solved.basis, solved.layers[name]
     mesh = basis if isinstance(basis, ColumnGrid) else basis.mesh
@@ -335,7 +335,7 @@ def nodal_means_of_element_tensors(values: Floats, dofs: Ints) -> NodalMeans:
     Parameters
     ----------
     values : tensors (d, d, m, a) at the a nodes of each of m elements
-    dofs : numbers (a, m) of these nodes
+    dofs : numbers (a, m) of these nodes in the mesh
     """
     nodes, cells = np.unique(dofs, return_inverse=True)
     cells = cells.reshape(dofs.shape)
@@ -365,9 +365,9 @@ FIELD_OF_VTU_NAME = {
     "pressure [Pa]": "pressure",
     "push of the drum [Pa]": "push",
 }
-"""The attribute of `Fields` or `SolidFields` that each nodal field in a .vtu file shows.
+"""For each nodal field of a .vtu file, the attribute of `Fields` or `SolidFields` that it shows.
 
-The keys are the names of the fields in the file.
+The keys are the names of the fields in the file, the values the names of the attributes.
 """
 
 
@@ -379,7 +379,7 @@ def write_fields_to_vtu_file(path: Path, parts: Sequence[Any]) -> None:
         numbers.append(part.part)
         shoes.append(np.full(len(part.cells), i))
         first += len(part.points)
-    # `Fields` and `SolidFields` each lack some of these attributes.
+    # `Fields` and `SolidFields` have different stress attributes, and only `Fields` has the push.
     nodal = {}
     for head, name in FIELD_OF_VTU_NAME.items():
         if hasattr(parts[0], name):
@@ -391,7 +391,7 @@ def write_fields_to_vtu_file(path: Path, parts: Sequence[Any]) -> None:
 
 
 def _join_attribute_of_all_bodies(parts: Sequence[Any], name: str) -> Floats:
-    """The values of attribute `name` of all parts in one array; vectors in the plane get z = 0."""
+    """The values of attribute `name` of all bodies in one array; plane vectors get z = 0."""
     values = np.concatenate([getattr(part, name) for part in parts])
     if values.shape[1:] == (2,):
         return np.column_stack([values, np.zeros(len(values))])

@@ -1,19 +1,19 @@
 """The holding brake: from rest through partial slip to full slip, as the drum is turned.
 
-In this analysis the actuation force grows while the drum is at rest, and the drum turns afterwards.
-In `solve`, in contrast, the drum already turns while the force grows. At full slip all nodes of the
-linings have slipped in one direction, and the pressures on the linings are the same in both cases.
-For a foot on a rough abutment, however, the order matters: the foot slides while the force grows,
-and may then stick. The brake then reaches another equilibrium, in which the force on the foot lies
-within the cone of friction, and its torque differs from the torque of `solve`. A note of the result
-says so.
+In this analysis the actuation force is applied while the drum is at rest, and the drum turns
+afterwards. In `solve`, in contrast, the drum already turns while the force is applied. At full slip
+all nodes of the linings have slipped in one direction, and the pressures on the linings are the
+same in both cases. For a foot on a rough abutment, however, the order matters: the foot slides
+while the force is applied, and may then stick. The brake then reaches another equilibrium, in which
+the force on the foot lies within the cone of friction, and its torque differs from the torque of
+`solve`. A note of the result says so.
 
 The contact nodes of a three-dimensional (solid) shoe cover the face of its lining. Each node opens,
 sticks or slips along theta by itself. Across the width every node slides without friction. At full
 slip this is exact, because the friction of a drum that has slid far acts along theta alone. Before
-full slip a real drum also holds the face across the width. How much this matters: if the face of
-the double-shoe brake cannot move across the width where it is in contact, the moment is 1.3 %
-larger at a fifth of the rotation to full slip, and 0.8 % larger at three fifths.
+full slip, friction on a real drum also acts across the width. If the face of the double-shoe brake
+cannot move across the width where it is in contact, the moment is 1.3 % larger at a fifth of the
+rotation to full slip, and 0.8 % larger at three fifths.
 """
 
 import math
@@ -50,37 +50,40 @@ from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 
 MOST_HALVINGS = 8
-"""Largest number of times that an increment of the rotation is halved before it is refused.
+"""Largest number of times that an increment of the drum's rotation is halved before the solve
+fails.
 
-Within a large increment a node may stick, slip and open one after the other. One step, which has a
-single state for each node, then has no solution. This happens if the increment is several times as
-large as the rotation to full slip. An increment of forty times the rotation to full slip needs
-seven or eight halvings. With more halvings a brake without a solution is only refused later.
+Within a large increment a node may stick, slip and open one after the other. A single increment,
+which has one state for each node, then has no solution. This happens if the increment is several
+times as large as the rotation to full slip. An increment of forty times the rotation to full slip
+needs seven or eight halvings. With more halvings a brake without a solution is only refused later.
 """
 FIRST_ROTATION = 1e-7
-"""Rotation of the drum [rad] at which the search for full slip starts.
+"""First rotation of the drum [rad] in the search for full slip, which enlarges it step by step.
 
-The start lies far below any rotation that makes a lining slip, which is 1e-4 p/E or more for a
-lining of modulus E under the pressure p. The search is geometric: from a hundredth of this start it
-takes one increment more, out of about a hundred.
+It lies far below any rotation that makes a lining slip, which is 1e-4 p/E or more for a lining of
+modulus E under the pressure p. The rotation grows by a factor, so that a hundred times smaller
+first rotation takes only one more increment, out of about a hundred.
 """
 EXTRA_ROTATION = 0.1
-"""Fraction by which `find_full_slip_rotation` enlarges the rotation at which it has met full slip.
+"""Fraction by which `find_full_slip_rotation` enlarges the rotation that gave full slip.
 
-With other increments full slip may need a larger rotation. With half of this fraction some linings
-on a pivot still stick at a few nodes. With a larger fraction fewer of the rotations in a table lie
-before full slip. The search is no finer than this: each increment enlarges the rotation by at least
-this fraction, and at most by its reciprocal.
+The rotation at which all nodes slip depends on the increments, and may be larger in a later path
+with other increments. With half of this fraction some linings on a pivot then still stick at a few
+nodes. With a larger fraction fewer rows of a table of rotations lie before full slip. Each
+increment of the search is between EXTRA_ROTATION and 1/EXTRA_ROTATION times the rotation reached so
+far.
 """
 MOST_INCREMENTS = 100
-"""Number of increments after which the search for full slip is refused as not converged."""
+"""Number of increments of rotation after which the search for full slip fails as not converged."""
 LARGEST_TORQUE_DIFFERENCE = 1e-6
-"""Relative difference of two torques at full slip above which they belong to two equilibria.
+"""Relative difference of two torques at full slip above which they count as two equilibria.
 
 Two computations of the same equilibrium differ only by the effect of the penalty, 1e-8.
 """
 LARGEST_FRICTION_RATIO_DIFFERENCE = 1e-6
-"""Difference of friction force over normal force above which two states of a foot differ.
+"""Difference in the ratio of friction force to normal force above which two states of a foot
+differ.
 
 Smaller differences are round-off and the effect of the penalty.
 """
@@ -91,10 +94,10 @@ NO_FRICTION_ACROSS_WIDTH = (
 )
 """Note with each state of a holding brake of solid shoes."""
 FIRST_OF_STATES_ACROSS_WIDTH = (STICK, FORWARD, BACKWARD)
-"""The states of nodes in the order in which they decide the state of an angle of a solid shoe.
+"""The states of contact nodes in order of precedence across the width of a solid shoe.
 
-The nodes across the width at one angle may have different states. The angle sticks if one of its
-nodes sticks, and otherwise slips if one of its nodes slips.
+The nodes across the width at one angle may have different states. The lining counts as sticking at
+this angle if one of these nodes sticks, and otherwise as slipping if one of them slips.
 """
 
 Arcs = tuple[tuple[float, float], ...]
@@ -121,22 +124,23 @@ class HeldFace(NamedTuple):
 
 @dataclass(frozen=True)
 class Hold:
-    """The state of a holding brake at one rotation of the drum.
+    """The state of a holding brake at one rotation of the drum, which began to turn from rest.
 
     Attributes
     ----------
     rotation : rotation [rad] of the drum from its rest
-    torque : moment [N m] that holds the drum, positive against the brake's rotation
+    torque : moment [N m] of the linings on the drum, positive against the brake's rotation
     names : names of the shoes
     theta : growing angles (n,) [rad] of the nodes of each lining
-    pressure : pressure (n,) [Pa] on each lining, of solid shoes the mean over the width
-    traction : tangential traction (n,) [Pa] on each lining, along e_theta, as a mean as well
-    state : state (n,) at each angle: open, stick, slip forward or slip backward; of solid shoes the
-        first of FIRST_OF_STATES_ACROSS_WIDTH that a node has
+    pressure : pressure (n,) [Pa] on each lining; for solid shoes the mean over the width
+    traction : tangential traction (n,) [Pa] on each lining along e_theta; for solid shoes the mean
+        over the width
+    state : state (n,) at each angle: open, stick, slip forward or slip backward; for solid shoes
+        the first state in FIRST_OF_STATES_ACROSS_WIDTH that occurs across the width
     stick, slip : arcs [rad] of each lining that stick, and arcs that slip
-    dissipated : energy [J] dissipated by slip since the actuation force began to grow
+    dissipated : energy [J] dissipated by slip since the actuation force was zero
     face : contact nodes of each lining
-    notes : lines of text that explain why the moment at full slip differs from that of `solve`, and
+    notes : notes that explain why the moment at full slip differs from the moment by `solve`, and
         what the model of solid shoes neglects
     """
 
@@ -163,20 +167,21 @@ class Hold:
 
 
 class _LoadedGroupAtRest(NamedTuple):
-    """A group of shoes with the actuation force on and the drum at rest.
+    """A group of shoes under the full actuation force, with the drum at rest.
 
-    The stick-slip problem and its increments hold per newton of the group's unit force, and
-    energies per newton squared.
+    The stick-slip problem and its increments hold per newton of the group's largest actuation
+    force, and energies per newton squared.
 
     Attributes
     ----------
     group : the group of shoes
-    problem : the stick-slip problem, whose last nodes are feet on rough abutments
-    slip_per_rotation : growth (n,) of the slips q_s per radian of the drum, in the sense of the
-        brake's rotation
+    problem : the stick-slip problem, whose last nodes are feet on rough abutments and one-sided
+        supports
+    slip_per_rotation : growth (n,) of the weighted slips q_s of the nodes per radian of drum
+        rotation in the brake's sense
     friction : friction coefficient (n,) of each node
-    rest : the load increment at whose end the force is fully on and the drum at rest
-    dissipated : energy [J/N^2] dissipated while the force came on
+    rest : the last load increment before the drum turns, at whose end the full force acts
+    dissipated : energy [J/N^2] dissipated by slip while the force was applied
     """
 
     group: ShoeGroup
@@ -188,11 +193,11 @@ class _LoadedGroupAtRest(NamedTuple):
 
     @property
     def number_of_lining_nodes(self) -> int:
-        """The number of nodes on linings, which come before the nodes of feet."""
+        """The number of nodes on linings, which come before the nodes of feet and supports."""
         return self.group.contact_node_slices_of_shoes[-1].stop
 
     def torque(self, at: Increment) -> float:
-        """The moment [N m] that holds the drum at an increment, against the brake's rotation."""
+        """The moment [N m] of the linings on the drum at an increment, against the rotation."""
         return float(self.group.largest_actuation_force**2 * (self.slip_per_rotation @ at.t))
 
     def turn_drum_in_increments(
@@ -208,11 +213,11 @@ class _LoadedGroupAtRest(NamedTuple):
 
 
 class _SlidingDrumSolution(NamedTuple):
-    """The equilibrium of a group of shoes under a drum that slides already as the force comes on.
+    """The equilibrium of a group of shoes on a drum that already slides when the force is applied.
 
     Attributes
     ----------
-    group : the group, with the senses of friction at its abutments that the equilibrium has
+    group : the group, with the directions of friction at its abutments in this equilibrium
     contact : the contact of the linings in the equilibrium; None without an equilibrium
     torque : torque [N m], positive against the sense of the brake's rotation
     refusal : the reason why there is no equilibrium; empty with an equilibrium
@@ -229,11 +234,11 @@ class _RotationPath(NamedTuple):
 
     Attributes
     ----------
-    held : the group with the force on and the drum at rest
+    held : the group under the full force, with the drum at rest
     increments : the converged increment at each rotation
     dissipated : energy [J] dissipated up to each rotation
-    solve_under_sliding_drum : function that returns the equilibrium under the sliding drum; its
-        argument is the sense, +1 or -1, in which all nodes slip
+    solve_under_sliding_drum : function that returns the equilibrium on a drum that slides from the
+        start; its argument is the sense, +1 or -1, in which all nodes slip
     """
 
     held: _LoadedGroupAtRest
@@ -245,7 +250,7 @@ class _RotationPath(NamedTuple):
 class _LiningNodeStates(NamedTuple):
     """Angles [rad], pressures [Pa], tractions [Pa] and states (n,) along one lining, and its face.
 
-    They become the entries of one shoe in a `Hold`.
+    n is the number of angles. The values become the entries of one shoe in a `Hold`.
     """
 
     theta: Floats
@@ -258,7 +263,7 @@ class _LiningNodeStates(NamedTuple):
 class _FootSlide(NamedTuple):
     """The slide of a foot along its abutment, as words for a note.
 
-    `came_to` is the slide at the end of the path of rotations, `by_solve` the slide by `solve`.
+    `came_to` is the slide after the drum has turned from rest, `by_solve` the slide by `solve`.
     """
 
     came_to: str
@@ -275,12 +280,13 @@ def states_of_holding_brake_at_rotations(
 ) -> list[Hold]:
     """Apply the force, turn the drum through rotations, and return the state at each rotation.
 
-    The force grows while the drum rests. If the linings have a gap to close, the force grows in as
-    many increments as there are rotations, because the contact under a small force decides where a
-    lining sticks. Without a gap one increment is exact. Afterwards each rotation is one increment.
-    The error of the dissipated energy is proportional to the size of the increments. The moment
-    hardly depends on the increments unless the drum turns back. A state at full slip has a note if
-    its moment differs from the moment of `solve`.
+    The actuation force grows while the drum rests. If the linings have a gap to close, the force
+    grows in as many increments as there are rotations, because the contact under a small force
+    decides where a lining sticks. Without a gap one increment of force is exact. Afterwards the
+    drum turns to each rotation in one increment, or in several if one does not converge. The error
+    of the dissipated energy is proportional to the size of the increments. The moment hardly
+    depends on the increments unless the drum turns back. A state at full slip has a note if its
+    moment differs from the moment by `solve`.
 
     Parameters
     ----------
@@ -289,13 +295,13 @@ def states_of_holding_brake_at_rotations(
     rotations : rotations (m,) of the drum [rad] from its rest, positive in the sense of the brake's
         rotation
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
-    say : function that receives a line of text on the group of shoes that is solved next
+    say : function that receives a text with the names of the shoes that are solved next
 
     Raises
     ------
     NoAnswer
-        for a shoe that does not touch the drum, for a brake that locks itself (with the friction
-        limit), where there is no equilibrium, and where an increment does not converge
+        for a shoe that does not touch the drum, for a brake that locks itself (the text states the
+        friction limit), if there is no equilibrium, and if an increment does not converge
     BadInput
         for a brake without friction
     """
@@ -309,7 +315,7 @@ def states_of_holding_brake_at_rotations(
     ]
 
 
-# First part of the path: the actuation force comes on while the drum rests
+# First part of the path: the actuation force is applied while the drum rests
 
 
 def _apply_actuation_forces_to_resting_groups(
@@ -317,7 +323,7 @@ def _apply_actuation_forces_to_resting_groups(
 ) -> Iterator[_LoadedGroupAtRest]:
     """Apply the actuation force to each group of shoes while the drum is at rest.
 
-    Yields each loaded group. `increments` is the number of increments in which the force comes on.
+    Yields each loaded group. `increments` is the number of increments in which the force grows.
     Raises NoAnswer and BadInput as `states_of_holding_brake_at_rotations` does.
     """
     if brake.friction == 0 or scene.brake.friction == 0:
@@ -344,8 +350,8 @@ def _apply_actuation_force_to_resting_group(
     problem, lever = make_stick_slip_problem_of_shoe_group(group)
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     count = len(feet.shoe_numbers)
-    # The first guess of the states: nodes that touch in the solution without friction stick, and
-    # all feet stick. One-sided supports that bear there slip, and the others are open.
+    # The first guess of the states comes from the solution without friction. Nodes that touch in it
+    # stick, and all feet stick. One-sided supports that bear in it slip, and the others are open.
     smooth = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=())
     if group.one_sided_supports:
         smooth, contact = smooth.solve_contact_and_abutment_friction()
@@ -366,8 +372,8 @@ def _apply_actuation_force_to_resting_group(
     try:
         rest, spent = _increase_actuation_force_at_rest(problem, gap, friction, start, increments)
     except NoAnswer as error:
-        # On a brake that locks itself `solve_contact_and_abutment_friction` raises a NoAnswer that
-        # states the limit.
+        # On a brake that locks itself, `solve_contact_and_abutment_friction` raises a NoAnswer that
+        # states the friction limit. It takes precedence over the error below.
         group.solve_contact_and_abutment_friction()
         raise NoAnswer(f"{group.names_of_shoes}: {error}, the drum at rest") from error
     per_rotation = lever * (group.brake.sign_of_motion / group.largest_actuation_force)
@@ -380,9 +386,9 @@ def _increase_actuation_force_at_rest(
     """Increase the actuation force to its full value while the drum rests.
 
     Without gaps all quantities are proportional to the force, and one increment is exact. With gaps
-    the force grows like the cubes of 1, 2, 3 ..., because the contact changes most under a small
-    force. Under a very small force only one or two nodes are in contact, and the iteration of an
-    increment may not converge. This increment is then joined with the next one.
+    the force after the increments 1, 2, 3 ... is proportional to their cubes, because the contact
+    changes most under a small force. Under a very small force only one or two nodes are in contact,
+    and an increment may not converge. It is then joined with the next one.
 
     Parameters
     ----------
@@ -394,16 +400,16 @@ def _increase_actuation_force_at_rest(
 
     Returns
     -------
-    the increment with the force fully on, and the energy [J/N^2] that slip has dissipated
+    the increment at whose end the full force acts, and the energy [J/N^2] dissipated by slip
 
     Raises
     ------
     NoAnswer
-        where the last increment does not settle
+        if the last increment does not converge
     """
     history = SlipHistory(np.zeros(len(gap)), np.zeros(len(gap)))
     energy = 0.0
-    # Without a gap, the force is put on in one increment.
+    # Without a gap, the force is applied in one increment.
     shares = np.ones(1)
     if gap.any():
         shares = np.linspace(0, 1, max(increments, 1) + 1)[1:] ** 3
@@ -441,8 +447,8 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
                 )
                 increment = step
         except NoAnswer as error:
-            # On a brake that locks itself `solve_contact_and_abutment_friction` raises a NoAnswer
-            # with the limit.
+            # On a brake that locks itself, `solve_contact_and_abutment_friction` raises a NoAnswer
+            # with the friction limit. It takes precedence over the error below.
             turning = brake if rotation > reached else brake.brake_with_reversed_motion()
             _shoe_group_with_changed_brake(group, turning).solve_contact_and_abutment_friction()
             raise NoAnswer(
@@ -505,7 +511,8 @@ def turn_drum_in_increments(
 def _shoe_group_with_changed_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
     """The group of shoes on a brake with another rotation or friction of its drum.
 
-    The senses of friction at rough abutments become unknown, since feet may slide the other way.
+    The directions of friction at rough abutments become unknown, since feet may slide the other
+    way.
     """
     return replace(
         group,
@@ -517,11 +524,11 @@ def _shoe_group_with_changed_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
 def _energy_dissipated_by_slip(
     problem: FrictionalProblem, after: Increment, before: SlipHistory
 ) -> float:
-    """The energy dissipated by slip in an increment, per newton squared of the unit force [J/N^2].
+    """The energy dissipated by slip in an increment, per squared actuation force [J/N^2].
 
     It is computed with the tractions at the end of the increment.
     """
-    # The compliance Q of the penalty adds elastic slip, which dissipates no energy.
+    # The compliance Q of the penalty contact adds elastic slip, which dissipates no energy.
     slip = after.s - before.s - problem.Q @ (after.t - before.t)
     return float(after.t @ slip)
 
@@ -529,7 +536,7 @@ def _energy_dissipated_by_slip(
 def _state_of_brake_at_rotation(
     brake: Brake, paths: list[_RotationPath], k: int, rotation: float
 ) -> Hold:
-    """The state of the whole brake at rotation number `k`, from the paths of all its groups."""
+    """The state of the whole brake at rotation number `k`, from the increments of its groups."""
     linings: dict[int, _LiningNodeStates] = {}
     torque, dissipated = 0.0, 0.0
     notes: list[str] = []
@@ -562,12 +569,13 @@ def _state_of_brake_at_rotation(
 def _nodal_contact_states_of_linings(
     group: ShoeGroup, at: Increment
 ) -> dict[int, _LiningNodeStates]:
-    """The nodes of each lining of a group at an increment, by the shoe's position in the brake."""
+    """The nodal states of each lining at an increment, by the shoe's position in the brake."""
     size = group.largest_actuation_force
     states = {}
     for k, part in enumerate(group.contact_node_slices_of_shoes):
         frame = group.shoes[k].frame
-        # If the shoe's frame counts angles against the brake's sense, the nodes are reversed.
+        # The nodes are put in the order of growing theta. They are reversed if the shoe's frame is
+        # mirrored.
         forward = slice(None, None, frame.sense)
         line = group.substructures_of_shoes[k].line
         shares = line.width_shares_of_nodes_across_width
@@ -590,9 +598,9 @@ def _nodal_contact_states_of_linings(
 
 
 def states_along_lining(state: Ints) -> Ints:
-    """The state (n,) at each angle of a lining, from the states (n, m) of its nodes.
+    """The state (n,) at each angle of a lining, from the states (n, m) of nodes across the width.
 
-    It is the first of FIRST_OF_STATES_ACROSS_WIDTH that one of the nodes has, or OPEN.
+    It is the first state in FIRST_OF_STATES_ACROSS_WIDTH that a node at this angle has, or OPEN.
     """
     found = np.full(len(state), OPEN)
     for kind in reversed(FIRST_OF_STATES_ACROSS_WIDTH):
@@ -604,7 +612,7 @@ def states_along_lining(state: Ints) -> Ints:
 
 
 def _solve_contact_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _SlidingDrumSolution:
-    """The equilibrium of a group of shoes under a drum that slides as the force comes on.
+    """The equilibrium of a group of shoes on a drum that already slides when the force is applied.
 
     `sense` +1 or -1 is the sense in which the nodes slip.
     """
@@ -625,10 +633,9 @@ def _solve_contact_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _
 
 
 def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str]:
-    """A note with both moments where the moment at full slip differs from the moment of `solve`.
+    """A note with both moments, if the moment at full slip differs from the moment by `solve`.
 
-    The list is empty if the moments agree, and at partial slip. `k` is the number of the rotation
-    on the path.
+    The list is empty if the moments agree, and at partial slip. `k` is the number of the rotation.
     """
     held, at = path.held, path.increments[k]
     sense = _direction_of_full_slip_or_zero(held, at)
@@ -666,13 +673,13 @@ def _direction_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: Increment) -> 
 def _feet_whose_friction_differs_from_solve(
     held: _LoadedGroupAtRest, at: Increment, group: ShoeGroup, contact: Contact
 ) -> list[_FootSlide]:
-    """The feet whose ratio of friction to normal force differs from that under the sliding drum.
+    """The feet whose ratio of friction to normal force differs from the ratio by `solve`.
 
     Parameters
     ----------
     held : the group whose drum was turned from rest
-    at : the increment at the end of its rotations
-    group, contact : the equilibrium of the group under the sliding drum
+    at : the increment at full slip
+    group, contact : the equilibrium of the group on a drum that slides from the start
     """
     size, feet = held.group.largest_actuation_force, []
     numbers = FeetOnRoughAbutments.collect_feet_on_rough_abutments(held.group).shoe_numbers
@@ -706,22 +713,20 @@ def find_full_slip_rotation(
 ) -> float:
     """Find a rotation of the drum [rad] after which every touching node slips.
 
-    The moment at this rotation is the moment of the sliding drum, except where a foot sticks on a
-    rough abutment.
+    The moment at this rotation is the moment of `solve`, unless a foot sticks on a rough abutment.
 
     Parameters
     ----------
     scene : the prepared model
     brake : the brake
-    increments : number of increments in which the force comes on, see
-        `states_of_holding_brake_at_rotations`
+    increments : number of increments in which the actuation force grows before the drum turns
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
 
     Raises
     ------
     NoAnswer
-        for a brake that locks itself (with the friction limit), for a shoe that does not touch the
-        drum, and where the search does not converge
+        for a brake that locks itself (the text states the friction limit), for a shoe that does not
+        touch the drum, and if the search does not converge
     """
     shoes = solve_prepared_model(scene, brake, penalty=penalty).shoes
     ends = []
@@ -742,14 +747,14 @@ def _find_full_slip_rotation_of_group(
 
     Parameters
     ----------
-    held : the group with the force on and the drum at rest
-    target : moment [N m] of the sliding drum
+    held : the group under the full force, with the drum at rest
+    target : moment [N m] on a drum that slides from the start, as in `solve`
     slipping : the state of the nodes at full slip, FORWARD or BACKWARD
 
     Raises
     ------
     NoAnswer
-        where the moment at full slip is not the target, and where no rotation is found
+        if the moment at full slip differs from the target, and if no rotation is found
     """
     increment, reached = held.rest, 0.0
     step, n = FIRST_ROTATION, held.number_of_lining_nodes
@@ -758,8 +763,8 @@ def _find_full_slip_rotation_of_group(
         *_, increment = held.turn_drum_in_increments(increment, reached, reached + step)
         torque, reached = held.torque(increment), reached + step
         if np.isin(increment.state[:n], [OPEN, slipping]).all():
-            # The friction of a sticking foot depends on whether the force or the rotation comes
-            # first, so that the moment may differ from the target.
+            # The friction of a sticking foot depends on whether the force is applied before the
+            # drum turns, so that the moment may differ from the target.
             has_feet = len(increment.state) > n
             if has_feet or math.isclose(torque, target, rel_tol=LARGEST_TORQUE_DIFFERENCE):
                 return reached
@@ -767,7 +772,8 @@ def _find_full_slip_rotation_of_group(
                 f"more than one answer: held it comes to slip everywhere at {torque:.5g} N m, "
                 f"at once it slides at {target:.5g} N m"
             )
-        # By linear extrapolation this number of steps like the last step adds the missing moment.
+        # By linear extrapolation, `lacking` steps of the size of the last step add the missing
+        # moment.
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
         step = min(max(step * lacking, EXTRA_ROTATION * reached), reached / EXTRA_ROTATION)
     sticking = np.count_nonzero(increment.state[:n] == STICK)
@@ -809,7 +815,7 @@ def _words_for_node_states(states: Ints) -> list[str]:
 def _lining_state_as_dict(state: Hold, i: int) -> dict[str, Any]:
     """Convert the nodal values of lining `i` in a state of the brake to plain data for JSON.
 
-    The values at all nodes of the face stand under "face" if there are several across the width.
+    If there are several nodes across the width, the key "face" has the values at all of them.
     """
     face = state.face[i]
     across = {

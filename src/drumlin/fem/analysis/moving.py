@@ -24,20 +24,21 @@ from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.interface import ContactLine
 
 NODE_STEP = 1e-5
-"""Step, in radii of the drum, by which a point moves in central differences of nodal places.
+"""Step, in drum radii, by which a point of a shoe moves in central differences of node positions.
 
-The nodal places are smooth functions of the point over a length of some radii. The relative error
-of the difference is therefore NODE_STEP^2 = 1e-10, with some 1e-11 of round-off. A larger step is
-less exact, and a smaller step loses digits.
+The positions of the nodes are smooth functions of the point over a length of some radii. The
+relative error of the difference is therefore NODE_STEP^2 = 1e-10, with some 1e-11 of round-off. A
+larger step is less exact, and a smaller step loses digits.
 """
 LARGEST_NODE_MOTION = 1e3
-"""Motion of a node over motion of the point above which the division into elements has changed.
+"""Ratio of a node's motion to the motion of a shoe's point above which the mesh counts as changed.
 
-If the shoe with the moved point has one element or layer more, or if another element ends at the
-end of the grip, the nodes with the same number lie in different places.
+Motions of the point move the nodes by similar distances. If the shoe with the moved point has one
+more element or layer, or if another element ends at the end of the gripped back, then nodes of the
+same number lie far apart, and their difference is no motion.
 """
 LARGEST_UNMOVED_MOTION = 1e-6
-"""Ratio of a contact node's motion to a point's motion below which the contact stays in its place.
+"""Ratio of a contact node's motion to the motion of a shoe's point below which it counts as zero.
 
 Smaller motions are round-off, which is some 1e-11 in the central differences.
 """
@@ -54,7 +55,7 @@ class NodeMotion(NamedTuple):
 
     Attributes
     ----------
-    node_motion : motion (2 nodes,) of all nodes, x and y of a node together
+    node_motion : motion (2 nodes,) of all nodes: x and y of the first node, then of the next
     line_motion : motion (2, n) of the nodes of the contact line
     load_change : change (2 nodes,) [1/m] of the nodal forces per newton of the actuation
     axis_turn : turn [rad/m] of the axis of a straight beam; 0 for other bodies
@@ -77,7 +78,7 @@ def node_motions_per_motion_of_shoe_point(
     """The motions of the nodes of a shoe as one of its points moves along x and along y.
 
     The axes x and y are those of the brake. The list has one motion for each axis. It is empty if
-    no node moves.
+    neither a node nor the axis of a straight beam moves.
 
     Parameters
     ----------
@@ -89,7 +90,7 @@ def node_motions_per_motion_of_shoe_point(
     Raises
     ------
     NoAnswer
-        where the division into elements changes both on a step forwards and on a step backwards
+        if the division into elements changes both with a small step forwards and with one backwards
     """
     moving = has_nodes_that_move_with_point(scene, shoe, key)
     turns_axis = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
@@ -104,8 +105,8 @@ def node_motions_per_motion_of_shoe_point(
 
 
 def has_nodes_that_move_with_point(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
-    """Whether nodes of a shoe's body move with the point of the shoe that `key` names."""
-    # Without a mesh of the user the division into elements follows the points of the shoe.
+    """Whether nodes of a shoe's mesh move as the point of the shoe named by `key` moves."""
+    # Without a mesh file drumlin divides the shoe into elements itself, by the points of the shoe.
     if shoe.mesh is None:
         beam = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
         return beam or (key == "pivot" and shoe.grip(scene.brake.size) is not None)
@@ -126,8 +127,8 @@ def _node_motion_by_central_difference(
 ) -> NodeMotion:
     """The motion of a shoe's nodes per motion of a point along `direction` (2,).
 
-    The motion is a central difference. Raises NoAnswer if the division into elements changes on
-    both steps.
+    The motion is a central difference, or one-sided if the mesh changes on one of the two steps.
+    Raises NoAnswer if the division into elements changes on both steps.
     """
     h = NODE_STEP * scene.brake.size
     here = _shoe_nodes_in_brake_frame(scene, i, shoe)
@@ -157,7 +158,7 @@ def _node_motion_by_central_difference(
 def _beam_axis_turn_without_node_motion(
     body: ShoeSubstructure, shoe: Shoe, key: str, direction: Floats
 ) -> NodeMotion:
-    """The motion of a straight beam on a mesh in the brake's frame, as an end of its axis moves.
+    """The `NodeMotion` of a straight beam on a mesh that stays, as an end of the beam's axis moves.
 
     No node moves, but the directions of orthotropic layers turn with the axis.
     """
@@ -185,14 +186,14 @@ def _rotation_of_beam_axis_per_motion(shoe: Shoe, key: str, direction: Floats) -
 
 
 def _shoe_nodes_in_brake_frame(scene: PreparedModel, i: int, shoe: Shoe) -> BodyNodes:
-    """The nodes and nodal forces of `shoe` in the frame of the brake, in the place of shoe `i`."""
+    """The nodes and nodal forces of `shoe`, a changed copy of shoe `i`, in the brake's frame."""
     assert scene.nodes_of_changed_shoe is not None
     nodes = scene.nodes_of_changed_shoe(i, shoe)
     return BodyNodes(shoe.points(nodes.xy), shoe.frame.convert_to_brake_frame(nodes.load.T).T)
 
 
 def _shoe_with_moved_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
-    """The shoe with one of its points moved by a step (2,) [m]; `key` names it, as "hinge"."""
+    """The shoe with the point `key` (as "hinge" or "abutment.point") moved by a step (2,) [m]."""
     part, _, inner = key.partition(".")
     whole = getattr(shoe, part)
     x, y = ((whole.point if inner else whole).xy + step).tolist()
@@ -205,9 +206,10 @@ def _shoe_with_moved_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
 def contact_lines_with_moved_nodes(
     body: ShoeSubstructure, shoe: Shoe, radius: float, moves: NodeMotion
 ) -> Iterator[tuple[float, ContactLine]]:
-    """Yield the moved contact line for a step forwards and a step backwards of a point.
+    """Yield the contact line after a point of the shoe moves by a step forwards or backwards.
 
-    Each item is the step [m] and the contact line with its nodes moved.
+    Each of the two items is the step [m], which is negative if backwards, and the contact line with
+    its nodes moved.
 
     Parameters
     ----------

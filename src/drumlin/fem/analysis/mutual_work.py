@@ -1,4 +1,4 @@
-"""The mutual work v^T K u of two displacements of a body, and its change as the nodes move.
+"""The mutual work v^T K u of two displacement fields of a body, and its change as nodes move.
 
 With the stiffness K of plane stress, the width b and the gradients H_cd = d u_c / d x_d of both
 displacements u and v,
@@ -46,8 +46,8 @@ from drumlin.fem.substructure.elasticity import isotropic_and_orthotropic_elasti
 ELEMENTS_AT_A_TIME = 500
 """Number of hp elements whose shape-function gradients are in memory at once.
 
-At degree 8 they take a few megabytes. Fewer elements take more turns of a Python loop, and more
-elements take memory in proportion.
+At degree 8 they take a few megabytes. Fewer elements need more passes of a Python loop, and more
+elements need more memory. The number changes no result.
 """
 
 
@@ -90,7 +90,7 @@ class _LayerDirections(NamedTuple):
     Attributes
     ----------
     along : unit vectors (elements, q, 2) along the layers
-    curvature : turn (elements, q) [rad/m] of the direction as a point moves along its layer
+    curvature : turn (elements, q) of the direction per motion of a point along its layer [rad/m]
     straight : whether an element (elements,) is in a straight layer, whose curvature is 0
     """
 
@@ -152,7 +152,7 @@ def mutual_work_change_by_node_motions(
 ) -> Floats:
     """The derivatives (k,) [N] of the mutual work v^T K u by k motions of a body's nodes.
 
-    K is the stiffness of the body. The displacements u and v stay as the nodes move.
+    K is the stiffness of the body. The nodal displacements u and v stay as the nodes move.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def mutual_work_change_by_node_motions(
             if along is None
             else _work_change_per_turn_of_layer_directions(of_u, of_v, own, along)
         )
-        # This density of work is multiplied by div V, the growth of the area.
+        # This density of work is multiplied by div V, the growth of area by the motion V.
         work = np.einsum("eqcd,eqcd->eq", stress_u, of_v)
         by_gradient = _work_per_gradient_of_motion(stress_u, of_v)
         by_gradient = by_gradient + _work_per_gradient_of_motion(stress_v, of_u)
@@ -197,10 +197,10 @@ def mutual_work_change_by_node_motions(
 
 
 def _work_per_gradient_of_motion(stress: Floats, H: Floats) -> Floats:
-    """The density of work (e, q, 2, 2) of a stress per grad V of a motion V of the nodes.
+    """The change of work density (e, q, 2, 2) per -grad V, for a motion V of the nodes.
 
-    The gradient H (e, q, 2, 2) of the displacements changes by -H (grad V) as the nodes move. The
-    result is the factor of -grad V.
+    The gradient H (e, q, 2, 2) of the displacements changes by -H (grad V) as the nodes move, and
+    `stress` does work on this change.
     """
     return np.einsum("eqcj,eqcd->eqdj", stress, H)
 
@@ -236,7 +236,7 @@ def _unit_vectors_across_layers(along: Floats) -> Floats:
 def _work_change_per_turn_of_layer_directions(
     of_u: Floats, of_v: Floats, constants: Floats, along: Floats
 ) -> Floats:
-    """The change (e, q) [N/m] of the work density b sigma(u) : H_v per turn of the layers.
+    """The change (e, q) of the work density b sigma(u) : H_v per turn of the layers [N/m per rad].
 
     Parameters
     ----------
@@ -312,7 +312,7 @@ def _layer_directions_at_quadrature_points(
 
 
 def _mesh_of_finite_element_basis(basis: Any) -> Any:
-    """The mesh of a basis, which knows the subdomains. A grid of hp elements is its own mesh."""
+    """The mesh of a basis, which has the subdomains. A grid of hp elements is its own mesh."""
     return basis if isinstance(basis, ColumnGrid) else basis.mesh
 
 

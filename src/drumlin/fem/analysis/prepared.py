@@ -1,7 +1,7 @@
 """The prepared model on which a brake is held, worn or differentiated: plane stress, or solid.
 
-Each of these analyses solves the brake on one fixed division into elements. The sections of
-three-dimensional (solid) shoes are divided as for plane stress, so that the answers of both models
+Each of these analyses solves the brake on one fixed division into elements. The cross-sections of
+three-dimensional (solid) shoes are divided as for plane stress, so that the results of both models
 differ only by the effect of the widths.
 """
 
@@ -16,37 +16,37 @@ from drumlin.fem.width.prepare import (
 )
 
 ANALYSIS_MODELS = ("fem", "solid")
-"""The models of finite elements by which a brake is held and differentiated."""
+"""The finite-element models for holding and sensitivity: plane stress, and solid shoes."""
 ANALYSIS_DEGREE = 3
-"""Degree across the width on which a brake is held, worn or differentiated.
+"""Degree of the polynomials across the width of solid shoes, for holding, wear and sensitivity.
 
 On 18 example brakes without ring and mesh files, the step from degree 3 to degree 6 changes the
 torque by at most 0.2 % and the mean pressure (L2) by at most 0.5 % (first level of a solve). Both
-belong to the S-cam brake. Without this brake the numbers are 0.03 % and 0.12 %. With degree 2 they
-are 0.2 % and 0.6 %, without the S-cam brake 0.09 % and 0.34 %. Plane stress is some 1 % off. Each
-further degree takes about 1.5 times as long.
+values belong to the S-cam brake; for the others they are 0.03 % and 0.12 %. The step from degree 2
+to degree 6 changes them by 0.2 % and 0.6 %, without the S-cam brake by 0.09 % and 0.34 %. Plane
+stress differs by some 1 %. Each further degree takes about 1.5 times as long.
 """
 
 
 def prepared_model_for_analysis(
     brake: Brake, model: str = "fem", *, elements: int | None = None, kind: str | None = None
 ) -> PreparedModel:
-    """The prepared model of a brake on which it is held, worn or differentiated.
+    """The prepared model of a brake for the analyses of holding, wear and sensitivity.
 
     Parameters
     ----------
     brake : the brake
-    model : "fem" for plane stress, "solid" for shoes with their widths
-    elements, kind : number of elements along the lining and their kind (quad2, quad1, tri2, tri1),
+    model : "fem" for plane stress, "solid" for three-dimensional shoes
+    elements, kind : number of elements along each lining and their kind (quad2, quad1, tri2, tri1),
         for plane stress; None for hp elements
 
     Raises
     ------
     BadInput
-        for an unknown model, where the model does not apply to the brake, for elements beside
-        "solid", and for elements that `require_element_options_have_effect` refuses
+        for an unknown model, for a model that does not apply to the brake, for elements together
+        with "solid", and for elements that would change no part of the brake
     NoAnswer
-        for a singular stiffness, and for too many nodes of a contact face
+        for a singular stiffness, and for a contact face with too many nodes
     """
     if model not in ANALYSIS_MODELS:
         hint = did_you_mean_hint(model, ANALYSIS_MODELS)

@@ -23,8 +23,8 @@ def self_locking_friction_of_shoe_groups(
     """The smallest friction coefficient at which each group of shoes locks itself.
 
     The keys of the result are the positions of the group's shoes in the brake. If a foot leaves its
-    abutment at a smaller friction, or a cam or a strut would have to pull, this friction is the
-    limit.
+    abutment at a smaller friction, or a cam or a strut would have to pull there, this smaller
+    friction is the limit.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def self_locking_friction_of_shoe_groups(
     Raises
     ------
     NoAnswer
-        where a group has no equilibrium, see `ShoeGroup.follow_contact_to_friction_limit`
+        if a group has no equilibrium at any friction
     """
     require_springs_of_constant_pull(brake, "self-locking")
     require_friction_without_pressure(brake, "self-locking")
@@ -51,14 +51,15 @@ def shoe_torques_at_friction_coefficients(
 ) -> Floats:
     """The torque (m, shoes) [N m] of each shoe at m friction coefficients in growing order.
 
-    Raises NoAnswer at the friction limit of self-locking and beyond this limit.
+    Raises NoAnswer if a friction coefficient reaches or exceeds the limit of self-locking.
     """
     require_springs_of_constant_pull(brake, "self-locking")
     require_friction_without_pressure(brake, "self-locking")
     values = np.zeros((len(frictions), len(brake.shoes)))
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         at, active = group, None
-        # The nodes in contact at one friction are the first guess for those at the next friction.
+        # The nodes in contact at one friction are the first guess for the contact at the next
+        # friction.
         for row, mu in zip(values, frictions, strict=True):
             at, contact = at.group_with_drum_friction(mu).solve_contact_and_abutment_friction(
                 active

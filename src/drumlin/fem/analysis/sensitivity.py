@@ -15,12 +15,12 @@ solves are needed.
 
 The division into elements does not change with the data. If a node is just about to enter or leave
 the contact, the torque has a kink, and the derivatives are those for the present nodes in contact.
-The derivatives include the changes of the forces that struts and cams pass on.
+The derivatives include the changes of strut and cam forces.
 
 For three-dimensional (solid) shoes the displacements inside the body are not computed. Their
 derivatives by moduli therefore contain central differences of the condensed stiffness
-(fem.analysis.wide_moduli), whose error is stated. Derivatives by a support that moves nodes of the
-body are not given. All other derivatives are exact.
+(fem.analysis.wide_moduli), whose error is stated. Derivatives by a support whose motion moves nodes
+of the body are not given. All other derivatives are exact.
 """
 
 import math
@@ -84,7 +84,7 @@ from drumlin.response.merit import torque_sensitivity_by_differences as by_diffe
 from drumlin.response.resultants import planar_cross_product
 
 PERCENT_PER_MM = 0.1
-"""Factor that converts a relative change of the torque per metre into per cent per millimetre."""
+"""Factor that converts a relative change per metre (1/m) to percent per millimetre."""
 
 
 @dataclass(frozen=True)
@@ -98,25 +98,26 @@ class ShoeSensitivity:
     ----------
     name : name of the shoe
     torque : the shoe's own torque [N m]
-    friction : change of the shoe's own torque per friction coefficient of the brake [N m], where
-        frictions that linings have of their own change in proportion
+    friction : change of the shoe's own torque per friction coefficient of the brake [N m]; the
+        friction of linings with a coefficient of their own changes in proportion
     S : (mu/torque) d torque/dmu of the shoe at a fixed actuation; None if the torque is 0
     force : dT per actuation force [m]; None if a strut or a cam gives the force
     moduli : dT by the logarithm of the modulus [N m] of each part, "lining", "backing" and "shoe";
-        of an orthotropic part by the logarithm of one factor on all its moduli
-    bending_stiffness : dT by the logarithm of the body's bending stiffness [N m], in the place of
-        the modulus of "shoe"; None if the brake file gives no bending stiffness
-    clearance : dT per clearance that is even along the lining [N]
-    held : dT by each support: the places "hinge", "pivot", "abutment.point" (2,) [N] along x and y
-        of the brake; the angles "abutment.direction", "guide.direction" and the coefficient
-        "abutment.friction" (1,) [N m]
+        for an orthotropic part by the logarithm of one factor on all its moduli
+    bending_stiffness : dT by the logarithm of the body's bending stiffness [N m], which then
+        replaces the modulus of "shoe"; None if the brake file gives no bending stiffness
+    clearance : dT per clearance that is uniform along the lining [N]
+    held : dT by the data of each support: by the points "hinge", "pivot", "abutment.point" (2,) [N]
+        along x and y of the brake; by the angles "abutment.direction", "guide.direction" and the
+        coefficient "abutment.friction" (1,) [N m]
     penalty : dT by the logarithm of the contact stiffness [N m]
     theta : growing angles (n,) [rad] of the lining's nodes
-    density : dT per clearance and length of arc (n,) [N/m] at each angle; 0 off the contact
+    density : dT per local clearance and per length of arc (n,) [N/m] at each angle; 0 off the
+        contact
     modulus_error : error [N m] of the derivatives by the moduli of a solid shoe; None in plane
         stress, where they are exact
-    not_given : supports of a solid shoe whose derivatives are not given, because the support moves
-        nodes of the body
+    not_given : keys of supports whose derivatives are not computed, because nodes of the body move
+        with the support
     """
 
     name: str
@@ -143,17 +144,19 @@ class Sensitivity:
     ----------
     friction_coefficient : friction coefficient mu of the drum
     torque : T [N m]
-    friction : dT/dmu [N m], where frictions that linings have of their own change in proportion
+    friction : dT/dmu [N m]; the friction of linings with a coefficient of their own changes in
+        proportion
     S : (mu/T) dT/dmu of the whole brake; None if T is 0
-    drive : dT by the logarithm of the brake's actuation [N m]; None if each shoe has its own force
-    ring : dT by the logarithm of the ring's modulus [N m]; None for a rigid drum, for a ring whose
-        bending stiffness is given, and for a ring that is not plain, see
-        `Ring.has_fixed_or_free_far_edge`
-    ring_bending_stiffness : dT by the logarithm of the ring's bending stiffness [N m]; None if the
-        brake file gives no bending stiffness, and for a ring that is not plain
+    drive : dT by the logarithm of all actuation forces of the brake [N m]; None if each shoe has
+        its own force
+    ring : dT by the logarithm of the drum ring's modulus [N m]; None for a rigid drum, for a ring
+        whose bending stiffness is given, and for a ring whose far edge is neither fixed nor free
+    ring_bending_stiffness : dT by the logarithm of the drum ring's bending stiffness [N m]; None if
+        the brake file gives no bending stiffness, and for a ring whose far edge is neither fixed
+        nor free
     shoes : the sensitivities of each shoe
-    law : S by the rigid-shoe law, of each shoe and then of the whole brake; None if the law has no
-        answer
+    law : S by the rigid-shoe law: for each shoe, and then for the whole brake; None if the law has
+        no solution
     """
 
     friction_coefficient: float
@@ -175,7 +178,7 @@ class Sensitivity:
 def _shoe_sensitivity_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
     """Convert the sensitivities of a shoe to plain data for JSON.
 
-    The sensitivity by the hinge stands under "held" and under a key "hinge" of its own.
+    The derivative by the hinge is given twice: under "held", and under the key "hinge".
     """
     held = {key: value.tolist() for key, value in shoe.held.items()}
     return vars(shoe) | {
@@ -219,10 +222,10 @@ def compute_torque_sensitivity(
     torque = math.fsum(shoe.torque for shoe in shoes)
     friction = math.fsum(shoe.friction for shoe in shoes)
     # The derivative by the ring's modulus assumes that the ring's flexibility is inversely
-    # proportional to this modulus. An elastic support of the ring would add a flexibility that is
-    # not.
+    # proportional to this modulus. An elastic support of the ring would add a flexibility that does
+    # not depend on the modulus.
     scaled = brake.ring is not None and brake.ring.has_fixed_or_free_far_edge
-    # A given bending stiffness takes the place of the ring's modulus.
+    # A bending stiffness in the brake file takes the place of the ring's modulus.
     given = brake.ring is not None and brake.ring.bending_stiffness is not None
     return Sensitivity(
         friction_coefficient=brake.friction,
@@ -238,7 +241,7 @@ def compute_torque_sensitivity(
 
 
 def _refuse_brake_or_model_without_friction(scene: PreparedModel, brake: Brake) -> None:
-    """Raise NoAnswer for a brake without friction, BadInput for a model prepared without it."""
+    """Raise NoAnswer for a frictionless brake, BadInput for a model prepared without friction."""
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
     heated = reason_if_any_shoe_is_heated(brake, "the analysis of slopes")
@@ -315,7 +318,7 @@ class _TorqueSlopesOfShoe:
     """Computes the derivatives of the brake's torque by the data of one shoe.
 
     `adjoint` is the adjoint of the shoe's group, and `k` the number of the shoe in the group.
-    `changed` gives the bodies of solid shoes with changed moduli.
+    `changed` is a function that returns condensed bodies of solid shoes with changed moduli.
     """
 
     def __init__(self, adjoint: GroupAdjoint, k: int, changed: BodiesOfModulus) -> None:
@@ -326,11 +329,12 @@ class _TorqueSlopesOfShoe:
         self.own: ShoeAdjoint = adjoint.shoes[k]
         self.body, self.shoe = self.group.substructures_of_shoes[k], self.group.shoes[k]
         self.drag = self.group.brake.signed_friction_per_pressure_in_shoe_frame(self.shoe)
-        # Under a cam the travel of the shoe's tip enters the equation of the shoe's force.
+        # Under a cam the equation of the shoe's force contains the travel of the shoe's tip, the
+        # point where the force acts.
         self.under_cam = k in self.group.indices_of_shoes_under_cam
         self.tip_multiplier = self.own.force_multiplier if self.under_cam else 0.0
         names = np.array(self.shoe.freedoms(self.group.friction_senses[k]).names)
-        # A rotation counts with another sign in the brake's frame if the shoe's frame is mirrored.
+        # If the shoe's frame is mirrored, rotations have the opposite sign in the brake's frame.
         self.mode_signs = np.where(names == "turn", float(self.shoe.frame.sense), 1.0)
         # The actuation does no work on the tilt of a shoe on a lever.
         self.works = np.where(names == "tilt", 0.0, 1.0)
@@ -347,7 +351,8 @@ class _TorqueSlopesOfShoe:
             / group.contact_stiffness_per_area_of_shoes[k]
         )
         moduli, bending_stiffness, modulus_error = self._torque_slopes_by_moduli(by_penalty)
-        # The brake file does not give the force of a shoe under a cam or behind a strut.
+        # The brake file does not give the force of a shoe under a cam or of a shoe pushed by a
+        # strut.
         shares_force = k in [
             *group.indices_of_shoes_under_cam,
             *(to for _, to in group.pushing_and_pushed_shoe_of_struts),
@@ -385,7 +390,7 @@ class _TorqueSlopesOfShoe:
 
     @cached_property
     def displacements_by_loads_and_adjoint_loads(self) -> _LoadedDisplacements:
-        """The displacements of the shoe under its loads, and under the adjoint loads."""
+        """The displacements of the shoe's nodes under its loads, and under the adjoint loads."""
         own, load = self.own, self.group.actuation_of_each_shoe_by_one_newton[self.k].load_factors
         N, T = self.body.coupling.N, self.body.coupling.T
         nodal = np.column_stack(
@@ -442,7 +447,7 @@ class _TorqueSlopesOfShoe:
         return _SlopesByModuli(slopes, None, found.error)
 
     def _load_factors_of_shoe(self) -> Floats:
-        """The factors (l,) of the load columns under the actuation force and all further loads."""
+        """The factors (l,) by which the load columns make up all loads on the shoe."""
         return load_factors_under_actuation_force(self.body, self.shoe, self.own.force)
 
     # Slopes by supports
@@ -450,15 +455,14 @@ class _TorqueSlopesOfShoe:
     def _torque_slopes_by_supports(self) -> dict[str, Floats]:
         """The slopes of the brake's torque by the supports of the shoe.
 
-        The keys are those of `Held.changes`, and the units those of `ShoeSensitivity.held`. A
-        motion of a support changes the rigid-body modes of the shoe. If nodes of the body move with
-        the support, the stiffness of the body changes as well; for solid shoes such supports are
-        left out.
+        Keys and units are the same as in `ShoeSensitivity.held`. A motion of a support changes the
+        rigid-body modes of the shoe. If nodes of the body move with the support, the stiffness of
+        the body changes as well; for solid shoes such supports are left out.
         """
         group, k = self.group, self.k
         effects = {}
         for key, changes in self._rigid_mode_changes_by_supports().items():
-            if not self._has_slope_by_point(key):
+            if not self._can_slope_by_point_be_computed(key):
                 continue
             effects[key] = np.array(
                 list(map(self._torque_slope_by_rigid_body_mode_change, changes))
@@ -470,7 +474,7 @@ class _TorqueSlopesOfShoe:
                 effects[key] = effects[key] + self._torque_slopes_by_node_motions(moves)
         for to in self._indices_of_shoes_pushed_by_struts():
             pushed = _TorqueSlopesOfShoe(self.adjoint, to, self.changed)
-            if pushed._has_slope_by_point("actuation.point"):
+            if pushed._can_slope_by_point_be_computed("actuation.point"):
                 _add_torque_slopes_by_strut_line_of_action(effects, pushed)
             else:
                 effects.pop("abutment.point", None)
@@ -478,14 +482,14 @@ class _TorqueSlopesOfShoe:
         return effects
 
     def _rigid_mode_changes_by_supports(self) -> Mapping[str, Any]:
-        """The changes of the shoe's rigid-body modes by each of its supports, by its key."""
+        """The derivatives of the shoe's rigid-body modes by data of its supports, by their keys."""
         return self.shoe.changes(self.group.friction_senses[self.k])
 
-    def _has_slope_by_point(self, key: str) -> bool:
-        """Whether the slope by a point of the shoe is known.
+    def _can_slope_by_point_be_computed(self, key: str) -> bool:
+        """Whether the derivative of the torque by the point `key` of the shoe can be computed.
 
-        It is not known for a solid shoe whose body moves with the point, nor under further loads
-        that act on nodes which move with the point. A pivot moves no nodes under loads.
+        It cannot if nodes of the body move with the point and the shoe is solid, or springs, weight
+        or further forces act on moved nodes. A pivot moves no nodes on which such loads act.
         """
         loads_move = self.shoe.has_further_loads and key != "pivot"
         return not (
@@ -496,16 +500,16 @@ class _TorqueSlopesOfShoe:
     def _torque_slope_by_rigid_body_mode_change(self, change: SupportChange) -> float:
         """The slope of the torque by a change of the shoe's rigid-body modes.
 
-        The equations contain a rigid-body mode only in the work of forces on this mode. For this
-        work only the resultant force and moment of the forces matter.
+        The equations contain a rigid-body mode only in the work of forces on this mode. This work
+        depends only on the resultant force and moment.
         """
         own, shoe, works = self.own, self.shoe, self.works
         N, T = self.body.coupling.N, self.body.coupling.T
         xy = shoe.points(self.body.line.xy)
         on_gaps = own.gap_multipliers @ N
         by_drum = self.drag * (own.pressures @ T) - own.pressures @ N
-        # The resultants are those of the adjoint contact forces, of the forces of the drum and of
-        # the actuation force, in this order.
+        # `of_gaps` is the resultant of the adjoint contact forces, `of_drum` of the forces of the
+        # drum, and `push` of the actuation force.
         of_gaps = resultant_force_and_moment(
             shoe.frame.convert_to_brake_frame(on_gaps.reshape(-1, 2)), xy.T
         )
@@ -548,8 +552,8 @@ class _TorqueSlopesOfShoe:
     def _torque_slope_by_contact_node_motion(self, move: NodeMotion) -> float:
         """The slope of the torque by a motion of contact nodes, by central differences.
 
-        Only the coupling of pressures and displacements and the initial gap change. The pressures,
-        displacements, rigid-body motions and their adjoints stay.
+        Only the initial gap and the matrices that couple pressures with displacements change. The
+        pressures, displacements, rigid-body motions and their adjoints stay.
         """
         values = []
         for step, line in contact_lines_with_moved_nodes(
@@ -577,7 +581,8 @@ class _TorqueSlopesOfShoe:
         group, brake = self.group, self.group.brake
         modes, nodes = group.rigid_body_modes_of_shoes[k], self.body.line.nodes
         contact = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
-        # The penalty lets the lining penetrate the drum by the pressure over its stiffness.
+        # By the penalty the lining penetrates the drum by the pressure divided by the contact
+        # stiffness.
         squeezed = own.pressures / group.contact_stiffness_per_area_of_shoes[k]
         turns = modes.pin_motion[2]
         u = (
@@ -590,7 +595,7 @@ class _TorqueSlopesOfShoe:
         )
         coupling = couple_shoe_with_drum_or_plane(line, shoe)
         nodal = self.drag * (coupling.T.T @ own.pressures) - coupling.N.T @ own.pressures
-        # If the shoe rotates, the step by which a node was moved rotates with it, which displaces
+        # A rotation of the shoe also rotates the vector by which a node was moved, which displaces
         # the node.
         aside = step * np.array([-move.line_motion[1], move.line_motion[0]]).T.ravel()
         gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe)
@@ -598,7 +603,7 @@ class _TorqueSlopesOfShoe:
         closing = coupling.N @ (u + aside * (turns @ own.coordinates))
         value += float(own.gap_multipliers @ (closing - coupling.M @ (gap + squeezed)))
         value += float(nodal @ (v - aside * (turns @ own.equilibrium_multipliers)))
-        # A strut pushes the next shoe with the part of these nodal forces that the foot bears.
+        # A strut pushes the next shoe with the component of these nodal forces along the strut.
         whole = shoe.frame.convert_to_brake_frame(nodal.reshape(-1, 2).sum(axis=0))
         for to in self._indices_of_shoes_pushed_by_struts():
             value -= self.adjoint.shoes[to].force_multiplier * float(
@@ -607,7 +612,7 @@ class _TorqueSlopesOfShoe:
         return value
 
     def _gaps_by_ring_times_adjoint(self, line: ContactLine) -> float:
-        """The ring's part of the weighted gaps, times their adjoint, on a moved contact line.
+        """The weighted gaps by the ring's motion times their adjoint, on a moved contact line.
 
         The value [N m] is 0 for a rigid drum.
         """
@@ -628,7 +633,7 @@ class _TorqueSlopesOfShoe:
     def torque_slope_by_line_of_action(
         self, force: Floats, moment: float, *, carried: bool = False
     ) -> float:
-        """The slope of the torque by a change of the shoe's line of action of its actuation force.
+        """The slope of the torque by a change of the line along which the actuation force acts.
 
         Parameters
         ----------
@@ -681,7 +686,7 @@ class _TorqueSlopesOfShoe:
         slope = self.torque_slope_by_line_of_action(
             turned, float(planar_cross_product(point, turned))
         )
-        # If the foot of this shoe stands on a further strut, this strut pushes the next shoe.
+        # If the foot of this shoe pushes another strut, this strut pushes the next shoe.
         for to in self._indices_of_shoes_pushed_by_struts():
             slope -= (
                 self.adjoint.shoes[to].force_multiplier
@@ -694,15 +699,15 @@ class _TorqueSlopesOfShoe:
 def _add_torque_slopes_by_strut_line_of_action(
     effects: dict[str, Floats], pushed: _TorqueSlopesOfShoe
 ) -> None:
-    """Add the slopes by a strut's line of action to the slopes by the abutment on the strut.
+    """Add the slopes by a strut's line of action to the slopes by the abutment that it forms.
 
-    The strut pushes another shoe along a line that moves and turns with the abutment. The size of
-    the strut's force does not change with the direction of the abutment: without friction no force
-    acts across the strut.
+    The strut is the abutment of one shoe and pushes another shoe along a line that moves and turns
+    with this abutment. The size of the strut's force does not change with the direction of the
+    abutment: without friction no force acts across the strut.
 
     Parameters
     ----------
-    effects : slopes by the supports of the shoe that stands on the strut, which are changed in
+    effects : slopes by the supports of the shoe whose foot stands on the strut; they are changed in
         place
     pushed : slopes of the shoe that the strut pushes
     """
@@ -718,8 +723,8 @@ def _add_torque_slopes_by_strut_line_of_action(
 def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
     """The sensitivities of a brake as lines of text.
 
-    Slopes are relative: d ln T / d ln x of the whole torque T by a quantity x. `found` holds the
-    sensitivities of the brake.
+    Most slopes are relative: d ln T / d ln x of the whole torque T by a quantity x. `found` holds
+    the sensitivities of the brake.
     """
     surface = brake.surface
     symbol, effect, unit = surface.symbol, surface.effect, surface.effect_unit
@@ -748,7 +753,7 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
             f"d{symbol}/dmu {own.friction:.6g} {unit}, "
             f"S {_friction_sensitivity_as_text(own.S)}{by_law}; of the whole {effect}:"
         )
-        lines += _text_lines_on_torque_slopes_of_shoe(
+        lines += _torque_slopes_of_shoe_as_text_lines(
             own, brake.shoes[k].actuation.force, T, elasticity
         )
     parts = ", ".join(names_of_orthotropic_parts(brake))
@@ -764,10 +769,10 @@ def _friction_sensitivity_as_text(S: float | None) -> str:
     return "none" if S is None else f"{S:.5g}"
 
 
-def _text_lines_on_torque_slopes_of_shoe(
+def _torque_slopes_of_shoe_as_text_lines(
     own: ShoeSensitivity, force: float, T: float, elasticity: str
 ) -> list[str]:
-    """Lines of text on the relative slopes of the whole torque by data of one shoe.
+    """Lines of text with the relative slopes of the whole torque by data of one shoe.
 
     Parameters
     ----------
@@ -786,7 +791,7 @@ def _text_lines_on_torque_slopes_of_shoe(
     if own.bending_stiffness is not None:
         bent = f"; {elasticity} bending_stiffness: shoe {own.bending_stiffness / T:+.4g}"
     held = "; ".join(
-        _text_on_torque_slopes_by_support(key, value / T) for key, value in own.held.items()
+        _torque_slopes_by_support_as_text(key, value / T) for key, value in own.held.items()
     )
     # Adding 0.0 turns -0.0 into 0.0, which prints without a sign of minus.
     per_micrometre = own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0
@@ -803,10 +808,11 @@ def _text_lines_on_torque_slopes_of_shoe(
     return lines
 
 
-def _text_on_torque_slopes_by_support(key: str, value: Floats) -> str:
-    """The text on the relative slopes of the torque by one support.
+def _torque_slopes_by_support_as_text(key: str, value: Floats) -> str:
+    """The text with the relative slopes of the torque by one support.
 
-    `key` is a key of `ShoeSensitivity.held`, and `value` (1,) or (2,) its slopes over the torque.
+    `key` is a key of `ShoeSensitivity.held`, and `value` (1,) or (2,) its slopes divided by the
+    torque.
     """
     if len(value) == 2:
         x, y = value * PERCENT_PER_MM
@@ -820,12 +826,12 @@ def _text_on_torque_slopes_by_support(key: str, value: Floats) -> str:
 
 
 def friction_sensitivity_by_rigid_shoe_law(brake: Brake) -> tuple[float | None, ...] | None:
-    """The sensitivity S by the rigid-shoe law, of each shoe and then of the whole brake.
+    """The sensitivity S by the rigid-shoe law, for each shoe and then for the whole brake.
 
     S = (mu/T) dT/dmu is the relative change of the torque T per relative change of friction. By the
     sine law S is exact, since the shape of its pressure is constant (UWA notes, eq. 8). By other
-    laws S is None for each shoe, and S of the whole brake comes from differences of the closed
-    form. The result is None if no law has an answer, as for an orthotropic brake.
+    laws S is None for each shoe, and S of the whole brake comes from differences of the law's
+    torque. The result is None if no law has a solution, and for a brake with orthotropic parts.
     """
     if any(names_of_orthotropic_parts(brake)):
         return None
@@ -881,8 +887,8 @@ def compare_torque_slopes_with_solve_differences(
 
     Returns
     -------
-    the sensitivities, and a row for each slope with the keys `what`, `unit`, `exact`, `near` (the
-    difference of solves) and `difference` (relative)
+    the sensitivities, and for each slope a dictionary with the keys `what`, `unit`, `exact`, `near`
+    (by differences of solves) and `difference` (relative)
     """
     slopes = compute_torque_sensitivity(
         make_prepared_model(brake, elements=elements), brake, penalty=penalty
@@ -935,10 +941,10 @@ def _torque_slopes_to_compare(brake: Brake, index: int, slopes: Sensitivity) -> 
 
 
 def _scaled_brake_file_values(values: Mapping[str, float], step: float) -> dict[str, float]:
-    """The values of keys of the brake file, larger by a relative step."""
+    """The keys of the brake file with their values multiplied by 1 + `step`."""
     return {key: value * (1 + step) for key, value in values.items()}
 
 
 def _increased_brake_file_value(key: str, value: float, step: float) -> dict[str, float]:
-    """The value of a key of the brake file, larger by a step in the key's unit."""
+    """The key of the brake file with its value increased by `step`, in the key's unit."""
     return {key: value + step}

@@ -1,4 +1,4 @@
-"""The exact slope of the torque by a key of the brake file, from the sensitivities of the brake.
+"""The exact derivative of the torque by a key of the brake file, from the brake's sensitivities.
 
 The slopes that the adjoint method gives (fem.analysis.sensitivity) belong to physical quantities.
 This module finds the quantity to which a key belongs: friction, a force, a modulus, a clearance or
@@ -14,12 +14,12 @@ from drumlin.fem.analysis.sensitivity import Sensitivity, ShoeSensitivity
 
 
 def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> float | None:
-    """The change of the torque per value of a key, or None where no exact slope belongs to the key.
+    """The derivative of the torque with respect to a key's value; None if it is not known exactly.
 
     Parameters
     ----------
     brake : the brake
-    key : the key, written as for `vary`
+    key : the key of the brake file, as "shoe[0].hinge.x" or "friction"
     slopes : the sensitivities of this brake
 
     Returns
@@ -33,7 +33,8 @@ def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> fl
     """
     parts, name = parts_and_field_of_key(brake, key)
     if parts == [brake]:
-        # Frictions of linings do not change with the key of the brake, but the slope includes them.
+        # The key changes only the friction of linings without a coefficient of their own. The slope
+        # is with respect to all friction coefficients in proportion.
         is_exact = name == "friction_as_written" and brake.key_of_first_own_friction() is None
         return slopes.friction if is_exact else None
     found = [
@@ -47,27 +48,27 @@ def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> fl
 
 
 def _parts_with_exact_slopes(shoe: Shoe) -> list[Part | None]:
-    """The parts of a shoe whose keys may have exact slopes; None for a part that it has not."""
+    """The parts of a shoe whose keys may have exact slopes; None for a part that the shoe lacks."""
     body = None if shoe.body is None else shoe.body.material
     return [shoe.actuation, shoe.hinge, shoe.lining, shoe.lining.material, body]
 
 
 def _is_part_of_shoe(shoe: Shoe, part: Part) -> bool:
-    """Whether a part, as an object, belongs to a shoe."""
+    """Whether a part is the same object as one of the shoe's parts with exact slopes."""
     return any(part is own for own in _parts_with_exact_slopes(shoe))
 
 
 def _torque_slope_by_field_of_shoe(
     shoe: Shoe, slopes: ShoeSensitivity, part: Part, name: str
 ) -> float | None:
-    """The change of the brake's torque per field of a part of a shoe; None if it is not known.
+    """The derivative of the brake's torque by a field of a shoe's part; None if it is not known.
 
     Parameters
     ----------
     shoe : the shoe
     slopes : its sensitivities
     part : the actuation, the hinge, the lining, or a material of the shoe
-    name : name of the field in Python
+    name : name of the field, as "force", "E" or "x"
     """
     if part is shoe.actuation:
         return slopes.force if name == "force" else None
@@ -84,7 +85,7 @@ def _torque_slope_by_field_of_shoe(
 def _torque_slope_by_coordinate_of_hinge(
     hinge: Point, slopes: ShoeSensitivity, name: str
 ) -> float | None:
-    """The change of the torque per "x", "y", "radius" or "angle" of a hinge; None if not given."""
+    """The derivative of the torque by "x", "y", "radius" or "angle" of a hinge; None if unknown."""
     if "hinge" not in slopes.held:
         return None
     by_x, by_y = map(float, slopes.held["hinge"])

@@ -1,7 +1,7 @@
 """Displacements and stresses inside solid shoes, with polynomials across the width.
 
-The fields are sampled at the nodes of the section times points across the width. They are recovered
-only where a picture or a file asks for them.
+The fields are sampled at each node of the cross-section and, for each, at points across the width.
+They are computed only for a picture or a file.
 """
 
 from collections.abc import Iterator
@@ -24,24 +24,24 @@ from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_lobatto_points
 
 FEWEST_STEPS = 2
-"""Smallest number of steps of the samples across a piece of the width.
+"""Smallest number of intervals between the samples across a piece of the width.
 
-With one step the sides of a shoe would be drawn flat. A degree above this number has a step for
-each degree, so that the samples determine the polynomial.
+With one interval the sides of a shoe would be drawn flat. Polynomials of a higher degree have as
+many intervals as degrees, so that the samples determine the polynomial.
 """
 
 
 _TURNED = [4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19]
-"""The nodes of a hexahedron in the order of VTK, with bottom and top exchanged.
+"""Node order that turns a hexahedron upside down; its nodes are in the order of VTK.
 
-Corners come first and then the middles of the edges.
+Bottom and top are exchanged. Corners come first, then the middles of the edges.
 """
 
 
 class SolidFields(NamedTuple):
     """Displacement and stress in half a shoe (z >= 0), in the brake's frame.
 
-    A node stands once for each material that meets in it.
+    A node is repeated for each material that meets in it.
 
     Attributes
     ----------
@@ -66,13 +66,13 @@ class SolidFields(NamedTuple):
 
 
 class _Piece(NamedTuple):
-    """The sample points across one piece of the half width, with the functions of z there.
+    """The sample points across one piece of the half width, with the width functions there.
 
     Attributes
     ----------
     z : (s,) distances from the mid-plane [m]
-    even, even_slopes : (e, s) values [1] and slopes [1/m] of the even functions
-    odd, odd_slopes : (o, s) values [1] and slopes [1/m] of the odd functions
+    even, even_slopes : (e, s) values [1] and slopes [1/m] of the functions that are even in z
+    odd, odd_slopes : (o, s) values [1] and slopes [1/m] of the functions that are odd in z
     """
 
     z: Floats
@@ -87,9 +87,9 @@ class _PartFields(NamedTuple):
 
     Attributes
     ----------
-    nodes : (n,) nodes of the section at the samples
+    nodes : (n,) number of the cross-section's node at each sample
     z : (n,) distances of the samples from the mid-plane [m]
-    cells : (m, 8) samples at the corners of each cell
+    cells : (m, 8) numbers of the samples at the corners of each cell
     displacement : (n, 3) displacement [m]
     stress : (n, 3, 3) stress [Pa], the mean over the elements around a sample
     """
@@ -106,7 +106,7 @@ def recover_fields_in_solid_shoes(
 ) -> list[SolidFields]:
     """The fields in half of each shoe of a brake, from the contact pressure of its response.
 
-    `response` is the answer of the brake on the prepared model `scene` of shoes with widths.
+    `response` was computed on the prepared model `scene`, which has shoes with widths.
     """
     brake = brake_with_forces_of_response(brake, response)
     return [
@@ -137,7 +137,7 @@ def _recover_fields_in_solid_shoe(
     unknowns = unknowns_of_shoe_with_width(body)
     u = nodal_displacements_of_shoe(body, brake, shoe, answer, p)
 
-    # A sample at the interface of two parts stands once for each of them.
+    # A sample at the interface of two parts is repeated for each of them.
     parts, cells, numbers, pressures, count = [], [], [], [], 0
     for i, name in enumerate(unknowns.grid.subdomains):
         part = fields_in_part_of_shoe(unknowns, u, name)
@@ -173,21 +173,21 @@ def face_of_shoe_with_width(body: ShoeSubstructure) -> WidthFace:
 
 
 def unknowns_of_shoe_with_width(body: ShoeSubstructure) -> WidthUnknowns:
-    """The displacements of a shoe with a width that its condensation has eliminated."""
+    """The unknowns of a shoe with a width, by which eliminated displacements are recovered."""
     # `prepare_brake_with_widths` makes bodies with these unknowns only.
     assert isinstance(body.condensed.inner, WidthUnknowns)
     return body.condensed.inner
 
 
-def _pieces_of_part(functions: WidthFunctions, half: float) -> Iterator[_Piece]:
-    """Yield the samples across each piece of a part of half width `half` [m]."""
+def _samples_across_pieces_of_width(functions: WidthFunctions, half: float) -> Iterator[_Piece]:
+    """Yield the samples across each piece of the half width of a part."""
     ends = functions.breaks[: functions.number_of_pieces_in_part(half) + 1]
     if len(ends) == 1 or functions.degree == 0:
         ends = (0.0, half)
     steps = 0.5 * (1 + gauss_lobatto_points(max(functions.degree, FEWEST_STEPS)))
     for start, end in pairwise(ends):
         z = start + (end - start) * steps
-        # At the outer end of a piece the slopes are those within the piece.
+        # At the outer end of a piece the slopes are the limits from within the piece.
         at = np.append(z[:-1], np.nextafter(end, 0.0))
         even = functions.function_values_and_slopes(functions.even_functions_across_width, at)
         odd = functions.function_values_and_slopes(functions.odd_functions_across_width, at)
@@ -195,7 +195,7 @@ def _pieces_of_part(functions: WidthFunctions, half: float) -> Iterator[_Piece]:
 
 
 def fields_in_part_of_shoe(unknowns: WidthUnknowns, u: Floats, name: str) -> _PartFields:
-    """The fields in the part `name` of a shoe, from its unknowns u (unknowns,) [m]."""
+    """The displacements and stresses in the part `name` of a shoe, from all unknowns u [m]."""
     grid, elements = unknowns.grid, unknowns.grid.subdomains[name]
     even, odd = unknowns.even_and_odd_factors_of_nodes(u)
     layer = unknowns.division.part.index(name)
@@ -204,7 +204,7 @@ def fields_in_part_of_shoe(unknowns: WidthUnknowns, u: Floats, name: str) -> _Pa
         grid.element_dofs[:, elements],
         grid.shape_function_gradients_at_element_nodes(elements),
     )
-    pieces = list(_pieces_of_part(unknowns.functions, half))
+    pieces = list(_samples_across_pieces_of_width(unknowns.functions, half))
     steps = len(pieces[0].z) - 1
     levels = np.append(np.concatenate([piece.z[:-1] for piece in pieces]), pieces[-1].z[-1])
     stresses, places = [], []
@@ -214,7 +214,8 @@ def fields_in_part_of_shoe(unknowns: WidthUnknowns, u: Floats, name: str) -> _Pa
             # Plane stress has no stress across the width.
             stress[2, 2] = 0.0
         stresses.append(stress.reshape(3, 3, len(elements), -1))
-        # A sample has the number of its node times the number of levels plus that of its level.
+        # The number of a sample is (node number) times (count of levels) plus (level number). A
+        # level is one sampled distance from the mid-plane.
         level = k * steps + np.arange(steps + 1)
         places.append((dofs[:, None] * len(levels) + level[:, None]).reshape(-1, len(elements)))
     means = nodal_means_of_element_tensors(
@@ -236,8 +237,8 @@ def fields_in_part_of_shoe(unknowns: WidthUnknowns, u: Floats, name: str) -> _Pa
 def _corners_of_cells_between_samples(quadrilaterals: Ints, levels: int) -> Ints:
     """The corners (8, cells) of the cells between the samples of an element.
 
-    The samples of an element are numbered node by node, and at each node level by level. The order
-    of the corners is that of VTK.
+    The samples of an element are numbered node by node, and at each node by the sampled distances
+    (levels) from the mid-plane. The corners are in the order of VTK.
 
     Parameters
     ----------
@@ -251,17 +252,19 @@ def _corners_of_cells_between_samples(quadrilaterals: Ints, levels: int) -> Ints
 def _stress_at_samples(
     even: Floats, odd: Floats, dofs: Ints, slopes: Floats, piece: _Piece, lame: LameConstants
 ) -> Floats:
-    """The stress (3, 3, m, a, s) [Pa] of m elements at their a nodes times s levels.
+    """The stress (3, 3, m, a, s) [Pa] of m elements at their a nodes and s distances z.
 
     Parameters
     ----------
-    even, odd : (nodes, e, 2), (nodes, o) factors of the functions across the width [m]
+    even, odd : (nodes, e, 2) and (nodes, o) factors [m] of the even and odd width functions:
+        displacements in the section, and across the width
     dofs : (a, m) nodes of the elements
     slopes : (a, 2, m, a) gradients of the shape functions at the nodes [1/m]
-    piece : the levels, and the functions there
+    piece : the distances z from the mid-plane, and the width functions there
     lame : Lame constants of the elements
     """
-    # The factors of the functions and their gradients in the section come first.
+    # `own` and `across` are the factors of the width functions at the nodes of each element,
+    # `plane` and `tilted` their gradients in the section.
     own, across = even[dofs], odd[dofs]
     plane = np.einsum("amkc,ajmn->cjmnk", own, slopes, optimize=True)
     tilted = np.einsum("amk,ajmn->jmnk", across, slopes, optimize=True)
@@ -278,11 +281,11 @@ def _stress_at_samples(
 def _pressure_at_samples(face: WidthFace, p: Floats, lining: _PartFields) -> Floats:
     """The pressure (n,) [Pa] at the samples of a lining, 0 off the face.
 
-    `p` are the pressures at the nodes of the face.
+    `p` are the pressures [Pa] at the nodes of the contact face.
     """
     levels, level = np.unique(lining.z, return_inverse=True)
     on_face = face.pressure_at_distances_from_mid_plane(p, levels)
-    # The nodes of the contact line have the first numbers of the section.
+    # Nodes of the cross-section are numbered from the contact line on.
     touching = lining.nodes < len(on_face)
     found = np.zeros(len(lining.z))
     found[touching] = on_face[lining.nodes[touching], level[touching]]

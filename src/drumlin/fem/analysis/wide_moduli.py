@@ -1,12 +1,13 @@
-"""How the flexibility of a solid shoe changes with the moduli of its parts, by central differences.
+"""The derivatives of the torque by the moduli of a solid shoe's parts, by central differences.
 
-For a three-dimensional (solid) shoe only the stiffness on its contact nodes and loads is known,
-because the displacements inside the body are not computed. The stiffness is therefore computed
+For a three-dimensional (solid) shoe only the flexibility at its contact nodes and loads is known,
+because the displacements inside the body are not computed. The flexibility is therefore computed
 again with each modulus a little larger and a little smaller. The derivative of the torque then
-follows from the adjoint. Only the change of the flexibility in it is a difference.
+follows from the adjoint and the difference of the flexibilities.
 
-The flexibility is inversely proportional to a common factor on all moduli of a shoe. The sum of the
-derivatives over all parts is therefore known exactly, and shows the error of the differences.
+If all moduli of a shoe are multiplied by one factor, its flexibility is divided by this factor. The
+sum of the derivatives over all parts is therefore known exactly, and shows the error of the
+differences.
 """
 
 import math
@@ -25,23 +26,23 @@ MODULUS_STEP = 1e-3
 """Change of the logarithm of a modulus in the central differences.
 
 The error of a difference is at most MODULUS_STEP^2/6 = 2e-7 of the slope, see `ModulusSlopes`. The
-round-off of a condensed body, some 1e-10, divided by the step is as large. A larger step is less
-exact, and a smaller step loses digits.
+relative round-off of a condensed body, some 1e-10, divided by the step is as large. A larger step
+is less exact, and a smaller step loses digits.
 """
 MATERIAL_KEYS = {"lining": "lining", "backing": "backing", "shoe": "body"}
 """The key of the brake file that holds the material of a part, by the part's name in the slopes."""
 
 
 class VirtualLoads(NamedTuple):
-    """The loads of a shoe in its solution, and its adjoint loads.
+    """The loads of a shoe in the solution, and the adjoint loads by which they are multiplied.
 
     Attributes
     ----------
     pressures : pressures (n,) [Pa] at the contact nodes
-    drag : friction coefficient with the sign of the drag in the frame of the shoe
-    load : factors (l,) of the load columns
+    drag : friction coefficient, positive if the drum drags along growing angles of the shoe's frame
+    load : factors (l,) by which the body's load columns make up the other loads on the shoe
     gap_multipliers : adjoint multipliers (n,) of the weighted gaps
-    adjoint_load : adjoint factors (l,) of the load columns
+    adjoint_load : factors (l,) by which the load columns make up the adjoint load
     """
 
     pressures: Floats
@@ -51,7 +52,7 @@ class VirtualLoads(NamedTuple):
     adjoint_load: Floats
 
     def work_on_displacements_of_body(self, body: ShoeSubstructure) -> float:
-        """The work [N m] of the adjoint loads on the displacements of a body under its loads."""
+        """The work [N m] of the adjoint loads on a body's displacements under the actual loads."""
         p, drag = self.pressures, self.drag
         closed = body.closure_by_pressure @ p + body.closure_by_load @ self.load
         moved = body.load_motion_by_load @ self.load - body.closure_by_load.T @ p
@@ -68,8 +69,9 @@ class ModulusSlopes(NamedTuple):
     The keys of `slopes` are the names of the parts. `error` [N m] has two parts. The first part is
     the difference between the sum of the derivatives and the exact derivative by a common factor on
     all moduli of the shoe. It shows the round-off error, but errors by the step may cancel in the
-    sum. The second part is therefore MODULUS_STEP^2/6 of the derivatives: the error by the step of
-    a flexibility 1/E, and the largest error of the share 1/(1 + E/E_0) of a part in a whole.
+    sum. The second part is therefore MODULUS_STEP^2/6 times the derivatives. This is the error of
+    the difference if the flexibility is 1/E, and a bound if it is 1/(1 + E/E_0), as for a part that
+    acts together with parts of a modulus E_0.
     """
 
     slopes: dict[str, float]
@@ -77,14 +79,15 @@ class ModulusSlopes(NamedTuple):
 
 
 BodiesOfModulus = Callable[[int], dict[str, tuple[ShoeSubstructure, ShoeSubstructure]]]
-"""A function from a shoe's position to its bodies with each modulus changed, by the part's name.
+"""Function that takes a shoe's position in the brake and returns bodies with changed moduli.
 
-The first body of a part has the larger modulus, and the second one the smaller.
+The keys of the result are the names of the shoe's parts. The first body of a pair has a larger
+modulus of this part, the second body a smaller one.
 """
 
 
 def function_for_bodies_with_changed_moduli(scene: PreparedModel) -> BodiesOfModulus:
-    """The function that condenses shoes of a prepared model with widths with changed moduli.
+    """The function that condenses solid shoes of a prepared model with changed moduli.
 
     Shoes of one shape share their bodies, which are condensed when they are first needed.
     """
@@ -96,7 +99,7 @@ def function_for_bodies_with_changed_moduli(scene: PreparedModel) -> BodiesOfMod
 def _condense_shoe_with_changed_moduli(
     scene: PreparedModel, i: int
 ) -> dict[str, tuple[ShoeSubstructure, ShoeSubstructure]]:
-    """The bodies of shoe `i` with the modulus of each part larger and smaller, by part."""
+    """For each part of shoe `i`, the condensed shoe with a larger and with a smaller modulus."""
     brake, face = scene.brake, scene.bodies[i].line
     # The function is called only for prepared models of three-dimensional shoes.
     assert isinstance(face, WidthFace)
@@ -132,7 +135,7 @@ def torque_slopes_by_moduli_of_solid_shoe(
     Parameters
     ----------
     body : the substructure of the shoe
-    changed : its bodies with the modulus of each part larger and smaller, by the part's name
+    changed : for each part's name, the shoe with a larger and with a smaller modulus of this part
     loads : its loads and adjoint loads
     """
     slopes = {}

@@ -2,6 +2,6 @@
 
 Shoes must be solved together if they share a strut, a cam or an elastic drum. The package takes a
 prepared model and the friction coefficient, and divides the shoes into groups. For each group it
-states the rigid-body modes and assembles one contact problem. The solution of the problem gives the
-nodal pressures, the forces at supports and the motion of every shoe.
+determines the rigid-body modes and assembles one contact problem. The solution of the problem gives
+the nodal pressures, the forces at supports and the motion of every shoe.
 """

@@ -1,8 +1,8 @@
 """Groups of shoes that must be solved together, and the solutions of their contact problems.
 
-A shoe on a rigid drum is a group by itself. Shoes on an elastic ring influence each other and form
-one group, and so do shoes that share a force. All analyses of the contact (sliding, holding, wear,
-sensitivity, self-locking) start from groups.
+A shoe on a rigid drum is a group by itself. Shoes on an elastic drum ring influence each other and
+form one group, and so do shoes that a strut or a cam connects. All analyses of the contact
+(sliding, holding, wear, sensitivity, self-locking) start from groups.
 """
 
 import math
@@ -38,20 +38,19 @@ ELASTIC_BRAKE_WORDS = "elastic as it is"
 The message also states the limit by the law of the rigid shoe.
 """
 FRICTION_STEP = self_locking.LARGEST_FRICTION_STEP / 4
-"""Largest step of the drum's friction coefficient between two checks of feet and shared forces.
+"""Largest step of the drum's friction coefficient between two checks of feet, cam and struts.
 
-The checks are made while friction grows from its least value to the limit of self-locking. A check
-asks in which sense the feet of the shoes slide on their abutments, and whether a cam or a strut
-still pushes all shoes. Above a friction coefficient of 1 the step is relative to the coefficient. A
-foot that leaves its abutment and comes back within a step goes unnoticed; a smaller step costs
-time.
+The checks are made while the friction grows to the limit of self-locking. A check finds in which
+direction the feet of the shoes slide on their abutments, and whether the cam and the struts still
+push all shoes. Above a friction coefficient of 1 the step is relative to the coefficient. A foot
+that leaves its abutment and comes back within a step goes unnoticed; a smaller step costs time.
 """
 CHECK_DISTANCE_FROM_POLE = 1e-4
-"""Relative distance below the limit of self-locking at which the checks of feet and forces end.
+"""Relative distance below the limit of self-locking at which feet, cam and struts are last checked.
 
-The limit is the friction coefficient at which the pressures would be infinite. If a foot begins to
-slide nearer to it, the limit moves by less than this fraction, which is the last of the four digits
-that are printed.
+The limit is the friction coefficient at which the pressures would be infinite. A foot that begins
+to slide nearer to the limit moves the limit by less than this fraction, which is the last of the
+four digits that are printed.
 """
 
 
@@ -74,20 +73,20 @@ class FollowedFrictionLimit(NamedTuple):
 
 
 class SolvedGroup(NamedTuple):
-    """A group of shoes whose senses of friction at the abutments are known, and its contact."""
+    """A group with the friction directions at its abutments that a solve found, and its contact."""
 
     group: "ShoeGroup"
     contact: active_set.Contact
 
 
 class ShoeGroup(GroupProblems):
-    """A group of shoes with its state, its contact problems and their solutions."""
+    """A group of shoes that are solved together; its methods solve its contact problems."""
 
     def group_with_drum_friction(self, friction: float) -> "ShoeGroup":
         """A copy of the group with another friction coefficient of the drum.
 
-        Frictions that linings have of their own change in proportion. The senses of friction at the
-        abutments stay.
+        The friction of linings with a coefficient of their own changes in proportion. The
+        directions of friction at the abutments stay.
         """
         return replace(
             self,
@@ -95,12 +94,12 @@ class ShoeGroup(GroupProblems):
             relative_frictions=self.relative_friction_of_each_shoe,
         )
 
-    # These methods solve the contact under given senses of friction at the abutments.
+    # These methods solve the contact under given directions of friction at the abutments.
 
     def solve_contact_for_known_friction_senses(
         self, first_contact_set: Bools | None = None
     ) -> active_set.Contact:
-        """Solve the contact under the present senses of friction at the abutments.
+        """Solve the contact for the group's present directions of friction at the abutments.
 
         Returns pressures and motions per newton of `largest_actuation_force`. `first_contact_set`
         (n,) is a contact set to start from. Raises NoAnswer if the brake locks itself, has no
@@ -125,8 +124,8 @@ class ShoeGroup(GroupProblems):
                 brake_words=ELASTIC_BRAKE_WORDS,
             )
         except NoAnswer as error:
-            # If the solution ends where a shared force falls to zero, the brake does not lock: a
-            # shoe leaves the drum.
+            # If the solution ends where the force of a strut or cam falls to zero, the brake does
+            # not lock: a shoe leaves the drum.
             if isinstance(error, self_locking.FrictionBeyondLimit) and (
                 refusal := self._error_text_if_force_pulls_at_limit(error.limit)
             ):
@@ -149,9 +148,10 @@ class ShoeGroup(GroupProblems):
         return own / ratio if ratio else math.inf
 
     def moment_of_loads_about_pin(self, k: int) -> float:
-        """The moment of all loads on shoe `k` about its pin, in the sense of its frame.
+        """The moment of all loads on shoe `k` about its pin, in the sense of the shoe's frame.
 
-        It is per newton of the actuation [m], or in N m if the shoe has further loads.
+        It is per newton of the actuation force [m]. If springs, weight or further forces act on the
+        shoe, it is the moment itself [N m].
         """
         shoe = self.shoes[k]
         per_newton = self.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
@@ -160,7 +160,7 @@ class ShoeGroup(GroupProblems):
         return abs(shoe.actuation.force) * per_newton + moment_of_further_loads_about_pin(shoe)
 
     def locking_friction_of_rigid_shoe(self, i: int) -> float:
-        """The friction coefficient of shoe `i` of the brake at which it locks by that law.
+        """The friction at which shoe `i` of the brake locks itself by the rigid-shoe law.
 
         If the shoe is hinged or on anchors, and the drum drags it the same way as in the prepared
         model, the value is taken from the model.
@@ -174,10 +174,9 @@ class ShoeGroup(GroupProblems):
         return rigid.self_locking_friction_of_rigid_shoe(self.brake, shoe)
 
     def _error_text_if_force_pulls_at_limit(self, limit: self_locking.FrictionLimit) -> str:
-        """The error text if a shared force falls to zero at a limit of friction; otherwise empty.
+        """The error text if a strut or cam ceases to push at a limit of friction; otherwise empty.
 
-        A shared force is that of a cam or a strut. At the limit the solution ends as the friction
-        of the drum grows.
+        The limit is the friction coefficient of the drum up to which the contact has a solution.
         """
         sharing = self._force_sharing_at_friction(limit.last_friction)
         return (
@@ -195,20 +194,20 @@ class ShoeGroup(GroupProblems):
             return f"shoe {self.shoes[i].name!r}: {WOULD_PULL_TEXT}"
         return ""
 
-    # These methods find the senses of friction at the abutments that agree with the solution.
+    # These methods find the directions of friction at the abutments that agree with the solution.
 
     def solve_contact_and_abutment_friction(
         self, first_contact_set: Bools | None = None
     ) -> SolvedGroup:
-        """Solve the contact of the group, and find the senses of friction at its abutments.
+        """Solve the contact of the group, and find the directions of friction at its abutments.
 
-        The senses must agree with the solution that they lead to. The drum turns already as the
-        force comes on. The foot of a shoe slides on its abutment, and friction opposes the whole
-        slide from the place without force; or friction holds the foot there. The senses of the
-        rigid shoe are tried first. The order of trials does not matter: no brake is known in which
-        two choices of senses agree with their solutions. `first_contact_set` (n,) is a contact set
-        to start from. Raises NoAnswer as `solve_contact_for_known_friction_senses` does, and if a
-        foot would leave its abutment.
+        The directions must agree with the solution that they lead to. The drum already turns when
+        the actuation force is applied. The foot of a shoe slides on its abutment, and friction
+        opposes the whole slide from the unloaded position; or friction holds the foot in this
+        position. The directions for rigid shoes are tried first. The order of trials does not
+        matter: no brake is known in which two choices of directions agree with their solutions.
+        `first_contact_set` (n,) is a contact set to start from. Raises NoAnswer as
+        `solve_contact_for_known_friction_senses` does, and if a foot would leave its abutment.
         """
         try:
             return self._solve_with_consistent_friction_senses(first_contact_set)
@@ -221,11 +220,12 @@ class ShoeGroup(GroupProblems):
     def _solve_with_consistent_friction_senses(
         self, first_contact_set: Bools | None = None
     ) -> SolvedGroup:
-        """Find senses of friction at the abutments that agree with the solution they lead to.
+        """Solve the contact with those directions of friction at the abutments that it confirms.
 
-        If no choice of senses agrees, the error of the first trial is raised.
+        Each choice of directions, and of bearing one-sided supports, is tried. If the solution
+        agrees with no choice, the error of the first trial is raised.
         """
-        failure = NoAnswer(f"{self.names_of_shoes}: {self._text_if_nothing_bears}")
+        failure = NoAnswer(f"{self.names_of_shoes}: {self._error_text_if_shoes_are_not_held}")
         for number, group in enumerate(self.groups_with_each_direction_of_foot_friction()):
             try:
                 contact = group.solve_contact_for_known_friction_senses(first_contact_set)
@@ -238,14 +238,15 @@ class ShoeGroup(GroupProblems):
         raise failure
 
     @property
-    def _text_if_nothing_bears(self) -> str:
-        """The text of the refusal of a group that no choice of supports and senses holds."""
+    def _error_text_if_shoes_are_not_held(self) -> str:
+        """The error text for a group that no choice of supports and friction directions holds."""
         return NOT_HELD_TEXT if self.one_sided_supports else FOOT_LEAVES_TEXT
 
     def groups_with_each_direction_of_foot_friction(self) -> Iterator["ShoeGroup"]:
-        """Yield the group with each possible choice of senses of friction at its abutments.
+        """Yield the group with each possible choice of friction directions at its abutments.
 
-        The present senses come first, or the senses of the rigid shoes if the senses are unknown.
+        The present directions come first; if they are unknown, the directions for rigid shoes. For
+        each choice of directions, each choice of bearing one-sided supports follows.
         """
         begin = self.friction_senses or tuple(
             _abutment_friction_direction_of_rigid_shoe(self.brake, shoe) for shoe in self.shoes
@@ -258,13 +259,13 @@ class ShoeGroup(GroupProblems):
             group = self
             if senses != self.friction_senses:
                 group = replace(self, friction_senses=senses)
-            yield from group._groups_with_each_bearing()
+            yield from group._groups_with_each_choice_of_supports()
 
-    def _groups_with_each_bearing(self) -> Iterator["ShoeGroup"]:
-        """Yield the group on each choice of bearing supports that holds its shoes.
+    def _groups_with_each_choice_of_supports(self) -> Iterator["ShoeGroup"]:
+        """Yield the group with each choice of bearing one-sided supports that holds the shoes.
 
-        The present choice comes first, or that of the rigid shoes if it is unknown. A group without
-        one-sided supports is yielded as it is.
+        The present choice comes first; if it is unknown, the choice for rigid shoes. A group
+        without one-sided supports is yielded as it is.
         """
         count = len(self.one_sided_supports)
         if not count:
@@ -276,9 +277,9 @@ class ShoeGroup(GroupProblems):
                 yield self if bearing == self.bearing else replace(self, bearing=bearing)
 
     def is_contact_as_assumed(self, contact: active_set.Contact) -> bool:
-        """Whether a solution agrees with the choices that were made before it was solved.
+        """Whether a solution agrees with what was assumed to solve it.
 
-        The choices are the senses of friction at the abutments, and which supports bear.
+        Assumed are the directions of friction at the abutments, and which one-sided supports bear.
         """
         if not all(self.is_foot_friction_as_assumed(contact, k) for k in range(len(self.members))):
             return False
@@ -286,9 +287,10 @@ class ShoeGroup(GroupProblems):
         return supports is None or supports.is_bearing_as_assumed(contact.p, contact.y)
 
     def is_foot_friction_as_assumed(self, contact: active_set.Contact, k: int) -> bool:
-        """Whether the foot of shoe `k` stands or slides as its sense of friction assumes.
+        """Whether the abutment can exert the computed reaction on the foot of shoe `k`.
 
-        The sense was chosen before the contact was solved. See `Held.stands`.
+        It can if it presses on the foot, and if its friction has the direction assumed for the
+        solve: against the slide of the foot, or large enough to hold it.
         """
         shoe = self.shoes[k]
         if shoe.abutment is None or shoe.anchors:
@@ -301,7 +303,7 @@ class ShoeGroup(GroupProblems):
         )
 
     def abutment_force_on_foot(self, contact: active_set.Contact, k: int) -> Floats:
-        """The force (2,) of the abutment on the foot of shoe `k`.
+        """The force (2,) of the abutment on the foot of shoe `k`, in the frame of the brake.
 
         The force is relative to `largest_actuation_force`.
         """
@@ -310,7 +312,7 @@ class ShoeGroup(GroupProblems):
             self.brake.signed_friction_per_pressure_in_shoe_frame(shoe),
             contact.p[self.contact_node_slices_of_shoes[k]],
         )
-        # The reaction balances the contact and the actuation.
+        # The reaction balances the contact, the actuation and the further loads.
         normal, dragged = body.resultants_of_contact_node_forces
         normal, dragged = normal @ p, dragged @ self.dragging_pressures_of_shoe(k, p)
         push = (
@@ -322,11 +324,11 @@ class ShoeGroup(GroupProblems):
         return np.asarray(-shoe.frame.convert_to_brake_frame((drag * dragged - normal)[:2]) - push)
 
     def _error_text_if_shoe_on_abutment_locks(self) -> str:
-        """The error text if a group with friction at abutments locks below the drum's friction.
+        """The error text if a group with rough abutments has no equilibrium at the drum's friction.
 
-        The text is empty without friction at an abutment, and if the group does not lock below this
-        friction. It names a cam, strut or foot that would have to pull, or the limit of
-        self-locking.
+        It names a cam, strut or foot that would have to pull, or the limit of self-locking, which
+        is then below the drum's friction. It is empty without friction at an abutment, and if the
+        equilibrium does not end below the drum's friction.
         """
         if not self.has_abutment_with_friction:
             return ""
@@ -347,7 +349,7 @@ class ShoeGroup(GroupProblems):
 
     @property
     def has_neither_strut_cam_nor_abutment(self) -> bool:
-        """Whether no strut or cam pushes a shoe of the group, and no shoe can leave a support."""
+        """Whether the group has no strut, cam, abutment or other support that a shoe can leave."""
         return (
             not self.one_sided_supports
             and not self.pushing_and_pushed_shoe_of_struts
@@ -359,9 +361,9 @@ class ShoeGroup(GroupProblems):
         """Find the friction coefficient of the drum up to which the group has an equilibrium.
 
         The friction grows in steps from the least one that has a solution, until the solution ends
-        or `largest_friction` is reached. On the way a foot may begin to slide on its abutment,
-        stop, or slide the other way. The next steps then have the new sense of friction at the
-        abutment. Raises NoAnswer if there is no solution at any friction.
+        or `largest_friction` is reached. Between two steps a foot may begin to slide on its
+        abutment, stop, or slide the other way. The next steps then have the new direction of
+        friction at the abutment. Raises NoAnswer if there is no solution at any friction.
         """
         # Without struts, cam and abutments there is nothing to check on the way.
         if self.has_neither_strut_cam_nor_abutment:
@@ -380,9 +382,9 @@ class ShoeGroup(GroupProblems):
         )
         while low < (last := min(end.friction * (1 - CHECK_DISTANCE_FROM_POLE), largest_friction)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
-            after = at._solve_if_all_shared_forces_push(high)
-            # Under more friction the group may have a solution again, but the followed one ends
-            # between `low` and `high`.
+            after = at._solve_if_struts_and_cam_push(high)
+            # Under more friction the group may have a solution again, but the solution that is
+            # followed ends between `low` and `high`.
             if after is None:
                 return at._find_friction_limit_by_bisection(end, low, high)
             low = high
@@ -400,22 +402,22 @@ class ShoeGroup(GroupProblems):
     def _find_least_friction_with_equilibrium(
         self, largest_friction: float
     ) -> tuple[float, SolvedGroup]:
-        """Find the least friction coefficient of the drum that has a solution, and the solution.
+        """Find the least friction coefficient of the drum with an equilibrium, and the equilibrium.
 
-        The friction grows from 0 in steps of FRICTION_STEP. A shoe may need friction of the drum to
-        press its foot on the abutment.
+        The friction grows from 0 in steps of FRICTION_STEP. It need not be 0: a shoe may need the
+        friction of the drum to press its foot on the abutment.
         """
         friction = 0.0
         while friction < largest_friction:
-            found = self._solve_if_all_shared_forces_push(friction)
+            found = self._solve_if_struts_and_cam_push(friction)
             if found is not None:
                 return friction, found
             friction += FRICTION_STEP * max(1.0, friction)
         # No friction has a solution. The next line raises an error with the reason at friction 0.
         return 0.0, self.group_with_drum_friction(0.0)._solve_with_consistent_friction_senses()
 
-    def _solve_if_all_shared_forces_push(self, friction: float) -> SolvedGroup | None:
-        """Solve the group at a friction coefficient of the drum.
+    def _solve_if_struts_and_cam_push(self, friction: float) -> SolvedGroup | None:
+        """Solve the group at a friction coefficient of the drum, if struts and cam then push.
 
         Returns None if there is no solution, or if a cam or a strut would have to pull.
         """
@@ -435,14 +437,15 @@ class ShoeGroup(GroupProblems):
 
         Parameters
         ----------
-        limit_before : limit of the friction under the present senses of friction at the abutments
+        limit_before : limit of the friction under the group's directions of friction at the
+            abutments
         low : friction coefficient with a solution
         high : friction coefficient without a solution
         """
         at = self
         while high - low > self_locking.POLE_DISTANCE * high:
             middle = 0.5 * (low + high)
-            after = at._solve_if_all_shared_forces_push(middle)
+            after = at._solve_if_struts_and_cam_push(middle)
             if after is None:
                 high = middle
             else:
@@ -453,7 +456,7 @@ class ShoeGroup(GroupProblems):
         )
 
     def _error_text_on_part_that_would_pull(self) -> str:
-        """The error text that names a cam, strut or foot that would have to pull.
+        """The error text that names a cam, strut or support that would have to pull a shoe.
 
         The text is empty if all of them push, or if the contact has no solution for another reason.
         """
@@ -504,7 +507,8 @@ def indices_of_pressed_shoes_in_brake(scene: PreparedModel, brake: Brake) -> lis
         if is_shoe_pressed_on_drum(scene.bodies[i], brake, shoe)
     }
     names = [shoe.name for shoe in brake.shoes]
-    # A strut presses the next shoe. The struts of a chain are listed in order from the actuation.
+    # A strut presses the shoe that it pushes. The struts of a chain are listed from the actuated
+    # shoe on.
     for link in brake.links:
         if names.index(link.source) in touching:
             touching.add(names.index(link.to))
@@ -516,7 +520,7 @@ def divide_shoes_into_groups(
 ) -> list[ShoeGroup]:
     """Return a group for each pressed shoe, or one group of all pressed shoes.
 
-    Shoes that act on each other through an elastic ring, or share a force, are one group.
+    Shoes that act on each other through an elastic ring, a strut or a cam are one group.
 
     Parameters
     ----------
@@ -531,7 +535,7 @@ def divide_shoes_into_groups(
     groups = []
     for each in filter(None, members):
         group = ShoeGroup(scene, brake, each, penalty)
-        # Without friction at abutments the senses of this friction need not be found.
+        # Without friction at abutments there are no directions of this friction to be found.
         if not group.has_abutment_with_friction:
             group = replace(group, friction_senses=group.known_abutment_friction_directions)
         groups.append(group)
@@ -539,9 +543,9 @@ def divide_shoes_into_groups(
 
 
 def _abutment_friction_direction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
-    """The sense of friction at the abutment of a shoe by the law of the rigid shoe.
+    """The direction of the friction at the abutment of a shoe, by the law of the rigid shoe.
 
-    The sense is +1, -1, or 0 for a foot that stands; it is +1 if the law has no solution.
+    It is +1 or -1 along the face, or 0 for a foot that sticks; it is +1 if the law has no solution.
     """
     if len(shoe.senses_of_abutment_friction_to_try) == 1:
         return 1
@@ -553,8 +557,8 @@ def _abutment_friction_direction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
 
 
 def is_shoe_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool:
-    """Whether its loads press at least one point of the shoe's lining on the drum."""
-    # A strut between two feet may press a shoe that has no force of its own.
+    """Whether the loads on a shoe press at least one point of its lining on the drum."""
+    # A strut between two shoes may press a shoe that has no actuation force.
     if shoe.anchors:
         on_strut = any(shoe.name in {link.source, link.to} for link in brake.links)
         return shoe.is_loaded or on_strut

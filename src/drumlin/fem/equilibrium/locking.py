@@ -1,4 +1,4 @@
-"""How far the friction of a solved brake is from the limit of self-locking of the elastic brake.
+"""The distance of a solved brake's friction from the self-locking limit of the elastic brake.
 
 The limit is followed from the solution at the brake's friction, not from zero friction. Far from
 the limit this costs two contact solves for a group of shoes.
@@ -25,29 +25,32 @@ from drumlin.response.self_locking import (
 )
 
 NEAR_LAW = 0.5
-"""Friction relative to mu_lock of the rigid-shoe law above which the elastic limit is stated.
+"""Friction, relative to the self-locking limit mu_lock of the rigid-shoe law, above which the limit
+of the elastic brake is sought and stated.
 
-Below it, the elastic limit is sought only as far as a warning needs it. The value is a judgement
-that changes the time and the printed line alone.
+At lower friction the elastic limit is sought only as far as is needed to decide whether a warning
+is printed. The value is a judgement that changes the time and the printed line alone.
 """
 FURTHEST_SEARCH = 3.0
-"""Friction, relative to the brake's, up to which the elastic limit is sought near the law's limit.
+"""Upper end of the search for the elastic limit of self-locking, relative to the brake's friction.
 
-Elastic limits are up to 1.8 times as high as the law's in the studies. The value changes the time
-and the printed line alone.
+It holds for brakes whose friction is above NEAR_LAW of the rigid-shoe limit. In the studies,
+elastic limits are up to 1.8 times as high as rigid-shoe limits. The value changes the time and the
+printed line alone.
 """
 
 
 def distance_of_friction_from_self_locking(
     scene: PreparedModel, brake: Brake, penalty: float
 ) -> SelfLocking:
-    """The friction of a brake beside the limits of self-locking by the law and by finite elements.
+    """Compare a brake's friction with its self-locking limits by law and by finite elements.
 
-    If the friction is above NEAR_LAW of the law's limit of a group, the elastic limit is sought up
-    to FURTHEST_SEARCH times the friction. Otherwise it is sought up to 1/WARNED_SHARE times the
-    friction, so that a warning is certain; mostly a single contact solve shows that there is none.
-    It is not sought if a cam, a strut or an abutment may end the equilibrium earlier, nor on meshes
-    of more than COARSE_PATH_ABOVE_NODES contact nodes: there it would take longer than the solve.
+    If the friction is above NEAR_LAW times the smallest rigid-shoe limit, the elastic limit is
+    sought up to FURTHEST_SEARCH times the friction. Otherwise it is sought up to 1/WARNED_SHARE
+    times the friction, which is enough to decide on a warning; mostly a single contact solve shows
+    that no limit lies so low. The elastic limit is not sought if a cam, a strut or an abutment may
+    end the equilibrium earlier, nor on meshes of more than COARSE_PATH_ABOVE_NODES contact nodes,
+    on which the search would take longer than the solve.
 
     Parameters
     ----------
@@ -72,10 +75,11 @@ def distance_of_friction_from_self_locking(
         return SelfLocking(friction, law, scaled=scaled)
 
     def law_of_group(group: ShoeGroup) -> float:
-        """The smallest mu_lock of the shoes of a group by the rigid-shoe law."""
+        """The smallest self-locking friction of the shoes of a group, by the rigid-shoe law."""
         return min(by_law[i].friction for i in group.members)
 
-    # The group that locks first by the law bounds the search in the others.
+    # The search begins with the group that locks first by the law. The limit of each group bounds
+    # the search in the next groups, since only the smallest limit is stated.
     limits, sought = [], friction / WARNED_SHARE
     if friction > NEAR_LAW * law.friction:
         sought = friction * FURTHEST_SEARCH
@@ -93,17 +97,18 @@ def _is_limit_of_group_cheap(group: ShoeGroup) -> bool:
 
 
 def _elastic_limit_of_group(group: ShoeGroup, sought: float) -> float:
-    """The friction coefficient at which a group of shoes locks itself; inf if it is above `sought`.
+    """The friction at which a group of elastic shoes locks itself; inf if it is above `sought`.
 
-    The group has a solution at its friction. Raises NoAnswer otherwise.
+    Raises NoAnswer if the group has no solution at the friction of its brake.
     """
     areas, problem_at = group.contact_node_areas, group.contact_problem_of_group_at_friction
-    # Where the direct solution does not converge, the next one decides.
+    # If this direct solution does not converge, the slower search below decides.
     with suppress(NoAnswer):
         contact = solve_contact_by_block_pivoting(group.contact_problem_of_group)
         if contact.stable and is_contact_certain_up_to_friction(problem_at, contact, sought, areas):
             return math.inf
-    # Near the limit the solution is one that growing friction reaches, which takes longer.
+    # The limit may be near. The search follows the solution that growing friction reaches, which
+    # takes longer.
     contact = group.solve_contact_for_known_friction_senses()
     limit = find_friction_limit_of_contact(
         group.contact_problem_as_function_of_friction,

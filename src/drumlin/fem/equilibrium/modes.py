@@ -1,4 +1,4 @@
-"""The rigid-body modes of a shoe: motions of its contact nodes, and the work of its actuation."""
+"""The rigid-body modes of a shoe: motions of its contact nodes, and the work of its loads."""
 
 import math
 from typing import NamedTuple
@@ -15,17 +15,19 @@ class RigidBodyModes(NamedTuple):
     """The k rigid-body modes of a shoe, each of unit size, in the frame of the shoe.
 
     The contact modes are the motions that the support allows. The test modes are motions on which
-    the force of the support does no work; virtual work on them gives equilibria without this force.
-    With friction at an abutment the two differ: the foot of the shoe cannot move along a test mode.
+    the force of the support does no work, so that virtual work on them gives equilibria without
+    this force. With friction at an abutment the contact modes and the test modes differ: the
+    support does not allow the foot to move along a test mode.
 
     Attributes
     ----------
     contact_modes : displacements (2n, k) of the n contact nodes in the contact modes
     test_modes : displacements (2n, k) of the contact nodes in the test modes
     actuation_work : work (k,) of the actuation on the test modes, per newton of its force
-    further_work : work (k,) of all further loads on the test modes [N m for a turn, N for a slide]
-    tip_travel : travel (k,) of the actuation's point along the force
-    pin_motion : displacements x and y of the pin, and turn of the shoe (3, k)
+    further_work : work (k,) of springs, weight and further forces on the test modes [N m for a
+        turn, N for a slide]
+    tip_travel : displacement (k,) of the point of actuation along its force in the contact modes
+    pin_motion : displacements x and y of the pin, and turn of the shoe (3, k), in the contact modes
     """
 
     contact_modes: Floats
@@ -58,11 +60,13 @@ def make_rigid_body_modes(
     body : the substructure of the shoe
     shoe : the shoe
     moment : moment of the actuation about the pin [m], per newton of its force
-    sense : sense of the friction at an abutment, +1, -1 or 0, see `Held.freedoms`
+    sense : direction of the friction at an abutment: +1 or -1 along its face, 0 if the foot sticks,
+        see `Held.freedoms`
     """
     if shoe.kind_of_support == "hinge":
         return _rigid_body_mode_of_turn_about_pin(body, shoe, moment)
-    # A shoe that gets its force from a strut has the modes of a shoe under a unit force.
+    # A shoe that a strut pushes has no actuation force of its own. Its modes are made for a unit
+    # force.
     loaded = shoe if shoe.actuation.force else shoe.shoe_with_changed_actuation_force(1.0)
     free = loaded.freedoms(sense)
     size = abs(shoe.actuation.force) or 1.0
@@ -75,8 +79,8 @@ def make_rigid_body_modes(
         pin_motion=pin_motions_by_rigid_body_motions(shoe, free.motions),
     )
     if free.names[0] == "turn":
-        # The first mode is a turn about the pin. It is overwritten by the same turn without the
-        # round-off of a turn about the drum's centre.
+        # The first mode is a turn about the pin, computed from a turn about the drum's centre. It
+        # is overwritten by the same turn computed about the pin, which has less round-off.
         for whole, exact in zip(
             modes, _rigid_body_mode_of_turn_about_pin(body, shoe, moment), strict=True
         ):
@@ -87,9 +91,9 @@ def make_rigid_body_modes(
 def _contact_node_displacements_by_motions(
     body: ShoeSubstructure, shoe: Shoe, motions: Floats
 ) -> Floats:
-    """The displacements (2n, k) of a shoe's n contact nodes in its own frame.
+    """The displacements (2n, k) of a shoe's n contact nodes in k rigid-body motions.
 
-    They are due to k rigid-body motions (k, 3) in the brake's frame.
+    The displacements are in the frame of the shoe. `motions` (k, 3) are in the frame of the brake.
     """
     xy = shoe.points(body.line.xy)
     u = shoe.frame.convert_to_shoe_frame(

@@ -1,14 +1,14 @@
 """One-sided supports in the contact problem of a group of shoes.
 
-A support with the force f >= 0 opens by v >= 0, and f v = 0, as a contact node of a lining. On the
-condensed bodies of a group, v = v0 + V_p p + V_f f + V_y y, with the pressures p and the
-rigid-body motions y. The forces of the supports open the weighted gaps by G f and do the work V_y^T
-on the motions, so that w = q + A p + B y + G f and C p + V_y^T f = h.
+A one-sided support pushes with a force f >= 0 or opens by v >= 0, and f v = 0, like a contact node
+of a lining. For a group with the pressures p and the rigid-body motions y, the openings are v = v0
++ V_p p + V_f f + V_y y. The forces f of the supports open the weighted gaps by G f and have the
+generalised forces V_y^T f, so that w = q + A p + B y + G f and C p + V_y^T f = h.
 
-Supports that bear have v = 0. They are eliminated: the equilibria in the motions that they hold
-give their forces, and v = 0 gives these motions. The contact problem that remains has the motions
-that the bearing supports leave free. Which of them bear is found by trying each choice on the same
-condensed bodies; there are finitely many.
+Supports that bear have v = 0, and are eliminated. The equilibria in the motions that they prevent
+give their forces, and v = 0 gives these motions. The contact problem that remains has only the
+motions that the bearing supports leave free. Each choice of supports that bear is tried on the same
+condensed bodies; there are finitely many choices.
 """
 
 from dataclasses import dataclass
@@ -33,12 +33,12 @@ class SupportMatrices:
 
     Attributes
     ----------
-    opening : opening (m,) of each support by its clearance and by the actuation
+    opening : opening (m,) of each support by its clearance and by the loads on the shoes
     opening_by_pressure : opening (m, n) per pressure
     opening_by_force : opening (m, m) per force of a support
     opening_by_motion : opening (m, k) per rigid-body motion
     gap_by_force : weighted gaps (n, m) that open per force of a support
-    sizes : amount (k,) of each motion that displaces points of the brake by about 1 m
+    sizes : amount (k,) of each motion by which points of the brake move about 1 m
     """
 
     opening: Floats
@@ -51,16 +51,16 @@ class SupportMatrices:
 
 @dataclass(frozen=True)
 class BearingSupports:
-    """The contact problem of a group on the supports that bear, and what its solution gives.
+    """The contact problem of a group of shoes on the one-sided supports that bear.
 
     Attributes
     ----------
-    problem : the contact problem, with k' free motions y'
+    problem : the contact problem; its motions y' (k',) are those that the bearing supports allow
     bearing : whether each of the m supports bears
     matrices : the effects of the supports
-    forces_without_pressure : part (m,) of the forces of the supports that no pressure changes
+    forces_without_pressure : forces (m,) of the supports at zero pressure
     forces_by_pressure : forces (m, n) of the supports per pressure
-    motions_without_pressure : part (k,) of the rigid-body motions that no pressure changes
+    motions_without_pressure : rigid-body motions (k,) at zero pressure and y' = 0
     motions_by_pressure : rigid-body motions (k, n) per pressure
     motions_by_unknown : rigid-body motions (k, k') per unknown y'
     """
@@ -79,12 +79,12 @@ class BearingSupports:
         return self.forces_without_pressure + self.forces_by_pressure @ p
 
     def rigid_body_motions(self, p: Floats, y: Floats) -> Floats:
-        """The rigid-body motions (k,) of all shoes under pressures p (n,) and unknowns y (k',)."""
+        """The rigid-body motions (k,) of all shoes, by a solution p (n,), y (k',) of `problem`."""
         by_pressure = self.motions_without_pressure + self.motions_by_pressure @ p
         return by_pressure + self.motions_by_unknown @ y
 
     def is_bearing_as_assumed(self, p: Floats, y: Floats) -> bool:
-        """Whether no bearing support pulls, and no open support overlaps its shoe.
+        """Whether no support assumed to bear pulls, and no support assumed open overlaps a shoe.
 
         p (n,) and y (k',) are the solution of the contact problem.
         """
@@ -97,7 +97,7 @@ class BearingSupports:
         ]
         opening, largest = np.sum(parts, axis=0), float(np.abs(parts).max())
         on = np.array(self.bearing)
-        # The forces are relative to the largest actuation force, which is 1.
+        # The largest actuation force is 1, since forces are relative to it.
         pulls = forces[on] < -LARGEST_PULL * max(1.0, float(np.abs(forces).max()))
         overlaps = opening[~on] < -LARGEST_PULL * largest
         return not (pulls.any() or overlaps.any())
@@ -106,14 +106,14 @@ class BearingSupports:
 def contact_problem_on_bearing_supports(
     problem: ContactProblem, matrices: SupportMatrices, bearing: Bearing
 ) -> BearingSupports | None:
-    """Make the contact problem of a group of shoes on the supports that bear.
+    """Make the contact problem of a group of shoes on the one-sided supports that bear.
 
     The result is None if the bearing supports are redundant, or leave a motion free that the
     linings do not resist. The problem stays a linear function of the friction coefficient.
 
     Parameters
     ----------
-    problem : the contact problem without supports
+    problem : the contact problem without one-sided supports
     matrices : the effects of the m supports
     bearing : whether each of the m supports bears
     """
@@ -126,10 +126,11 @@ def contact_problem_on_bearing_supports(
     scale = float(np.linalg.norm(B * matrices.sizes, axis=0).max())
     if not are_motions_resisted(B @ free, scale):
         return None
-    # The equilibria in the held motions give the forces of the bearing supports.
+    # The equilibria in the motions that the bearing supports prevent give the forces of these
+    # supports.
     constant, by_pressure = np.zeros(len(bearing)), np.zeros((len(bearing), len(q)))
     constant[on], by_pressure[on] = held.T @ h, -held.T @ C
-    # The openings of the bearing supports vanish, which gives the held motions.
+    # The openings of the bearing supports vanish, which gives the amounts of the prevented motions.
     by_force = matrices.opening_by_force[on]
     motion = -held @ (matrices.opening[on] + by_force @ constant)
     motion_by_pressure = -held @ (matrices.opening_by_pressure[on] + by_force @ by_pressure)

@@ -16,70 +16,73 @@ from drumlin.contact.pressure_friction import (
 from drumlin.fem.equilibrium.group import ShoeGroup, SolvedGroup
 
 MOST_CHANGES_OF_SUPPORT = 5
-"""Largest number of times that supports are sought again while friction follows the pressure.
+"""Most repetitions of a solve with pressure-dependent friction in which supports may change.
 
-Which supports bear, and the senses of friction at abutments, may differ between two estimates of
-the friction. Brakes need one or two trials. If more are needed, the brake is refused.
+The bearing one-sided supports and the directions of friction at abutments may differ between two
+estimates of the linings' friction. They are then found anew, and the solve is repeated. Brakes need
+one or two repetitions. A brake that needs more than this number is refused.
 """
 
 
 def solve_group_with_its_friction(group: ShoeGroup, first: Bools | None = None) -> SolvedGroup:
-    """Solve the contact of a group at the friction of its linings, be it a number or a table.
+    """Solve the contact of a group whose linings have constant or pressure-dependent friction.
 
     The result has the friction coefficient of each node if friction depends on the pressure.
     `first` (n,) is a contact set to start from. Raises NoAnswer as
-    `ShoeGroup.solve_contact_and_abutment_friction` does, and if no friction agrees with the
-    pressure to FRICTION_TOLERANCE.
+    `ShoeGroup.solve_contact_and_abutment_friction` does, and if the friction at the nodes does not
+    converge to within FRICTION_TOLERANCE of the friction that belongs to the pressures.
     """
     curves = [group.brake.friction_curve_of_shoe(shoe) for shoe in group.shoes]
     if all(len(curve.mu) == 1 for curve in curves):
         return group.solve_contact_and_abutment_friction(first)
-    start, settled = _solve_at_bound_of_friction(group, curves, first)
+    start, settled = _solve_at_least_or_largest_friction(group, curves, first)
     for _ in range(MOST_CHANGES_OF_SUPPORT):
-        contact = _contact_on_known_supports(settled, curves, start)
+        contact = _contact_with_friction_of_its_pressures(settled, curves, start)
         friction = _friction_at_nodes(settled.group, curves, contact.p).coefficient
-        # The contact is solved once more at this friction, as that of any brake is. It must be the
-        # solution that growing friction reaches.
-        settled = _solve_at_friction(settled.group, friction, contact.active)
+        # The contact is solved once more at these fixed coefficients, as for any other brake. This
+        # solve checks that the solution is the one that friction growing from zero reaches.
+        settled = _solve_at_nodal_friction(settled.group, friction, contact.active)
         reached = _friction_at_nodes(settled.group, curves, settled.contact.p).coefficient
         if np.abs(reached - friction).max() <= FRICTION_TOLERANCE * friction.max():
             return settled
     raise NoAnswer(f"{group.names_of_shoes}: friction and pressure do not agree, not converged")
 
 
-def _solve_at_bound_of_friction(
+def _solve_at_least_or_largest_friction(
     group: ShoeGroup, curves: list[FrictionCurve], first: Bools | None
 ) -> tuple[Floats, SolvedGroup]:
-    """Solve a group at the least friction of each curve, or else at the largest.
+    """Solve a group with the least friction of each lining's curve, or, failing that, the largest.
 
-    Returns the friction coefficients (n,) of the nodes, and the solution. A brake that locks itself
-    at its least friction has no solution; one that needs friction to press may have none there
-    either, but one at its largest friction.
+    Returns the friction coefficients (n,) of the nodes, and the solution. A shoe that needs
+    friction to be pressed on the drum may have a solution only at the largest friction. If both
+    solves fail, the error of the first is raised.
     """
     counts = [len(body.line.nodes) for body in group.substructures_of_shoes]
     least = np.repeat([curve.mu.min() for curve in curves], counts)
     largest = np.repeat([curve.mu.max() for curve in curves], counts)
     try:
-        return least, _solve_at_friction(group, least, first)
+        return least, _solve_at_nodal_friction(group, least, first)
     except NoAnswer as error:
         try:
-            return largest, _solve_at_friction(group, largest, first)
+            return largest, _solve_at_nodal_friction(group, largest, first)
         except NoAnswer:
             raise error from None
 
 
-def _solve_at_friction(group: ShoeGroup, friction: Floats, first: Bools | None) -> SolvedGroup:
+def _solve_at_nodal_friction(
+    group: ShoeGroup, friction: Floats, first: Bools | None
+) -> SolvedGroup:
     """Solve a group at friction coefficients (n,) of its nodes, from a contact set (n,)."""
-    return _group_with_friction(group, friction).solve_contact_and_abutment_friction(first)
+    return _group_with_nodal_friction(group, friction).solve_contact_and_abutment_friction(first)
 
 
-def _group_with_friction(group: ShoeGroup, friction: Floats) -> ShoeGroup:
+def _group_with_nodal_friction(group: ShoeGroup, friction: Floats) -> ShoeGroup:
     """A copy of a group with a friction coefficient (n,) for each of its contact nodes."""
     return replace(group, friction_at_nodes=friction / group.brake.friction)
 
 
 def _friction_at_nodes(group: ShoeGroup, curves: list[FrictionCurve], p: Floats) -> NodalFriction:
-    """The friction at nodal pressures p (n,), which are per newton of the largest force."""
+    """The friction coefficients at nodal pressures p (n,), and their slopes over p."""
     size, parts = group.largest_actuation_force, []
     for curve, nodes in zip(curves, group.contact_node_slices_of_shoes, strict=True):
         pressure = size * p[nodes]
@@ -87,15 +90,17 @@ def _friction_at_nodes(group: ShoeGroup, curves: list[FrictionCurve], p: Floats)
     return NodalFriction(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
-def _contact_on_known_supports(
+def _contact_with_friction_of_its_pressures(
     settled: SolvedGroup, curves: list[FrictionCurve], start: Floats
 ) -> Contact:
-    """The contact at the friction of its pressures, on the supports of a settled group.
+    """The contact in which the friction at each node agrees with the pressure there.
 
-    `start` (n,) are the friction coefficients from which friction is brought to its values.
+    The bearing supports and the friction directions at abutments are those of `settled`. `start`
+    (n,) are the friction coefficients at which the iteration begins.
     """
     group = settled.group
-    # With the coefficient 1 at every node the problem shows what friction at each node does.
+    # With the coefficient 1 at every node, the part of the problem that is linear in friction shows
+    # the effect of friction at each node.
     unit = replace(group, friction_at_nodes=np.ones(len(start)))
     try:
         return solve_contact_with_friction_over_pressure(

@@ -20,7 +20,7 @@ from drumlin.fem.equilibrium.one_sided import (
 from drumlin.fem.equilibrium.sharing import (
     ForceEffects,
     ForceSharing,
-    make_contact_problem_with_shared_forces,
+    make_contact_problem_with_strut_and_cam_forces,
 )
 from drumlin.fem.equilibrium.state import GroupState
 from drumlin.fem.preparation.bodies import (
@@ -32,20 +32,20 @@ from drumlin.fem.preparation.bodies import (
 ROWS_AT_A_TIME = 64
 """Number of rows of a shoe's compliance matrix that are assembled at a time.
 
-More rows of a large matrix do not fit into the processor's cache, and fewer rows take more calls of
-numpy. The number changes no result.
+With more rows the parts of a large matrix do not fit into the processor's cache; fewer rows take
+more calls of numpy. The number changes no result.
 """
 
 
 class GroupProblems(GroupState):
     """A group of shoes with its contact problem at every friction coefficient of the drum.
 
-    The drum drags the linings by the traction mu p. The weighted gap is
-    w = M (g + p/eps) - N u + N_ring u_ring.
-    Here g is the gap of the unloaded lining, and eps the stiffness of the contact. The gap closes
-    as the lining moves by u, and opens as the drum's ring moves by u_ring. The displacement u has
-    an elastic part and a part due to the rigid-body modes with the coordinates y. C p = h are the
-    equilibria in the test modes.
+    The drum drags the linings by the traction mu p. The weighted gap is w = M (g + p/eps) - N u +
+    N_ring u_ring. Here g is the gap of the unloaded lining, and eps the stiffness of the contact.
+    The gap closes as the lining moves by u, and opens as the drum's ring moves by u_ring. The
+    displacement u has an elastic part and a part due to the rigid-body modes with the coordinates
+    y. C p = h are the equilibria in the test modes, the rigid-body motions on which the supports do
+    no work.
     """
 
     @cached_property
@@ -74,16 +74,17 @@ class GroupProblems(GroupState):
             return supports.problem
         sharing = self._force_sharing_at_friction(friction)
         return (
-            self.contact_problem_without_shared_forces(friction)
+            self.contact_problem_with_given_actuation_forces(friction)
             if sharing is None
             else sharing.problem
         )
 
-    def contact_problem_without_shared_forces(self, friction: float) -> ContactProblem:
-        """The contact problem of the group at a friction coefficient, without struts and cam.
+    def contact_problem_with_given_actuation_forces(self, friction: float) -> ContactProblem:
+        """The contact problem of the group at a friction coefficient, under given forces.
 
-        Each shoe has its own actuation force. The matrices of single shoes are the blocks of the
-        group's matrices, and the flexibility of the ring is added.
+        Each shoe has its actuation force of the brake file. Struts, a cam and one-sided supports
+        are left out. The matrices of single shoes are the blocks of the group's matrices, and the
+        flexibility of the drum's ring is added.
         """
         parts = [
             self._contact_problem_of_single_shoe(k, friction) for k in range(len(self.members))
@@ -123,22 +124,25 @@ class GroupProblems(GroupState):
             own = friction * self.friction_at_nodes[self.contact_node_slices_of_shoes[k]]
         return own * self.brake.sign_of_motion * self.shoes[k].frame.sense
 
-    # The following methods treat forces that the shoes share.
+    # The following methods treat the forces of struts and of a cam.
 
     @cached_property
     def force_sharing_by_struts_and_cam(self) -> ForceSharing | None:
-        """How the shoes share forces by struts and a cam; None if each shoe has its own force."""
+        """The strut and cam forces, and the contact problem with them; None if there are none."""
         return self._force_sharing_at_friction(self.brake.friction)
 
     def _force_sharing_at_friction(self, friction: float) -> ForceSharing | None:
-        """How the shoes share forces by struts and a cam at a friction coefficient, or None."""
+        """The strut and cam forces, and the contact problem with them; None if there are none.
+
+        All matrices hold at the friction coefficient `friction` of the brake.
+        """
         if not self.pushing_and_pushed_shoe_of_struts and not self.indices_of_shoes_under_cam:
             return None
         blocks, effects = (
-            self.contact_problem_without_shared_forces(friction),
+            self.contact_problem_with_given_actuation_forces(friction),
             self.contact_effects_of_actuation_force_per_shoe(friction),
         )
-        return make_contact_problem_with_shared_forces(
+        return make_contact_problem_with_strut_and_cam_forces(
             blocks,
             effects,
             self.relative_actuation_forces_of_file,
@@ -148,16 +152,17 @@ class GroupProblems(GroupState):
         )
 
     def contact_effects_of_actuation_force_per_shoe(self, friction: float) -> list[ForceEffects]:
-        """The effects of each shoe's actuation force on gaps, equilibria, tip and foot.
+        """For each shoe, the effects of its force, and the causes of its tip travel and foot force.
 
-        The effects are linear in the friction coefficient.
+        The tip is the point where the actuation force acts. All values are linear in the friction
+        coefficient.
         """
         return [
             self._effects_of_actuation_force_on_shoe(k, friction) for k in range(len(self.shoes))
         ]
 
     def _effects_of_actuation_force_on_shoe(self, k: int, friction: float) -> ForceEffects:
-        """The effects of the actuation force of shoe `k` at a friction coefficient."""
+        """The effects of shoe k's actuation force, and the causes of tip travel and foot force."""
         body, shoe, modes = (
             self.substructures_of_shoes[k],
             self.shoes[k],
@@ -165,7 +170,7 @@ class GroupProblems(GroupState):
         )
         load = self.actuation_of_each_shoe_by_one_newton[k].load_factors
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
-        tip = self._travel_of_load_by_pressure(k, load, friction)
+        tip = self._load_point_travel_by_pressure(k, load, friction)
         # This is the force on the lining along x and y, per pressure of each node.
         contact = (
             drag * body.resultants_of_contact_node_forces[1]
@@ -199,15 +204,15 @@ class GroupProblems(GroupState):
             foot_force_by_further_loads=borne,
         )
 
-    def _travel_of_load_by_pressure(self, k: int, load: Floats, friction: float) -> Floats:
-        """The elastic travel (n,) of a load on shoe `k` along itself, per pressure.
+    def _load_point_travel_by_pressure(self, k: int, load: Floats, friction: float) -> Floats:
+        """The elastic travel (n,) of a load's point on shoe `k` along the load, per nodal pressure.
 
-        `load` (l,) are the factors of the load columns.
+        `load` (l,) are the factors by which the load columns of the body make up the load.
         """
         body = self.substructures_of_shoes[k]
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
         travel = -(load @ body.closure_by_load.T)
-        # A model that is prepared without friction does not know how friction moves a load.
+        # A model that was prepared without friction has no displacements of loads by friction.
         if body.load_motion_by_friction is not None:
             travel = travel + drag * (load @ body.load_motion_by_friction)
         return np.asarray(travel)
@@ -220,7 +225,9 @@ class GroupProblems(GroupState):
         The effects are linear in the friction coefficient.
         """
         count, n = len(self.one_sided_supports), len(self.contact_node_areas)
-        sizes = np.concatenate([self._sizes_of_motions(shoe) for shoe in self.shoes])
+        sizes = np.concatenate(
+            [self._motion_amounts_for_unit_displacement(shoe) for shoe in self.shoes]
+        )
         opening, by_pressure = np.zeros(count), np.zeros((count, n))
         by_motion, gap = np.zeros((count, len(sizes))), np.zeros((n, count))
         loads = []
@@ -234,7 +241,7 @@ class GroupProblems(GroupState):
                 acting = load_factors_under_actuation_force(body, self.shoes[k], force)
                 travel = load @ body.load_motion_by_load @ acting
                 opening[j] += travel / self.largest_actuation_force
-                by_pressure[j, nodes] = self._travel_of_load_by_pressure(k, load, friction)
+                by_pressure[j, nodes] = self._load_point_travel_by_pressure(k, load, friction)
                 modes = self.rigid_body_mode_slices_of_shoes[k]
                 by_motion[j, modes] = self.work_of_push_on_modes(k, side.push)
                 gap[nodes, j] = -(body.closure_by_load @ load)
@@ -245,21 +252,21 @@ class GroupProblems(GroupState):
                 by_force[i, j] += loads[i][k] @ body.load_motion_by_load @ loads[j][k]
         return SupportMatrices(opening, by_pressure, by_force, by_motion, gap, sizes)
 
-    def _sizes_of_motions(self, shoe: Shoe) -> Floats:
-        """The amount (k,) of each rigid-body motion of a shoe that displaces points by about 1 m.
+    def _motion_amounts_for_unit_displacement(self, shoe: Shoe) -> Floats:
+        """The amount (k,) of each rigid-body motion of a shoe by which its points move about 1 m.
 
-        A turn moves a point at the distance of the brake's size.
+        A turn is taken to move a point at the distance of the drum's radius, or of a plane's size.
         """
         turns = np.isin(shoe.freedoms().names, ["turn", "tilt"])
         return np.where(turns, 1 / self.brake.size, 1.0)
 
     @cached_property
     def bearing_supports(self) -> BearingSupports | None:
-        """The contact on the supports that bear; None for a group without one-sided supports."""
+        """The contact problem on the one-sided supports that bear; None without such supports."""
         return self._bearing_supports_at_friction(self.brake.friction)
 
     def _bearing_supports_at_friction(self, friction: float) -> BearingSupports | None:
-        """The contact on the supports that bear at a friction coefficient.
+        """The contact problem, at a friction coefficient, on the one-sided supports that bear.
 
         It is None for a group without one-sided supports. Raises RuntimeError if it is not known
         which supports bear, or if they do not hold the shoes.
@@ -277,11 +284,11 @@ class GroupProblems(GroupState):
     def contact_on_supports_if_held(
         self, bearing: Bearing, friction: float
     ) -> BearingSupports | None:
-        """The contact on a choice of bearing supports; None if they do not hold the shoes."""
+        """The contact problem on chosen bearing supports; None if they do not hold the shoes."""
         if len(bearing) != len(self.one_sided_supports):
             return None
         return contact_problem_on_bearing_supports(
-            self.contact_problem_without_shared_forces(friction),
+            self.contact_problem_with_given_actuation_forces(friction),
             self.support_matrices_at_friction(friction),
             bearing,
         )
@@ -308,9 +315,10 @@ class GroupProblems(GroupState):
         )
 
     def rigid_body_coordinates_of_each_shoe(self, contact: Contact) -> list[Floats]:
-        """The coordinates (k_i,) of each shoe's rigid-body modes in a solution.
+        """The generalised coordinates (k_i,) of each shoe, the amounts of its rigid-body modes.
 
-        They are per newton of `largest_actuation_force`.
+        They belong to a solution of the group's contact, and are per newton of
+        `largest_actuation_force`.
         """
         y = contact.y
         if self.bearing_supports is not None:
@@ -325,9 +333,9 @@ class GroupProblems(GroupState):
 def _shoe_compliance_with_penalty(
     body: ShoeSubstructure, drag: float | Floats, stiffness: float
 ) -> Floats:
-    """The compliance matrix (n, n) of a shoe: weighted gaps per nodal pressure.
+    """The compliance matrix (n, n) of a shoe: opening of the weighted gaps per nodal pressure.
 
-    It includes the compliance of the contact by the penalty.
+    It contains the compliance of the shoe and of the penalty contact.
 
     Parameters
     ----------

@@ -9,26 +9,26 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Shoe
 
 LARGEST_TURN_TO_TOUCH = 0.2
-"""Largest turn of a shoe [rad] that a solve accepts.
+"""Largest rotation [rad] by which a shoe may have to turn before it touches the drum.
 
-The model assumes small displacements: at this turn the sine and the angle differ by 0.7 %. A shoe
-that has to turn further is refused. The value is a judgement, which the refusal prints.
+The model assumes small displacements: at this angle the sine differs from the angle by 0.7 %. A
+shoe that has to turn further is refused. The value is a judgement, which the refusal prints.
 """
 
 
 def require_small_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
     """Raise NoAnswer if a hinged shoe has to turn too far to touch the drum, or never touches it.
 
-    A lining point at the distance d from the pin and at the angle psi reaches the radius r after a
-    turn by alpha, with r^2 = a^2 + d^2 + 2 a d cos(psi + alpha). Here a is the distance of the pin
-    from the drum's centre.
+    A lining point at the distance d and the polar angle psi from the pin reaches the radius r after
+    a turn of the shoe by alpha, with r^2 = a^2 + d^2 + 2 a d cos(psi + alpha). Here a is the
+    distance of the pin from the drum's centre.
 
     Parameters
     ----------
     shoe : the shoe; a shoe on a plane, or without a hinge, passes
     xy : contact nodes (2, n) [m] in the frame of the shoe
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
-    moment : moment of the actuation about the pin, whose sign is the sense of the turn
+    moment : moment of all loads about the pin; its sign is the direction of the turn
     """
     if shoe.kind_of_support != "hinge" or shoe.flat or (gap <= 0).any():
         return
@@ -66,7 +66,8 @@ def require_small_turns_in_solution(
     Parameters
     ----------
     shoe : the shoe
-    sense : sense of the friction at its abutment, +1, -1 or 0, see `Held.freedoms`
+    sense : direction of the friction at its abutment: +1 or -1 along the face, 0 if the foot
+        sticks, see `Held.freedoms`
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
     coordinates : generalised coordinates (k,) [rad, m] of the shoe in the solution
     """

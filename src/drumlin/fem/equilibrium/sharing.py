@@ -1,15 +1,15 @@
-"""Shoes that share a force, by struts or under a cam, as one contact problem.
+"""The contact problem of shoes whose actuation forces come from struts or a cam.
 
-Each shoe i of a group has its own equations. Under its actuation force F_i the weighted gap opens
-by opened_i F_i, and the equilibria read C_i p = -work_i F_i. The tip of the shoe is the point where
-the force acts. The tip travels along the force by tip_i p + yields_i F_i elastically, and by
-moves_i y_i with the generalised coordinates y_i of the rigid-body modes.
+These forces depend on the pressures. Each shoe i of a group has its own equations. Under its
+actuation force F_i the weighted gap opens by G_i F_i, and the equilibria read C_i p = -W_i F_i. The
+tip of the shoe is the point where F_i acts. It travels along F_i by t_i p + s_i F_i elastically,
+and by r_i y_i with the generalised coordinates y_i of the rigid-body modes.
 
-A strut pushes with the force that a foot bears: F_to = bearing p + direct F_from. A cam moves two
+A strut pushes shoe j with the force on the foot of shoe i: F_j = b_i p + e_i F_i. A cam moves two
 tips by the same travel d, and the sum of the cam's forces is given. Each shoe under a cam has a
-main mode, on which the force works most. The equilibrium in the main mode gives F_i as a function
-of p, and the travel of the tip gives the coordinate of the main mode. The travel d then remains as
-the single coordinate of the two main modes, and the sum of the forces as its equilibrium.
+main mode, on which F_i does most work. The equilibrium in the main mode gives F_i as a function of
+p, and the travel of the tip gives the coordinate of the main mode. The travel d then replaces the
+coordinates of the two main modes, and the sum of the forces replaces their equilibria.
 """
 
 from dataclasses import dataclass
@@ -24,15 +24,15 @@ LARGEST_FORCE_THAT_DOES_NOT_PUSH = 1e-9
 """Force of a strut or a cam, relative to the largest force of the group, that counts as zero.
 
 A smaller force is the round-off of a force that has fallen to zero, and a negative force would
-pull. In both cases the solution is refused. The value is far above round-off and far below any
-force in a brake file.
+pull. In both cases the solution is refused. The value is far above round-off and far below the
+force of any strut or cam that pushes.
 """
 WOULD_PULL_TEXT = "no equilibrium, what pushes it would have to pull"
 """Text of the refusal of a shoe whose cam or strut would have to pull it."""
 
 
 class ForceEffects(NamedTuple):
-    """The effects of a shoe's actuation force on its gaps, and what moves its tip and its foot.
+    """The effects of a shoe's actuation force, and the causes of its tip travel and foot force.
 
     The tip is the point of the shoe where the force acts. The foot is the end of the shoe that
     stands on an abutment or pushes a strut. All values hold per newton of the force or per pascal
@@ -40,17 +40,18 @@ class ForceEffects(NamedTuple):
 
     Attributes
     ----------
-    nodes : places of the shoe's n pressures among the pressures of the group
-    modes : places of the shoe's k generalised coordinates among the coordinates of the group
+    nodes : indices of the shoe's n pressures among the pressures of the group
+    modes : indices of the shoe's k generalised coordinates among the coordinates of the group
     gap_by_force : opening (n,) of the weighted gaps by the force
     tip_travel_by_pressure : elastic travel (n,) of the tip along the force, by the pressures
     tip_travel_by_force : elastic travel of the tip along the force, by the force
-    tip_travel_by_further_loads : elastic travel of the tip by the further loads on the shoe
+    tip_travel_by_further_loads : elastic travel of the tip by springs, weight and further forces
     work : work (k,) of the force on the test modes
     tip_travel_by_modes : travel (k,) of the tip along the force, by the rigid-body modes
-    foot_force_by_pressure : force (n,) that the foot bears along a strut, by the pressures
-    foot_force_by_force : force that the foot bears along a strut, by the force
-    foot_force_by_further_loads : force that the foot bears by the further loads on the shoe
+    foot_force_by_pressure : force (n,) along the strut that the foot transmits, by the pressures
+    foot_force_by_force : force along the strut that the foot transmits, by the actuation force
+    foot_force_by_further_loads : force along the strut that the foot transmits, by springs, weight
+        and further forces
     """
 
     nodes: slice | Ints
@@ -68,17 +69,17 @@ class ForceEffects(NamedTuple):
 
 @dataclass(frozen=True)
 class ForceSharing:
-    """The contact problem of m shoes that share forces, and the forces that its solution gives.
+    """The contact problem of m shoes under strut and cam forces, which follow from its solution.
 
     Attributes
     ----------
-    problem : the contact problem; under a cam the first of its motions y' (k',) is the travel of
-        the tips, in place of the coordinates of two modes
-    forces_without_pressure : part (m,) of the actuation forces that no pressure changes
+    problem : the contact problem; under a cam the first of its motions y' (k',) is the travel that
+        the cam gives the shoes' points of actuation, in place of the coordinates of two modes
+    forces_without_pressure : actuation forces (m,) at zero pressure
     forces_by_pressure : actuation forces (m, n) per pressure
     coordinates_by_unknown : generalised coordinates (k, k') of all shoes per unknown y'
     coordinates_by_pressure : generalised coordinates (k, n) of all shoes per pressure
-    coordinates_of_loads : part (k,) of the generalised coordinates that no unknown changes
+    coordinates_of_loads : generalised coordinates (k,) of all shoes at zero pressure and y' = 0
     """
 
     problem: ContactProblem
@@ -93,9 +94,10 @@ class ForceSharing:
         return self.forces_without_pressure + self.forces_by_pressure @ p
 
     def rigid_body_coordinates_from_contact_solution(self, p: Floats, y: Floats) -> Floats:
-        """The generalised coordinates (k,) of all shoes, from pressures p (n,) and motions y (k',).
+        """The generalised coordinates (k,) of all shoes, from a solution p, y of `problem`.
 
-        y are the motions of the contact problem with shared forces.
+        p (n,) are pressures and y (k',) motions. Under a cam, y has the travel of the cam in place
+        of two of the coordinates.
         """
         by_unknowns = self.coordinates_by_unknown @ y + self.coordinates_by_pressure @ p
         return by_unknowns + self.coordinates_of_loads
@@ -112,7 +114,7 @@ class _LinearForces(NamedTuple):
     by_pressure: Floats
 
 
-def make_contact_problem_with_shared_forces(
+def make_contact_problem_with_strut_and_cam_forces(
     problem: ContactProblem,
     effects: list[ForceEffects],
     own_forces: Floats,
@@ -120,16 +122,16 @@ def make_contact_problem_with_shared_forces(
     cam_shoes: list[int],
     cam_force_sum: float,
 ) -> ForceSharing:
-    """Make the contact problem of shoes that share forces by struts or under a cam.
+    """Make the contact problem of shoes under strut and cam forces.
 
     The problem stays a linear function of the friction coefficient.
 
     Parameters
     ----------
-    problem : the problem of the group if no shoe shares its force
+    problem : the contact problem of the group in which each shoe has its own, given force
     effects : the effects of the m actuation forces
     own_forces : the actuation forces (m,) in `problem`
-    struts : numbers of the shoes from which and to which each strut pushes
+    struts : for each strut the numbers of the pushing and of the pushed shoe
     cam_shoes : numbers of the two shoes under a cam; empty without a cam
     cam_force_sum : sum of the cam's forces
     """
@@ -152,19 +154,21 @@ def _actuation_forces_linear_in_pressures(
 ) -> _LinearForces:
     """The actuation force of each shoe as a linear function of the pressures.
 
-    A cam or a strut gives the force of its shoes; other shoes keep their own forces.
+    The forces of a cam and of struts depend on the pressures; other shoes keep their own forces.
     """
     fixed = np.array(own_forces, dtype=float)
     by_pressure = np.zeros((len(effects), problem.B.shape[0]))
-    # The force of the cam follows from the equilibrium in the main mode of each shoe.
+    # The force of the cam on each shoe follows from the equilibrium in the shoe's main mode, on
+    # which the force does most work.
     for i in cam_shoes:
         shoe = effects[i]
         main = _index_of_main_rigid_body_mode(problem, shoe)
         by_pressure[i] = -problem.C[shoe.modes][main] / shoe.work[main]
-        # Further loads on the shoe leave a part of the equilibrium to the force of the cam.
+        # Springs, weight and further forces also do work on the main mode, which the cam has to
+        # balance.
         of_loads = problem.h[shoe.modes][main] + own_forces[i] * shoe.work[main]
         fixed[i] = of_loads / shoe.work[main]
-    # A strut passes on the force that the foot of the pushing shoe bears.
+    # A strut pushes the next shoe with the force on the foot of the pushing shoe.
     for source, to in struts:
         pushing = effects[source]
         by_pressure[to, pushing.nodes] = pushing.foot_force_by_pressure
@@ -177,10 +181,10 @@ def _actuation_forces_linear_in_pressures(
 def _contact_problem_with_forces_replaced(
     problem: ContactProblem, effects: list[ForceEffects], own_forces: Floats, forces: _LinearForces
 ) -> ContactProblem:
-    """Return a contact problem with shared forces in place of the shoes' own forces (m,).
+    """Return a contact problem with strut and cam forces in place of the shoes' own forces (m,).
 
-    `forces` are the shared forces as linear functions of the pressures. Their part that depends on
-    pressures changes the matrices A and C, the other part changes the vectors q and h.
+    `forces` are the new forces, linear in the pressures. Their part that depends on pressures
+    changes the matrices A and C, the constant part changes the vectors q and h.
     """
     A, q, B, C, h = (np.array(part) for part in problem)
     for i, shoe in enumerate(effects):
@@ -200,17 +204,18 @@ def _contact_problem_with_cam_travel_as_unknown(
     cam_shoes: list[int],
     cam_force_sum: float,
 ) -> ForceSharing:
-    """Return the contact problem under a cam, with the travel of the shoes' tips as an unknown.
+    """Return the contact problem under a cam, with the travel of the cam as an unknown.
 
-    The cam moves the tips of its two shoes by the same travel. The travel replaces the coordinates
-    of the main modes of both shoes, and the sum of the cam's forces replaces their equilibria.
+    The cam moves the points of actuation of its two shoes by the same travel. The travel replaces
+    the coordinates of both shoes' main modes, on which the cam's forces do most work. The sum of
+    the cam's forces replaces the equilibria in these modes.
 
     Parameters
     ----------
-    blocks : the problem of the group if no shoe shares its force
-    with_forces : the problem with the shared forces
+    blocks : the contact problem of the group in which each shoe has its own, given force
+    with_forces : the problem with the strut and cam forces as functions of the pressures
     effects : the effects of the actuation forces
-    forces : the shared forces
+    forces : the actuation forces as functions of the pressures
     cam_shoes : numbers of the two shoes under the cam
     cam_force_sum : sum of the cam's forces
     """
@@ -219,7 +224,7 @@ def _contact_problem_with_cam_travel_as_unknown(
     of_coordinates = np.eye(k)
     by_pressure = np.zeros((k, n))
     of_loads = np.zeros(k)
-    # These are the changes of the generalised coordinates per travel of the tips.
+    # These are the changes of the generalised coordinates per travel of the points of actuation.
     per_travel = np.zeros(k)
     mains = []
     for i in cam_shoes:
@@ -228,15 +233,17 @@ def _contact_problem_with_cam_travel_as_unknown(
         main = shoe.modes.start + mode
         mains.append(main)
         size = shoe.tip_travel_by_modes[mode]
-        # The main mode moves the tip by the travel, less the elastic travel and the travel by all
-        # other modes.
-        by_pressure[main] = -_elastic_tip_travel_by_pressures(shoe, forces.by_pressure[i]) / size
+        # The main mode gives the tip (the point of actuation) the travel of the cam, less the
+        # elastic travel and the travel by all other modes.
+        by_pressure[main] = (
+            -_elastic_actuation_point_travel_by_pressures(shoe, forces.by_pressure[i]) / size
+        )
         elastic = shoe.tip_travel_by_force * forces.without_pressure[i]
         of_loads[main] = -(elastic + shoe.tip_travel_by_further_loads) / size
         # The entry of the main mode itself becomes zero.
         of_coordinates[main, shoe.modes] -= shoe.tip_travel_by_modes / size
         per_travel[main] = 1 / size
-    # The coordinates of the main modes give way to the travel, which comes first.
+    # The travel of the cam replaces the coordinates of the main modes, and is the first unknown.
     kept = np.delete(np.arange(k), mains)
     of_coordinates = np.column_stack([per_travel, of_coordinates[:, kept]])
     sum_of_forces = -forces.by_pressure[cam_shoes].sum(axis=0)
@@ -250,10 +257,13 @@ def _contact_problem_with_cam_travel_as_unknown(
     return ForceSharing(problem, *forces, of_coordinates, by_pressure, of_loads)
 
 
-def _elastic_tip_travel_by_pressures(shoe: ForceEffects, force_by_pressure: Floats) -> Floats:
-    """The elastic travel (n,) of a shoe's tip per pressure on each contact node of the group.
+def _elastic_actuation_point_travel_by_pressures(
+    shoe: ForceEffects, force_by_pressure: Floats
+) -> Floats:
+    """The elastic travel (n,) of a shoe's point of actuation per pressure on each contact node.
 
-    `force_by_pressure` (n,) is the shoe's actuation force per pressure.
+    The n contact nodes are those of the group. `force_by_pressure` (n,) is the shoe's actuation
+    force per pressure at each of them.
     """
     elastic = shoe.tip_travel_by_force * force_by_pressure
     elastic[shoe.nodes] += shoe.tip_travel_by_pressure
@@ -266,24 +276,25 @@ def contact_matrix_with_forces_as_unknowns(
     struts: list[tuple[int, int]],
     cam_shoes: list[int],
 ) -> Floats:
-    """The matrix of the contact with shared forces, in which the forces themselves are unknowns.
+    """The matrix of the contact equations in which strut and cam forces are unknowns.
 
     The sensitivities of a solution are computed from this matrix. Its columns stand for the
     pressures p (n,), the coordinates y (k,) of the modes, the m forces F, and the travel d under a
-    cam. The rows stand for the weighted gaps, the equilibria C p + work F = 0, the equation that
-    gives the force of each shoe, and under a cam the sum of the cam's forces. The force of a shoe
-    is given in the brake file, by a strut, or under a cam by the travel of the shoe's tip.
+    cam. The rows stand for the weighted gaps, the equilibria C p + W F = 0 with the work W of the
+    forces on the modes, the equation for the force of each shoe, and under a cam the sum of the
+    cam's forces. The equation for a force takes it from the brake file or from a strut, or states
+    that the shoe's point of actuation travels by d.
 
     Parameters
     ----------
-    problem : the problem of the group if no shoe shares its force
+    problem : the contact problem of the group in which each shoe has its own, given force
     effects : the effects of the m actuation forces
-    struts : numbers of the shoes from which and to which each strut pushes
+    struts : for each strut the numbers of the pushing and of the pushed shoe
     cam_shoes : numbers of the two shoes under a cam; empty without a cam
     """
     n, k = problem.B.shape
     count = len(effects)
-    # `force` is the first row and the first column of the forces.
+    # `force` is the index of the first force among the rows and columns.
     force = n + k
     size = force + count + (1 if cam_shoes else 0)
     matrix = np.zeros((size, size))
@@ -294,11 +305,12 @@ def contact_matrix_with_forces_as_unknowns(
     for i, shoe in enumerate(effects):
         matrix[shoe.nodes, force + i] = shoe.gap_by_force
         matrix[n + shoe.modes.start : n + shoe.modes.stop, force + i] = shoe.work
-    # A strut passes on the force that the foot of the pushing shoe bears.
+    # A strut pushes the next shoe with the force on the foot of the pushing shoe.
     for source, to in struts:
         matrix[force + to, effects[source].nodes] = -effects[source].foot_force_by_pressure
         matrix[force + to, force + source] = -effects[source].foot_force_by_force
-    # Under a cam the tip of each shoe travels by d. The last row is the sum of the cam's forces.
+    # Under a cam the tip of each shoe, its point of actuation, travels by d. The last row is the
+    # sum of the cam's forces.
     for i in cam_shoes:
         shoe, row = effects[i], matrix[force + i]
         row[shoe.nodes] = shoe.tip_travel_by_pressure
@@ -310,12 +322,12 @@ def contact_matrix_with_forces_as_unknowns(
 
 
 def _index_of_main_rigid_body_mode(blocks: ContactProblem, shoe: ForceEffects) -> int:
-    """The number, within a shoe, of the rigid-body mode that gives way to the travel of a cam.
+    """The number, within a shoe, of the rigid-body mode that the travel of a cam replaces.
 
-    On this main mode the force does most work, and the mode moves the tip. The choice is the same
-    at every friction coefficient.
+    On this main mode the force does most work, relative to the squared effect of the mode on the
+    gaps. The choice is the same at every friction coefficient.
     """
-    # Turns and slides have different units. The squared effect of a mode on the gaps scales its
-    # work.
+    # Turns and slides have different units. Dividing by the squared effect on the gaps makes them
+    # comparable.
     size = np.linalg.norm(blocks.B[:, shoe.modes], axis=0)
     return int((shoe.work * shoe.tip_travel_by_modes / size**2).argmax())

@@ -1,9 +1,9 @@
-"""The pulls of springs whose points move: the pull depends on the answer, and the answer on it.
+"""The pulls of springs with a rate, which depend on the motion that they themselves cause.
 
 A spring of the rate k pulls by T = T_0 - k d. Here d is the motion by which its two points come
 nearer to each other: the rigid-body motions of the shoes, and the elastic motion of the places
-where the loads act. On one contact set d is a linear function of all pulls, so that
-Broyden's method ends after a few contact solves on the same condensed bodies.
+where the loads act. On one contact set d is a linear function of all pulls, so that Broyden's
+method ends after a few contact solves on the same condensed bodies.
 """
 
 from collections.abc import Callable
@@ -18,14 +18,14 @@ from drumlin.brake.further_loads import brake_with_spring_pulls, resultant_of_fo
 from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_of_force_at_point
 
 SETTLED_PULL = 1e-12
-"""Largest error of a spring's pull, relative to the largest force, that counts as settled.
+"""Largest error of a spring's pull, relative to the largest force, at which the iteration ends.
 
 It is far below the 1e-9 to which forces balance, and above the round-off of the motions times the
-rate. A spring that is stiffer than the brake has a larger round-off and is refused. The value
-is a judgement.
+rate. A spring that is stiffer than the brake has a larger round-off and is refused. The value is a
+judgement.
 """
 MOST_SPRING_STEPS = 40
-"""Contact solves after which the pulls of springs count as not settled. Usual brakes take four."""
+"""Contact solves after which the iteration for the spring pulls fails. Usual brakes take four."""
 
 Answer = TypeVar("Answer")
 
@@ -33,7 +33,7 @@ Answer = TypeVar("Answer")
 def settle_spring_pulls(
     brake: Brake, solve: Callable[[Brake], tuple[Answer, Floats]]
 ) -> tuple[Answer, tuple[float, ...]]:
-    """Find the pulls of all springs that agree with the motions which the pulls themselves cause.
+    """Find the pulls of all springs that agree with the motions of the springs' points.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def settle_spring_pulls(
 
     Returns
     -------
-    the answer, and the pull of each spring [N]
+    the answer of `solve` under these pulls, and the pull of each spring [N]
 
     Raises
     ------
@@ -75,7 +75,7 @@ def settle_spring_pulls(
 
 
 def _check_springs_are_not_slack(preloads: Floats, pulls: Floats) -> None:
-    """Raise NoAnswer for a spring that pulls by its preload and would push in the answer."""
+    """Raise NoAnswer for a spring whose pull has the opposite sign of its preload."""
     for i, (preload, pull) in enumerate(zip(preloads.tolist(), pulls.tolist(), strict=True)):
         if pull * preload < 0:
             verb = ("pushes", "pull") if preload < 0 else ("pulls", "push")
@@ -87,14 +87,15 @@ def _check_springs_are_not_slack(preloads: Floats, pulls: Floats) -> None:
 def approach_of_spring_points_by_shoe(
     brake: Brake, shoe: Shoe, body: ShoeSubstructure, elastic: Floats, pin_motion: Floats
 ) -> Floats:
-    """The motion (springs,) [m] of a shoe's points along the pulls of the springs at this shoe.
+    """The displacement (springs,) [m] of each spring's point on a shoe along the spring's pull.
 
     Parameters
     ----------
     brake : the brake with its springs
     shoe : the shoe
     body : its substructure
-    elastic : (l,) displacements of the points of the unit loads by the strain of the body [m, rad]
+    elastic : (l,) displacements of the loaded points by the strain of the body, one for each load
+        column [m, rad]
     pin_motion : (3,) displacement x, y [m] of the pin and turn [rad], in the frame of the shoe
     """
     found = np.zeros(len(brake.springs))
@@ -115,7 +116,7 @@ def approach_of_spring_points_by_shoe(
 
 
 def notes_on_spring_pulls(brake: Brake, pulls: tuple[float, ...]) -> list[str]:
-    """A line of text for each spring with a rate: its pull in the answer and its preload."""
+    """A note for each spring with a rate: its pull in the response and its preload."""
     return [
         f"spring[{i}]: its pull is {pull:.6g} N, its preload {spring.preload:.6g} N"
         for i, (spring, pull) in enumerate(zip(brake.springs, pulls, strict=False))

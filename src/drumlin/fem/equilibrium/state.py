@@ -37,8 +37,8 @@ from drumlin.fem.preparation.scene import PreparedModel
 class UnitLoad(NamedTuple):
     """The actuation of a shoe by a force of one newton.
 
-    `load_factors` (l,) multiply the load columns of the substructure. `moment_about_pin` is the
-    moment of the actuation about the pin [m].
+    `load_factors` (l,) are the factors by which the load columns of the substructure make up the
+    load. `moment_about_pin` is the moment of the actuation about the pin [m].
     """
 
     load_factors: Floats
@@ -49,7 +49,7 @@ class ModeClosures(NamedTuple):
     """The effects of a shoe's k test modes on its n contact nodes, per unit of each mode.
 
     `normal` (n, k) are the weighted closures N u of the gap, and `tangential` (n, k) the weighted
-    slips T u. A test mode is a rigid-body motion on which virtual work gives an equilibrium.
+    slips T u. A test mode is a rigid-body motion on which the shoe's support does no work.
     """
 
     normal: Floats
@@ -59,8 +59,8 @@ class ModeClosures(NamedTuple):
 class FrictionlessTerms(NamedTuple):
     """The parts of a shoe's contact problem that friction does not change.
 
-    These are the weighted gaps q (n,) of the unloaded contact, the gaps B (n, k) per rigid-body
-    motion and the generalised forces h (k,) of the actuation.
+    These are the weighted gaps q (n,) at zero pressure, their opening B (n, k) per rigid-body mode,
+    and the generalised forces h (k,) by which the pressures balance the loads, C p = h.
     """
 
     q: Floats
@@ -69,7 +69,7 @@ class FrictionlessTerms(NamedTuple):
 
 
 class RingFlexibilityRoots(NamedTuple):
-    """Factors (m, n) of the flexibility matrices of the drum's ring at n contact nodes.
+    """Factors (m, n) whose products are the flexibility matrices of the drum's ring at n nodes.
 
     The weighted gaps that the ring opens are pressed^T pressed per pressure of the shoes, and
     pressed^T dragged per friction traction of the shoes.
@@ -83,8 +83,8 @@ class RingFlexibilityRoots(NamedTuple):
 class GroupState:
     """Shoes of a brake that are solved together, on a prepared model.
 
-    All contact problems of the group are stated per newton of `largest_actuation_force`. If a
-    single force acts, its size then occurs in the gaps alone.
+    All contact problems of the group are stated per newton of `largest_actuation_force`. If only
+    one force acts, its size then changes the gaps alone.
 
     Attributes
     ----------
@@ -92,15 +92,16 @@ class GroupState:
     brake : the brake, whose friction, forces and clearances may differ from those of the model
     members : positions of the shoes in the brake
     penalty : factor alpha of the contact stiffness alpha E/t; inf for exact contact
-    friction_senses : sense of the friction at each shoe's abutment, see `Held.freedoms`; empty
-        until `ShoeGroup.solve_contact_and_abutment_friction` has found the senses. A group with a
-        rough abutment has no contact problem before the senses are known.
-    relative_frictions : (shoes,) friction coefficient of each shoe over that of the brake; empty to
-        take them from the brake, which does not know them once its friction is scaled to 0
+    friction_senses : direction of the friction at each shoe's abutment: +1 or -1 along its face, 0
+        if the foot sticks. It is empty until `ShoeGroup.solve_contact_and_abutment_friction` has
+        found the directions; a group with a rough abutment has no contact problem before.
+    relative_frictions : (shoes,) friction coefficient of each shoe divided by that of the brake;
+        empty to compute it from the brake, which is impossible once the brake's friction is set to
+        0
     bearing : whether each one-sided support of the group bears; empty until the solve has found
         which of them do. A group with such supports has no contact problem before.
-    friction_at_nodes : (n,) friction coefficient at each contact node over that of the brake; None
-        if it is the same at all nodes of a shoe
+    friction_at_nodes : (n,) friction coefficient at each contact node divided by that of the brake;
+        None if it is the same at all nodes of a shoe
     worn_depth : (n,) [m], depth by which wear has opened the gap at the contact nodes of the group;
         None for unworn linings
     """
@@ -139,9 +140,10 @@ class GroupState:
 
     @property
     def known_abutment_friction_directions(self) -> tuple[int, ...]:
-        """The sense of each shoe's friction at its abutment, +1 for a smooth or missing abutment.
+        """The direction of friction at each shoe's abutment: +1 or -1 along its face.
 
-        Raises RuntimeError if an abutment is rough and its sense is not known yet.
+        It is 0 for a foot that sticks, and +1 for a smooth or missing abutment. Raises RuntimeError
+        if an abutment is rough and the direction is not known yet.
         """
         if not self.friction_senses and self.has_abutment_with_friction:
             raise RuntimeError(
@@ -152,7 +154,7 @@ class GroupState:
 
     @cached_property
     def relative_friction_of_each_shoe(self) -> tuple[float, ...]:
-        """The friction coefficient of each shoe's lining over that of the brake."""
+        """The friction coefficient of each shoe's lining divided by that of the brake."""
         return self.relative_frictions or tuple(
             map(self.brake.relative_friction_of_shoe, self.shoes)
         )
@@ -163,21 +165,21 @@ class GroupState:
         return self.brake.friction * self.brake.sign_of_motion * self.relative_friction_of_nodes
 
     def dragging_pressures_of_shoe(self, k: int, p: Floats) -> Floats:
-        """The pressures (n_k,) that the friction coefficient of shoe `k` turns into friction.
+        """The friction stress (n_k,) on shoe `k`, divided by the shoe's friction coefficient.
 
-        They are the pressures p (n_k,) themselves, unless friction differs from node to node.
+        It equals the pressures p (n_k,), unless the coefficient differs from node to node.
         """
         return np.asarray(self.friction_ratios_at_nodes_of_shoe(k) * p)
 
     def friction_ratios_at_nodes_of_shoe(self, k: int) -> Floats:
-        """The friction coefficient (n_k,) at each node of shoe `k` over that of the shoe."""
+        """The friction coefficient (n_k,) at each node of shoe `k`, divided by that of the shoe."""
         nodes = self.contact_node_slices_of_shoes[k]
         if self.friction_at_nodes is None:
             return np.ones(nodes.stop - nodes.start)
         own = self.friction_at_nodes[nodes]
         return np.asarray(own / self.relative_friction_of_each_shoe[k])
 
-    # These properties tell where the unknowns of each shoe stand among those of the group.
+    # These properties give the indices of each shoe's unknowns among the unknowns of the group.
 
     @cached_property
     def contact_node_slices_of_shoes(self) -> tuple[slice, ...]:
@@ -202,7 +204,7 @@ class GroupState:
 
     @cached_property
     def relative_actuation_forces_of_file(self) -> Floats:
-        """The actuation forces (shoes,) of the brake file, over `largest_actuation_force`."""
+        """The actuation forces (shoes,) of the brake file, divided by `largest_actuation_force`."""
         return (
             np.array([shoe.actuation.force for shoe in self.shoes]) / self.largest_actuation_force
         )
@@ -294,7 +296,7 @@ class GroupState:
 
     @cached_property
     def one_sided_supports(self) -> tuple[OneSidedSupport, ...]:
-        """The one-sided supports of the group's shoes, with the numbers of shoes in the group."""
+        """The one-sided supports of the group's shoes, which are numbered within the group."""
         found = []
         for support in one_sided_supports_of_brake(self.brake):
             if support.sides[0].shoe in self.members:
@@ -305,10 +307,9 @@ class GroupState:
         return tuple(found)
 
     def work_of_push_on_modes(self, k: int, push: Actuation) -> Floats:
-        """The work (k,) of the push of a support on the modes of shoe `k`.
+        """The work (k,) of a one-sided support's push on the rigid-body modes of shoe `k`.
 
-        For a push of 1 N it is also the opening of the support per unit of each mode. The first
-        mode is a turn in the sense of the shoe's frame.
+        For a push of 1 N it is also the opening of the support per unit of each mode.
         """
         shoe = self.shoes[k]
         work = work_of_push_in_motions(shoe, push)
@@ -316,7 +317,7 @@ class GroupState:
         return work
 
     def load_factors_of_push(self, side: SideOfSupport) -> Floats:
-        """The factors (l,) of a shoe's load columns under the push of a support by 1 N."""
+        """The factors (l,) by which a shoe's load columns make up the push of a support by 1 N."""
         body, shoe = self.substructures_of_shoes[side.shoe], self.shoes[side.shoe]
         return load_factors_of_push_on_shoe(body, shoe, side.push, self.brake.size)
 
@@ -324,16 +325,16 @@ class GroupState:
 
     @cached_property
     def torque_of_each_shoe_per_nodal_pressure(self) -> Floats:
-        """The torque (n, shoes) [m^3] of each shoe per nodal pressure, at a brake's friction of 1.
+        """The torque (n, shoes) [m^3] of each shoe per nodal pressure, for a brake friction of 1.
 
-        Linings with a friction of their own have it in proportion.
+        The friction of a lining with a coefficient of its own is scaled in proportion.
         """
         levers = block_diag(*map(attrgetter("coupling.lever"), self.substructures_of_shoes)).T
         return np.asarray(levers * self.relative_friction_of_each_shoe)
 
     @cached_property
     def relative_friction_of_nodes(self) -> Floats:
-        """The friction coefficient (n,) at each contact node over that of the brake."""
+        """The friction coefficient (n,) at each contact node divided by that of the brake."""
         if self.friction_at_nodes is not None:
             return self.friction_at_nodes
         counts = [len(body.line.nodes) for body in self.substructures_of_shoes]
@@ -341,21 +342,21 @@ class GroupState:
 
     @cached_property
     def contact_node_areas(self) -> Floats:
-        """The area (n,) [m^2] of each contact node, which turns its pressure into a force."""
+        """The area (n,) [m^2] of each contact node; pressure times area is the nodal force."""
         return np.concatenate(
             list(map(attrgetter("coupling.areas_of_contact_nodes"), self.substructures_of_shoes))
         )
 
     @cached_property
     def mass_matrix_of_contact_nodes(self) -> Floats:
-        """The mass matrix (n, n) [m^2] of the contact nodes: weighted gaps per nodal gap."""
+        """The mass matrix (n, n) [m^2] of the contact nodes: weighted gaps from nodal gaps."""
         return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.substructures_of_shoes)))
 
     # These properties describe the ring, the struts and the cam.
 
     @cached_property
     def factors_of_ring_flexibility(self) -> RingFlexibilityRoots | None:
-        """The factors of the ring's flexibility under the group's linings; None without a ring."""
+        """The factors of the drum ring's flexibility under the linings; None without a ring."""
         ring = self.scene.ring
         if ring is None:
             return None
@@ -366,7 +367,7 @@ class GroupState:
 
     @cached_property
     def pushing_and_pushed_shoe_of_struts(self) -> list[tuple[int, int]]:
-        """For each strut of the group, the number of the pushing shoe and that of the pushed shoe.
+        """For each strut of the group, the numbers of the pushing shoe and of the pushed shoe.
 
         The numbers are positions in the group.
         """
@@ -382,7 +383,7 @@ class GroupState:
     def indices_of_shoes_under_cam(self) -> list[int]:
         """The numbers, in the group, of the shoes that a cam pushes; empty without a cam.
 
-        The cam moves the tips of these shoes by the same travel.
+        The cam moves the points of actuation of these shoes by the same travel.
         """
         drive = self.brake.actuation
         if not drive or not drive.is_cam:
@@ -404,11 +405,11 @@ class GroupState:
 def unloaded_lining_gaps_at_points(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
     """The gaps (...) [m] of an unloaded lining at points of its friction surface.
 
-    A gap is the distance off the drum's radius, the clearance and the misfit together.
+    A gap is the sum of the point's distance from the drum's radius, the clearance and the misfit.
 
     Parameters
     ----------
-    xy : places (2, ...) [m] of the points in the frame of the shoe
+    xy : coordinates (2, ...) [m] of the points in the frame of the shoe
     phi : angles (...) [rad] of the points in the frame of the shoe
     brake : the brake
     shoe : the shoe of the lining

@@ -1,4 +1,4 @@
-"""A brake solved to a tolerance, on finer and finer levels.
+"""Solve a brake to a tolerance, on finer and finer levels.
 
 A level is a division of the brake into hp elements. The solve ends on the first level whose
 estimated errors are below the tolerance.
@@ -37,17 +37,19 @@ from drumlin.response.resultants import (
 )
 
 SHORTEST_KNOWN_CONTACT = 1000 * SMALLEST_COLUMN
-"""Length of a contact, relative to the lining's thickness, below which its pressure is unknown.
+"""Length of a contact, in lining thicknesses, below which its pressure counts as unknown.
 
-For a shorter contact the answer says that the pressure is not known. The reason: an error of 1e-4
-needs elements at the ends of the contact whose size is a thousandth of the contact's length, and no
-element is smaller than SMALLEST_COLUMN.
+An error of 1e-4 needs elements at the ends of the contact whose size is a thousandth of the
+contact's length, but round-off limits the size to about SMALLEST_COLUMN. For a shorter contact the
+response states the error 1 for the pressure.
 """
 PEAK_NEAR_END = 0.5
-"""Largest pressure p in the hp element at an end of the lining, relative to the peak pressure.
+"""Pressure p in the hp element at a lining's end, relative to the peak, that makes the peak
+unknown.
 
-If p is higher in this element, the peak pressure counts as unknown: p grows without bound at the
-lining's end, and on finer elements the largest pressure would lie there. The value is a judgement.
+If the largest p in this element exceeds this fraction of the peak, the peak pressure counts as
+unknown: p grows without bound at the lining's end, and on finer elements the largest pressure would
+lie there. The value is a judgement.
 """
 
 
@@ -65,7 +67,7 @@ class Tolerance(NamedTuple):
 DEFAULT_TOLERANCE = Tolerance(5e-3, 1e-4)
 """Tolerance of a solve without the option `--tolerance`: 0.5 % of p and 0.01 % of the torque.
 
-No brake is manufactured as precisely.
+No brake is manufactured so precisely that smaller errors would matter.
 """
 
 
@@ -99,7 +101,7 @@ def solve_brake_to_tolerance(
 ) -> SolvedLevel:
     """Solve a brake on finer and finer levels until its estimated errors meet a tolerance.
 
-    Returns the last level: the response with its errors, and the prepared model.
+    Returns the prepared model of the last level, and the response on it with its errors.
 
     Parameters
     ----------
@@ -108,14 +110,15 @@ def solve_brake_to_tolerance(
     respond : function that computes the response on a prepared model
     must : whether an error is raised if the tolerance is not reached; otherwise the last level is
         returned with a warning
-    cache : keeps the stiffness matrices of bodies from earlier solves
-    levels : levels that are solved already; if None, the function solves the levels itself
+    cache : keeps the condensed bodies of earlier solves
+    levels : solved levels from coarse to fine, as an iterable that may solve them one by one; by
+        default `solve_on_finer_and_finer_levels`
 
     Raises
     ------
     NoAnswer
-        if no level has a solution, or if the tolerance must be reached and is not; the message
-        states the errors that were reached
+        if fewer than two levels have a solution, or if the tolerance must be reached and is not;
+        the message then states the errors that were reached
     BadInput
         for a brake with a mesh file
     """
@@ -123,9 +126,9 @@ def solve_brake_to_tolerance(
     progress = _solve_levels_until_tolerance(brake, tolerance, levels)
     if not progress.missed:
         return SolvedLevel(progress.scene, _last_response_with_estimated_errors(progress))
-    why = _text_on_shoes_with_unbounded_pressure(brake, progress.responses[-1])
+    why = _shoes_with_unbounded_pressure_as_text(brake, progress.responses[-1])
     if must:
-        reached = _text_on_reached_errors(progress, tolerance)
+        reached = _reached_errors_as_text(progress, tolerance)
         raise NoAnswer(
             f"{progress.missed} on {len(progress.responses)} meshes of up to {progress.unknowns} "
             f"unknowns a shoe: {reached}{why}"
@@ -139,8 +142,9 @@ def _solve_levels_until_tolerance(
 ) -> _Progress:
     """Solve a brake up to the first level that meets the tolerance, or to the last level.
 
-    The solve also ends if a finer level has no solution. Raises NoAnswer if fewer than two levels
-    have solutions, because the errors are then unknown.
+    The solve also ends if a finer level has no solution, or if a contact is too short to know its
+    pressure. Raises NoAnswer if fewer than two levels have solutions, because the errors are then
+    unknown.
     """
     responses: list[Response] = []
     error = Errors({}, ())
@@ -150,8 +154,8 @@ def _solve_levels_until_tolerance(
         for scene, response in levels:
             responses.append(response_with_power_laws_at_corners(brake, response))
             unknowns = max(body.unknowns for body in scene.bodies)
-            # The errors follow from the difference between two levels, so that the first level
-            # alone has no error estimate.
+            # Errors are estimated from the difference between two levels, so that the first level
+            # alone has no estimate.
             if len(responses) == 1:
                 continue
             before, last = responses[-2:]
@@ -177,7 +181,7 @@ def is_tolerance_met(error: Errors, tolerance: Tolerance) -> bool:
     return pressure <= tolerance.pressure and torque <= tolerance.torque
 
 
-def _text_on_shoes_with_unbounded_pressure(brake: Brake, response: Response) -> str:
+def _shoes_with_unbounded_pressure_as_text(brake: Brake, response: Response) -> str:
     """The text that names the shoes whose pressure grows without bound at a point of the lining.
 
     The text is empty if there is no such shoe.
@@ -191,7 +195,7 @@ def _text_on_shoes_with_unbounded_pressure(brake: Brake, response: Response) -> 
     return f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}"
 
 
-def _text_on_reached_errors(progress: _Progress, tolerance: Tolerance) -> str:
+def _reached_errors_as_text(progress: _Progress, tolerance: Tolerance) -> str:
     """The text that states the errors which were reached.
 
     If the finite contact stiffness (penalty) causes more than half of the allowed error of p, the
@@ -207,7 +211,7 @@ def _text_on_reached_errors(progress: _Progress, tolerance: Tolerance) -> str:
 
 
 def _last_response_with_estimated_errors(progress: _Progress) -> Response:
-    """The response of the last level with its errors, the time of all levels, and a note on them.
+    """The last level's response with its errors, the time of all levels and a note on them.
 
     If the errors miss the tolerance, the notes end with a warning.
     """
@@ -223,7 +227,7 @@ def _last_response_with_estimated_errors(progress: _Progress) -> Response:
 def response_with_estimated_errors(
     responses: Sequence[Response], error: Errors, notes: Sequence[str]
 ) -> Response:
-    """The last of several responses with its errors, the time of all of them, and further notes.
+    """The last of several responses, with its errors, the time of all responses, and further notes.
 
     The number of iterations is the largest of any response.
 
@@ -249,8 +253,8 @@ def response_with_estimated_errors(
     )
 
 
-# The following functions add errors that cannot be seen in the difference between two levels: where
-# the pressure is unbounded, and where a contact is too short for any division.
+# The following functions add errors that cannot be seen in the difference between two levels:
+# errors where the pressure is unbounded, and in a contact that is too short for any division.
 
 
 def errors_with_singular_points_included(
@@ -262,7 +266,8 @@ def errors_with_singular_points_included(
     pressure p grows without bound. Elements of finite size cannot show this growth, and the
     difference between two levels does not reveal the error. An error of 1 means that the value is
     unknown. It is stated for a peak at an end of the lining or under a tip, and for the pressure of
-    a contact that is too short. The text names such a contact, and is empty otherwise.
+    a contact that is too short. The text names the shoe of such a contact, and is empty if there is
+    none.
 
     Parameters
     ----------
@@ -312,21 +317,21 @@ def _missing_fraction_of_peak_pressure(
     A computed peak is too small if the exact pressure p grows without bound nearby: at an end of
     the lining, or under a kink of the gap that points to the drum (a tip). The fraction is then 1,
     which means that the peak is unknown. `scale_factor` is the length per unit of the surface's
-    coordinate [m/rad, on a plane 1].
+    coordinate [m/rad; 1 on a plane].
     """
     zone = length_of_edge_zone_without_peak(shoe, scale_factor)
     if _is_peak_pressure_at_lining_end(answer, zone):
         return 1.0
-    return _missing_fraction_of_peak_under_gap_tips(shoe, scale_factor, answer, zone)
+    return _missing_fraction_of_peak_at_pointed_gap_kinks(shoe, scale_factor, answer, zone)
 
 
 def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
     """Whether the pressure p peaks in the hp element at an end of the lining, where p is unbounded.
 
     `zone` is the length of the zone at each end of the lining in which the peak is usually not
-    sought (see `length_of_edge_zone_without_peak`). If the peak was sought there, the result is
-    already true if the pressure in the end element is PEAK_NEAR_END of the peak, because on finer
-    elements the largest pressure would lie there.
+    sought. If the peak was sought there nevertheless, the result is also true if the pressure in an
+    end element exceeds PEAK_NEAR_END times the peak: on finer elements the largest pressure would
+    lie there.
     """
     theta, p, order = answer.theta, answer.pressure, answer.order
     # The heights are the largest pressures in the elements at pressed ends, relative to the peak.
@@ -344,7 +349,8 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
 def _elements_at_ends_of_linings(answer: ShoeResponse) -> list[tuple[int, slice]]:
     """The node at each end of a lining, and the nodes of the hp element that ends there.
 
-    Each end is the position of its node. A shoe with slots has two ends more at each slot.
+    Each item is the index of the end's node and the slice of the element's nodes. A shoe with slots
+    between its linings has two more ends at each slot.
     """
     order, last = answer.order, len(answer.theta) - 1
     before, behind = np.searchsorted(answer.theta, np.reshape(answer.slots, (-1, 2))).T.tolist()
@@ -353,27 +359,26 @@ def _elements_at_ends_of_linings(answer: ShoeResponse) -> list[tuple[int, slice]
     return at_starts + [(node, slice(node - order, node + 1)) for node in ends]
 
 
-def _missing_fraction_of_peak_under_gap_tips(
+def _missing_fraction_of_peak_at_pointed_gap_kinks(
     shoe: Shoe, scale_factor: float, answer: ShoeResponse, zone: float
 ) -> float:
-    """The fraction by which the computed peak may be too small because of the tips of the gap.
+    """The fraction by which the computed pressure peak may be too small because of tips of the gap.
 
     A tip is a kink of the gap that points to the drum: the slope of the gap jumps there. The exact
     pressure p is unbounded at a tip. A wedge whose slope changes by s has the pressure E s/(2 pi)
-    ln(1/x) on a half-plane of modulus E, at the distance x (Johnson, Contact Mechanics, ch. 5). If
-    the elements beside the tip were as small as SMALLEST_COLUMN, the computed p at the tip would
-    have grown by this law.
+    ln(1/x) on a half-plane of modulus E, at the distance x (Johnson, Contact Mechanics, ch. 5). The
+    computed p at the tip is extrapolated by this law to elements as small as SMALLEST_COLUMN.
 
-    If the grown pressure exceeds the computed peak, the peak is too small. If two elements meet at
-    the tip, the peak counts as unknown, and the fraction is 1. At a tip that hardly changes p no
-    elements meet (see `singular_points_of_all_linings`). The fraction is then the part by which the
-    grown pressure exceeds the peak. Tips in the zone at the lining's ends are treated by
+    If the extrapolated pressure exceeds the computed peak, the peak is too small. If two elements
+    meet at the tip, the peak counts as unknown, and the fraction is 1. No elements meet at a tip
+    that hardly changes p; the fraction is then the relative excess of the extrapolated pressure
+    over the peak. Tips in the zone at the lining's ends are treated by
     `_is_peak_pressure_at_lining_end`.
 
     Parameters
     ----------
     shoe, answer : the shoe and its response
-    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
+    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
     zone : length of the zone at each end of the lining in which the peak is usually not sought
     """
     order = answer.order

@@ -1,10 +1,10 @@
-"""A brake solved on meshes of files with stated errors, by splitting and by higher degrees.
+"""Solve a brake on the meshes of files with stated errors, by smaller elements of higher degree.
 
 From level to level the displacements on the mesh of a file have a higher degree, and its elements
 are split into smaller ones at singular points: corners of the shoe, ends of the lining and of the
-contact. The difference of two levels states the errors of the last one. A further response, in
-which straight sides on curved lines are arcs, states the error of the straight sides. Shoes without
-a mesh file and the drum's ring are divided into more and more elements instead.
+contact. The difference of two levels states the errors of the last one. Another solve, in which
+straight element sides on curved outlines are bent to arcs, states the error of the straight sides.
+Shoes without a mesh file and the drum's ring are divided into more and more elements instead.
 """
 
 from dataclasses import replace
@@ -47,14 +47,15 @@ from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 
 MESH_LEVELS = tuple(replace(level, degree=level.degree - 1) for level in LEVELS[:4])
-"""The levels on the mesh of a file: degree of the elements, and their sizes at singular points.
+"""The levels of refinement on the mesh of a file: degree of the elements, and their sizes at
+singular points.
 
-The sizes are those of hp elements, and the degree is lower by one: most elements of a mesh are
-smaller than hp elements. With the degree of hp elements the errors were hardly smaller, because
+The sizes are the same as for hp elements, and the degree is lower by one: most elements of a mesh
+are smaller than hp elements. With the degree of hp elements the errors were hardly smaller, because
 they come from the singular points.
 """
 DEGREE_FACTORS = Factors(pressure=0.45, force=0.35, cancelled=0.006, peak=0.5)
-"""The factors of the error estimate that compares two levels; see `Factors` for each number.
+"""The factors of the error estimate from two levels on a mesh file; see `Factors` for each number.
 
 A smaller factor makes stated errors too small, a larger one only larger. On 130 meshes by Gmsh with
 curved sides a pressure factor of 0.33 and a peak factor of 0.44 would just suffice, and for forces
@@ -63,34 +64,36 @@ meshes/web_shoe.toml, which have holes, need a pressure factor of 0.44. `make de
 stated with true errors on further meshes.
 """
 FORMER_SHARE = 0.02
-"""Share of the difference of the two levels before that is added to the last difference.
+"""Fraction of the difference between the two earlier levels that is added to the last difference.
 
-The last difference may be small by accident. A larger share makes stated errors larger. The value
-is a judgement.
+The last difference, between the last two levels, may be small by accident. A larger fraction makes
+stated errors larger. The value is a judgement.
 """
 OUTLINE_FACTORS = Factors(pressure=1.3, force=1.3, cancelled=0.1, peak=1.3)
-"""Error of straight sides, divided by the difference that arcs in their place make.
+"""Error that straight sides on curved outlines cause, divided by the change of the result when arcs
+replace these sides.
 
-The numbers have the meanings of `Factors`. Where the sides are the largest error, the difference is
-nearly the true error: of 45 meshes by Gmsh with straight sides the error of p was 1.0 to 1.15 times
-the difference, and that of the peak up to 1.25 times the larger one of the differences of p and of
-the peak. On one mesh the changes of p cancelled in the torque, whose error was 5 times its
-difference, or 0.12 of the change with random signs. Smaller factors make stated errors too small.
+See `Factors` for each number. If the straight sides cause the largest error, the change is nearly
+the true error: on 45 meshes by Gmsh with straight sides the error of p was 1.0 to 1.15 times its
+change, and the error of the peak up to 1.25 times the larger of the changes of p and of the peak.
+On one mesh the changes of p cancelled in the torque, whose error was 5 times its change, or 0.12 of
+the change with random signs. Smaller factors make stated errors too small.
 """
 ROUNDING_FACTORS = {"pressure": 1.5, "torque": 0.1, "peak": 0.8, "reaction": 0.25}
-"""Errors by rounded coordinates, divided by the rounding relative to the lining's thickness.
+"""Relative errors by rounded coordinates of a mesh file, divided by the ratio of the rounding to
+the lining's thickness.
 
-Contact nodes are put on the drum again, but the thickness of the lining and the other faces of the
-shoe keep the rounding. On 7 coarse meshes by Gmsh with curved sides, rounded to 0.01 mm and solved
-at the highest degree, p changed by 0.3 to 1.3 times the relative rounding, the peak by up to 0.6
-times, the reaction by up to 0.2 times and the torque by up to 0.07 times. Smaller factors make
-stated errors of rounded meshes too small.
+Contact nodes are moved back onto the drum, but the other nodes, and so the lining's thickness, keep
+the rounding. On 7 coarse meshes by Gmsh with curved sides, rounded to 0.01 mm and solved at the
+highest degree, p changed by 0.3 to 1.3 times the relative rounding, the peak by up to 0.6 times,
+the reaction by up to 0.2 times and the torque by up to 0.07 times. Smaller factors make stated
+errors of rounded meshes too small.
 """
 NEGLIGIBLE_MOVE = 1e-5
-"""Largest distance between side and arc, relative to the lining's thickness, that is neglected.
+"""Largest distance between a straight side and its arc, in lining thicknesses, that is neglected.
 
-Torque and reaction change by up to 1.5 times the relative distance. Quadratic sides that follow an
-arc of a tenth of its radius lie 2e-5 to 3e-5 of a lining's thickness off it.
+The relative change of torque and reaction is up to 1.5 times this ratio. Quadratic sides along an
+arc lie 2e-5 to 3e-5 of a lining's thickness off it if they are a tenth of its radius long.
 """
 
 
@@ -100,21 +103,21 @@ def solve_meshes_of_files(
     """Solve a brake on the meshes of its shoes' files, with stated errors.
 
     Returns the prepared model of the last level that was solved, and the response on it. The levels
-    end where the estimated errors meet the tolerance. A given tolerance that is not met is said in
-    a warning. If the errors cannot be estimated, the brake is solved at the meshes' own degrees,
-    and a note says why no error is stated.
+    end when the estimated errors meet the tolerance. If a given tolerance is not met, a warning
+    says so. If the errors cannot be estimated, the brake is solved at the meshes' own degrees, and
+    a note says why no error is stated.
 
     Parameters
     ----------
     brake : the brake; at least one shoe has a mesh file
     respond : function that computes the response on a prepared model
     tolerance : largest relative error of p and of the torque; None for the default tolerance
-    cache : keeps the stiffness matrices of bodies from earlier solves
+    cache : keeps the condensed bodies of earlier solves
 
     Raises
     ------
     BadInput
-        for a mesh file that cannot serve
+        for a mesh file that cannot be used
     NoAnswer
         if the brake has no solution on the meshes' own degrees
     """
@@ -162,7 +165,7 @@ def prepared_model_of_mesh_files(
 ) -> PreparedModel:
     """The prepared model of a brake on a level, with the meshes of its files split.
 
-    Parametric shoes and the ring have twice as many elements on each level.
+    Shoes without a mesh file and the drum ring have twice as many elements as on the level before.
 
     Parameters
     ----------
@@ -174,7 +177,7 @@ def prepared_model_of_mesh_files(
     Raises
     ------
     BadInput
-        for a mesh file that cannot serve
+        for a mesh file that cannot be used
     NoAnswer
         for a mesh with too many nodes on this level, and for a singular stiffness
     """
@@ -188,9 +191,9 @@ def prepared_model_of_mesh_files(
 
 
 def _errors_of_last_level(brake: Brake, responses: list[Response], shape: Floats | float) -> Errors:
-    """The estimated errors of the last of at least two responses.
+    """The estimated errors of the response on the last of at least two levels.
 
-    `shape` are the errors (1 + 4 shoes,) of straight sides and of rounded coordinates.
+    `shape` are the errors (1 + 4 shoes,) by straight sides and by rounded coordinates.
     """
     *former, before, last = responses
     moved = relative_differences_of_two_levels(brake, before, last)
@@ -206,7 +209,8 @@ def _errors_of_straight_sides(
 ) -> Floats | float:
     """The relative errors (1 + 4 shoes,) that straight sides on curved outlines cause.
 
-    They are 0 if the sides follow the curves already. `first` is the response at the first degree.
+    They are 0 if the sides already follow the curves. `first` is the response on the first level,
+    whose contact is the first guess.
     """
     if not _has_straight_sides_on_curves(brake, cache):
         return 0.0
@@ -223,7 +227,7 @@ def _errors_of_straight_sides(
     moved = relative_differences_of_two_levels(brake, of_smooth, of_straight)
     torque, of_shoes = moved.steps[:1], moved.steps[1:].reshape(-1, len(QUANTITIES)).copy()
     pressure, peak = (QUANTITIES.index(name) for name in ("pressure", "peak"))
-    # The difference of a peak may be small by accident; it counts as at least that of p.
+    # The difference of a peak may be small by accident; it counts as at least the difference of p.
     of_shoes[:, peak] = of_shoes[:, [pressure, peak]].max(axis=1)
     steps = np.concatenate([torque, of_shoes.ravel()])
     factors = OUTLINE_FACTORS.error_factors_of_refinement_differences(len(brake.shoes))
@@ -242,7 +246,7 @@ def _errors_of_rounded_coordinates(brake: Brake, cache: Cache) -> Floats:
 
 
 def _has_straight_sides_on_curves(brake: Brake, cache: Cache) -> bool:
-    """Whether the mesh of a file has straight sides that lie noticeably off a smooth outline."""
+    """Whether the mesh of a file has straight sides that lie noticeably off its smooth outline."""
     for shoe in brake.shoes:
         read = read_mesh_file_of_shoe(brake, shoe, cache)
         if read is not None:

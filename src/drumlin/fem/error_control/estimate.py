@@ -1,22 +1,22 @@
-"""The a posteriori error estimate: errors of a level, from its difference to the level before.
+"""The a posteriori error estimate: errors of a level, from its difference to the coarser level.
 
 A level is a division of the brake into elements, and level k is finer than level k-1. Let e_k be
 the relative error of a result on level k, and d_k the relative difference between the results on
-levels k and k-1, which is called the distance. If a level has at most 1/r of the error of the level
-before, then d_k >= e_(k-1) - e_k >= (r - 1) e_k, so that
+the levels k and k-1. If a level has at most 1/r of the error of the level before, then d_k >=
+e_(k-1) - e_k >= (r - 1) e_k, so that
 
     e_k <= c d_k,   c = 1/(r - 1).
 
-The factor c of each quantity is fitted on random brakes of every kind, see `FACTORS`. The distance
-of a single number may be small by accident although its error is large. The errors of forces and of
-peak pressures are therefore estimated by more than their own distance:
+The factor c of each quantity is fitted on random brakes of every kind, see `FACTORS`. The
+difference of a single number may be small by accident although its error is large. The errors of
+forces and of peak pressures are therefore estimated by more than their own difference:
 
 - A force (torque, reaction) is an integral of the pressure p, and the differences of p in several
   columns of hp elements may cancel in it. Therefore a fraction, `cancelled`, of another change is
-  added: the change of the force if the columns contributed with random signs. It is the root of the
-  sum of the squares of their contributions.
-- The distance of the peak pressure counts as at least the geometric mean of two other distances:
-  that of p in the column of elements with the peak, and that of p in the L2 norm.
+  added: the change that the force would have if the columns contributed with random signs. It is
+  the root of the sum of the squared contributions.
+- The difference of the peak pressure counts as at least the geometric mean of two other
+  differences: of p in the column of elements with the peak, and of p in the L2 norm.
 
 Two further errors are added for all quantities: the change by the finite contact stiffness
 (`ShoeResponse.softness`), and the round-off error of the elimination of unknowns
@@ -53,16 +53,16 @@ and the support reaction.
 
 
 class Factors(NamedTuple):
-    """The factors of the error estimate.
+    """The factors that turn differences between two levels into error estimates.
 
     Attributes
     ----------
-    pressure, force : error of the quantity, divided by the difference of the last two levels;
-        a force is a torque or a reaction
+    pressure, force : error of the quantity, divided by its difference on the last two levels; a
+        force is a torque or a reaction
     cancelled : fraction of a further change that is added to the error of a force: the change that
         the force would have if the columns of elements contributed with random signs. The actual
         contributions may cancel by accident.
-    peak : error of the peak pressure, divided by the difference of the last two levels
+    peak : error of the peak pressure, divided by its difference on the last two levels
     """
 
     pressure: float
@@ -71,7 +71,7 @@ class Factors(NamedTuple):
     peak: float
 
     def error_factors_of_refinement_differences(self, shoes: int) -> Floats:
-        """The factor (1 + 4 shoes,) of each difference, in the order of `LevelDifferences`."""
+        """The factors (1 + 4 shoes,) of the differences, in the order of `LevelDifferences`."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 
@@ -79,7 +79,8 @@ class Factors(NamedTuple):
 def read_safety_factors(path: Path) -> dict[str, float]:
     """Read the safety factors of a file that `make calibrate` has written, by their names."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    # Each factor stands with its meaning. The other entries say where the factors come from.
+    # Each factor is stored with its value and its meaning. The other entries say where the factors
+    # come from.
     origin = ("written by", "provenance")
     return {name: each["value"] for name, each in data.items() if name not in origin}
 
@@ -91,10 +92,11 @@ The file factors.json says on which brakes they are fitted, and what each factor
 """
 
 SOFTER = 2.0
-"""Safety factor on the error by the finite contact stiffness, the penalty.
+"""Safety factor on the estimated error by the finite contact stiffness, the penalty.
 
 `ShoeResponse.softness` is the first-order change of the results by the penalty. The actual change
-is at most twice as large, as long as the lining penetrates the drum by less than it is compressed.
+is at most twice as large, as long as the lining penetrates the drum by less than the lining itself
+is compressed.
 """
 
 
@@ -114,7 +116,7 @@ class Errors(NamedTuple):
     ) -> "Errors":
         """Make the errors of a brake from the error of its torque and the errors of its shoes.
 
-        For each other quantity the brake has the largest error of a shoe.
+        For each other quantity the error of the brake is the largest error of a shoe.
         """
         most = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
         return cls(most | {"torque": torque}, tuple(shoes))
@@ -128,7 +130,7 @@ class LevelDifferences(NamedTuple):
 
     Attributes
     ----------
-    steps : difference of each quantity on the two levels
+    steps : difference of each quantity between the two levels
     chance : change that each force would have if the columns of elements contributed to it with
         random signs; 0 for pressures
     """
@@ -140,10 +142,10 @@ class LevelDifferences(NamedTuple):
 def estimate_errors_from_two_levels(
     brake: Brake, before: Response, last: Response, factors: Factors = FACTORS
 ) -> Errors:
-    """Estimate the relative errors of the response of a level, `last`.
+    """Estimate the relative errors of the response `last` on the finer of two levels.
 
-    The errors follow from the difference to the response of the level before, and are meant as
-    upper bounds.
+    The errors follow from the difference to the response `before` on the coarser level, and are
+    meant as upper bounds.
     """
     moved = relative_differences_of_two_levels(brake, before, last)
     return errors_from_differences(moved, last, factors)
@@ -152,22 +154,22 @@ def estimate_errors_from_two_levels(
 def errors_from_differences(
     moved: LevelDifferences, last: Response, factors: Factors, further: Floats | float = 0.0
 ) -> Errors:
-    """The estimated relative errors of a response, from its differences to coarser responses.
+    """The estimated relative errors of a response, from its differences to a coarser response.
 
     Parameters
     ----------
-    moved : differences of the response to the response before
+    moved : differences of the response to the response on the coarser level
     last : the response
     factors : factors of the estimate
-    further : (1 + 4 shoes,) further errors, in the order of `LevelDifferences`
+    further : (1 + 4 shoes,) errors that are added, in the order of `LevelDifferences`
     """
     found = (
         factors.error_factors_of_refinement_differences(len(last.shoes)) * moved.steps
         + factors.cancelled * moved.chance
         + further
     )
-    # A quantity that is exactly equal on both levels, such as the torque of a shoe without contact,
-    # keeps the error 0.
+    # A quantity without any difference, such as the torque of a shoe without contact, keeps the
+    # error 0.
     found = np.where(found > 0, found + sum_of_penalty_and_round_off_errors(last.shoes), found)
     rows = np.reshape(found[1:], (-1, len(QUANTITIES))).tolist()
     errors_of_shoes = [dict(zip(QUANTITIES, row, strict=True)) for row in rows]
@@ -175,7 +177,7 @@ def errors_from_differences(
 
 
 def sum_of_penalty_and_round_off_errors(shoes: Sequence[ShoeResponse]) -> Floats:
-    """The sums of the relative errors by the penalty and by round-off (1 + 4 shoes,).
+    """The relative errors by the penalty plus the relative errors by round-off (1 + 4 shoes,).
 
     The order is that of `LevelDifferences`. The penalty is the finite contact stiffness.
     """
@@ -200,7 +202,7 @@ def _relative_changes_of_shoes_by_cause(shoes: Sequence[ShoeResponse], name: str
 
 
 def relative_differences_of_two_levels(brake: Brake, a: Response, b: Response) -> LevelDifferences:
-    """The relative differences of two responses of one brake, `a` on a level and `b` on the next.
+    """The relative differences of two responses of one brake, `a` and, on finer elements, `b`.
 
     The result also holds the changes that forces would have if the columns of hp elements
     contributed with random signs.
@@ -227,14 +229,15 @@ def _relative_shoe_response_differences_of_levels(
 ) -> tuple[tuple[float, ...], ...]:
     """The relative differences between two responses of a shoe, and the changes with random signs.
 
-    Each of the two results is a tuple (4,) in the order of QUANTITIES. The second one has the
-    changes that forces would have if the columns of elements contributed to them with random signs.
+    Each of the two results is a tuple (4,) in the order of QUANTITIES. The second tuple has the
+    changes that torque and reaction would have if the columns of elements contributed to them with
+    random signs, and zeros.
 
     Parameters
     ----------
-    zone : length of the zone at each end of the lining in which no peak is looked for
+    zone : length of the zone at each end of the lining in which no pressure peak is sought
     unit : change of the coordinate theta per radian of the shoe's angle phi, see `ShoeFrame`
-    a, b : responses of the shoe on a level and on the next
+    a, b : responses of the shoe on a level and on the next finer level
     """
     held = reference_force_of_reaction_errors(b.hinge_reaction, b.normal_force)
     torque = abs(a.torque - b.torque) / (b.torque or a.torque or 1.0)
@@ -250,8 +253,8 @@ def _relative_shoe_response_differences_of_levels(
     pressure = step.relative_norm_outside_end_zones(edge)
     peak = max(peak, math.sqrt(pressure * step.relative_difference_near_peak(peak_zone)))
     # The pressures on both levels balance the same actuation, so that a change of p only moves the
-    # force within the contact. In a short contact such a move changes torque and reaction at most
-    # by a fraction of about the angle [rad] of the contact.
+    # force within the contact. This changes torque and reaction by a fraction of at most about the
+    # angle [rad] of the contact, which matters if the contact is short.
     reach = (b.contact_arcs[-1][1] - b.contact_arcs[0][0]) / unit
     chance = min(step.relative_force_with_random_signs(), reach)
     torque_by_chance = chance if b.torque else 0.0

@@ -1,7 +1,7 @@
 """The levels of a solve: a brake solved on finer and finer divisions into hp elements.
 
-Each division has small elements at the ends of the contact, as the answer on the division before
-has shown them.
+Each division has small elements at the ends of the contact, whose positions are known from the
+response on the division before.
 """
 
 import math
@@ -37,7 +37,7 @@ class LevelRule(NamedTuple):
         e = first_error / fall^(k - 1)
 
     From p and e follow the ratio q of the sizes of neighbouring elements, and the sizes of the
-    elements at singular points, relative to the lengths that `Level` names:
+    elements at singular points, relative to lengths that are explained in `Level`:
 
         sqrt q(e) = (1 - e^(1/p)) / (1 + e^(1/p))
 
@@ -60,7 +60,7 @@ class LevelRule(NamedTuple):
     ----------
     first_degree : degree of the first level
     first_error : error of p that the first level may leave
-    fall : error of a level over that of the next level
+    fall : error of a level, divided by the error of the next level
     sizes : exponent of e in the sizes of elements at singular points
     layers : exponent of e in the error by the element sizes through the thickness of the layers
     end : size of the elements at the ends of the contact, divided by e^sizes
@@ -120,15 +120,16 @@ LEVEL_RULE = LevelRule(
 
 `make levels ARGS="fall=6"` finds the figures below again, for any values of the numbers. It runs
 the brakes on which `make calibrate` fits the error estimate. It reports the factors of the estimate
-on four levels, the processor time of solves, and the medians of stated over true errors. The factor
-of forces is the one for torques and reactions; a larger factor makes stated errors larger.
+on four levels, the processor time of solves, and the medians of stated over true errors. "The
+factor of forces" below is the factor for torques and reactions; a larger factor makes stated errors
+larger.
 
 - first_degree: the first level only has to find the contact. The degree 3 is a judgement.
 - first_error: with 0.03 the factor of forces rises from 0.57 to 0.75, with 0.04 to 1.3, because a
   coarse first level resembles the second level only by chance. With smaller values every level has
   more unknowns.
 - fall: with 6 a solve to the default tolerance takes 9 % more time. With 4.5 some brakes need one
-  more level for an error of 1e-4, which takes twice the time.
+  more level for an error of 1e-4, which doubles the time.
 - sizes: with 0.667 the factor of forces is twice as large, since elements at supports shrink more
   slowly than p converges. With 0.8 a solve to the default tolerance takes 19 % more time.
 - layers: with 0.5 the factor of forces is 1.5 times as large. With 0.667 solves to 1e-4 take 5 %
@@ -142,8 +143,8 @@ LEVELS = tuple(LEVEL_RULE.refinement_level_with_number(k) for k in range(1, 7))
 MOST_PASSES = 8
 """Largest number of divisions of a brake on one level of a solve; each division is a pass.
 
-The first answer on a level shows where the contact ends. The next pass divides the brake again,
-with small elements at these ends. If the ends still move in the last pass, its answer is taken
+The first response on a level shows where the contact ends. The next pass divides the brake again,
+with small elements at these ends. If the ends still move in the last pass, its response is taken
 nevertheless.
 """
 
@@ -156,17 +157,16 @@ class ResponseFunction(Protocol):
     ) -> Response:
         """Return the response of a brake on its prepared model `scene`.
 
-        The contact of an earlier response `start` is the first guess of the contact.
+        The contact of the earlier response `start` is the first guess.
         """
 
 
 PrepareFunction = Callable[[Level, PointsByShape], PreparedModel]
-"""A function from a level and the singular points on each shape of shoe to a prepared model.
-"""
+"""Function that makes a prepared model from a level and the singular points of each shoe shape."""
 
 
 class SolvedLevel(NamedTuple):
-    """The prepared model of one level of a solve, `scene`, and the response of the brake on it."""
+    """The prepared model of one level of a solve, and the response of the brake on this model."""
 
     scene: PreparedModel
     response: Response
@@ -184,11 +184,11 @@ def solve_on_finer_and_finer_levels(
     """Solve a brake on one level after the other, finer and finer, and yield each solved level.
 
     The contact is found in steps of growing friction. At a lower friction the contact may lie where
-    the elements are large. A short contact on nodes far apart may then have no solution. A level
-    without a solution is therefore solved once more with narrower columns of elements: as many
-    along the lining as a mesh of uniform elements has, or more. All later levels keep this largest
-    width of a column. If a solution has lost too many digits to round-off, the level is not solved
-    again, because other elements would not restore the digits.
+    the elements are large, and a short contact on nodes far apart may have no solution. A level
+    without a solution is therefore solved once more with narrower columns of elements: at least as
+    many along the lining as a uniform mesh has (ELEMENTS). All later levels keep this largest width
+    of a column. If a solution has lost too many digits to round-off, the level is not solved again,
+    because other elements would not restore the digits.
 
     Parameters
     ----------
@@ -202,7 +202,8 @@ def solve_on_finer_and_finer_levels(
     Raises
     ------
     NoAnswer
-        if neither division of the first level has a solution, or if two later levels have none
+        if the first level has no solution even with narrower columns, or if two later levels have
+        none
     """
     last: Response | None = start
     alike = equal_shapes(brake)
@@ -234,26 +235,27 @@ def solve_on_finer_and_finer_levels(
             solved = SolvedLevel(model, response)
             points_of_passes.append(points)
             last, points = response, points_after(response)
-            # The passes end when the new points are those of any earlier pass. Ends of the contact
-            # that return to an earlier position would otherwise alternate for ever.
-            if _are_points_those_of_earlier_pass(brake, points_of_passes, points):
+            # The passes end when the new points agree with the points of any earlier pass. Ends of
+            # the contact that return to an earlier position would otherwise alternate for ever.
+            if _do_points_agree_with_earlier_pass(brake, points_of_passes, points):
                 break
         if solved is not None:
             yield solved
 
 
-def _are_points_those_of_earlier_pass(
+def _do_points_agree_with_earlier_pass(
     brake: Brake, points_of_passes: Sequence[PointsByShape], points: PointsByShape
 ) -> bool:
-    """Whether the singular points of the pressure are those of any earlier pass on a level."""
+    """Whether the singular points agree with the points of an earlier pass on the level."""
     return any(not _has_new_singular_points(brake, earlier, points) for earlier in points_of_passes)
 
 
 def _has_new_singular_points(brake: Brake, before: PointsByShape, now: PointsByShape) -> bool:
-    """Whether the pressure has singular points at which the elements of its division are large.
+    """Whether the pressure has singular points where the elements on which it was solved are large.
 
-    A new point is an end of the contact that moved by more than UNRESOLVED_LENGTH, or a kink of the
-    gap. The points are given by shape of shoe.
+    Such a point is an end of the contact that has moved by more than UNRESOLVED_LENGTH, or a kink
+    of the gap that has not been a point before. The keys of the points are the first shoes of each
+    shape.
 
     Parameters
     ----------
@@ -274,8 +276,9 @@ def _has_new_singular_points_on_lining(
 ) -> bool:
     """Whether one of the singular points `now` of a shoe lies away from all points `before`.
 
-    The elements are always small at the ends of each lining, `arcs`. An end of the contact may move
-    by UNRESOLVED_LENGTH of the length that it bounds.
+    The elements are always small at the ends of the linings, which are the ends of `arcs`. An end
+    of the contact may move by UNRESOLVED_LENGTH times the length of the contact or opening that it
+    bounds.
     """
     known = [*chain(*arcs), *(point.at for point in before)]
     for point in now:

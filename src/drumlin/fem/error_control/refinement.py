@@ -3,24 +3,23 @@
 A solve usually eliminates the displacements inside the bodies (static condensation). The full
 system keeps them. Its unknowns are all displacements of the shoes and of the drum ring, the
 generalised coordinates y (sizes of the rigid-body motions), and the pressures p of the nodes in
-contact, the contact set. A shoe moves by u = v + r y: r are its rigid-body modes, and v the
-displacements by deformation. Rigid-body modes cause no strain. The product K r of the stiffness and
-the modes is therefore zero apart from round-off, and the system omits it. All quantities are per
-newton of the largest force:
+contact, the contact set. The displacements of a shoe are u = v + r y with its rigid-body modes r
+and the displacements v by deformation. Rigid-body modes cause no strain. The product K r of the
+stiffness and the modes is therefore zero apart from round-off, and the system omits it. All
+quantities are per newton of the largest force:
 
     K v + (N - drag T)^T p = f,    r^T (N - drag T)^T p = moment,
     M (g + p/eps) - N v - N r y + N_ring u_ring = 0  on the contact set
 
-The stiffness is assembled in long double. LU factors of the system, rounded to double precision
-(SuperLU, pivoted, in an order of its own), are the preconditioner of an iterative refinement. The
-residuals of the refinement are in long double (Wilkinson; Higham, Accuracy and Stability of
-Numerical Algorithms, ch. 12). If the refinement converges, its solution satisfies the
-finite-element equations to all digits of double precision. The difference from another solution
-then shows how many digits of the other solution are right, because both use a different arithmetic
-and a different order of operations.
+The stiffness is assembled in long double. LU factors of the system in double precision (SuperLU,
+with pivoting) are the preconditioner of an iterative refinement, whose residuals are computed in
+long double (Wilkinson; Higham, Accuracy and Stability of Numerical Algorithms, ch. 12). If the
+refinement converges, its solution satisfies the finite-element equations to all digits of double
+precision. The difference from a solution by static condensation then shows how many digits of the
+latter are right, because the two use different arithmetic and different orders of operations.
 
-The condition of the torque is that of the linear functional T = l . x of a system A x = b under
-changes of each entry by a fraction of the entry (Skeel; Higham, ch. 7):
+The condition number of the torque is the condition number of the linear functional T = l . x of a
+system A x = b, for changes of each entry by a fraction of the entry (Skeel; Higham, ch. 7):
 
     |z|^T (|A| |x| + |b|) / |T|  with  A^T z = l
 """
@@ -46,26 +45,26 @@ from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.ring import ring_stiffness
 
 LONG_DOUBLE = np.longdouble
-"""Floating-point type of more digits than double, in which the full system is refined."""
+"""Floating-point type with more digits than double, in which residuals are computed."""
 MOST_CORRECTIONS = 30
 """Number of corrections after which iterative refinement ends even if it has not converged."""
 CONVERGED_CORRECTION = 1e-14
 """Correction of the pressures, relative to the largest pressure, below which refinement ends.
 
-The value is some 45 times the spacing of double-precision numbers. After a larger correction
-another one follows.
+The value is some 45 times the relative spacing of double-precision numbers. After a larger
+correction another correction follows.
 """
 SLOWEST_CONVERGENCE = 0.5
-"""Ratio of a correction to the correction before it, above which iterative refinement ends.
+"""Ratio of a correction to the correction before, above which iterative refinement ends.
 
-The ratio counts from the third correction on. `RefinedSolution.correction` then tells how well the
-refinement has converged.
+The ratio counts from the third correction on. The size of the last correction,
+`RefinedSolution.correction`, tells how well the refinement has converged.
 """
 MOST_REFINED_SETS = 40
 """Largest number of contact sets on which the full system of a group is solved and refined.
 
 A contact set is a set of nodes in contact. If the set still changes after this number of solutions,
-the brake is refused. The first set is that of the solution by static condensation.
+the brake is refused. The first set is the contact set of the solution by static condensation.
 """
 
 
@@ -77,13 +76,13 @@ class RefinedSolution(NamedTuple):
     p : pressures (n_i,) of each shoe [1/m^2]
     last_correction : last correction (n_i,) of the pressures of each shoe [1/m^2]
     coordinates : generalised coordinates (k_i,) of each shoe, the sizes of its rigid-body motions
-    torque : torque of all shoes [m]
-    gap : gaps (n,) of all nodes, integrated with the shape functions; relative to the largest term
-        of the sum that each gap is
+    torque : torque of all shoes per newton [m]
+    gap : weighted gaps (n,) of all nodes, relative to the largest sum of absolute terms of a
+        weighted gap
     correction : largest entry of the last correction, relative to the largest pressure
     corrections : number of corrections
     contact_sets : number of contact sets that were tried
-    condition : condition of the torque for relative changes of each entry of the system
+    condition : condition number of the torque for relative changes of each entry of the system
     """
 
     p: tuple[Floats, ...]
@@ -108,7 +107,8 @@ class FullSystem:
     matrix : sparse matrix (unknowns, unknowns); the rows of the pressures come last
     right : right side (unknowns,)
     pressures : slice of each shoe's pressures among the unknowns
-    coordinates : slice of each shoe's generalised coordinates among the unknowns
+    coordinates : slice of each shoe's generalised coordinates (rigid-body motion) among the
+        unknowns
     lever : (unknowns,) torque per unknown, so that torque = lever . x
     scale : (unknowns,) factors that give rows and columns similar sizes, see
         `_scale_factors_of_full_system`
@@ -133,15 +133,15 @@ class FullSystem:
 class _ShoeBlock(NamedTuple):
     """The rows and columns of one shoe in the full system of its group, in long double.
 
-    The unknowns of the shoe are the displacements of its inner nodes, those of its n contact nodes,
+    The unknowns of the shoe are the displacements of its inner nodes, then of its n contact nodes,
     and its generalised coordinates, which have no stiffness.
 
     Attributes
     ----------
     K : stiffness (unknowns, unknowns)
     pressure_forces : forces (unknowns, n) on the unknowns per nodal pressure
-    gap_closures : closing (n, unknowns) of the weighted gap at each contact node per unknown
-    load : force of the actuation on each unknown (unknowns,)
+    gap_closures : closure (n, unknowns) of the weighted gap at each contact node per unknown
+    load : force (unknowns,) of all loads on the shoe on each unknown
     """
 
     K: Any
@@ -151,7 +151,7 @@ class _ShoeBlock(NamedTuple):
 
 
 class _RingCoupling(NamedTuple):
-    """The coupling matrices N and T (n, unknowns of the ring) of one shoe with the ring."""
+    """The normal and tangential coupling matrices N and T of one shoe's n nodes with the ring."""
 
     N: Any
     T: Any
@@ -160,8 +160,8 @@ class _RingCoupling(NamedTuple):
 class _RingBlock(NamedTuple):
     """The drum's ring in the full system: its stiffness `K`, and its coupling with each shoe.
 
-    The unknowns are the displacements of the ring's nodes. A free ring has the forces on its rim as
-    further unknowns.
+    The unknowns are the displacements of the ring's nodes. A ring whose far edge is free also has
+    the three forces on this edge as unknowns.
     """
 
     K: Any
@@ -189,22 +189,21 @@ class _Layout:
 def assemble_full_system_of_group(
     group: ShoeGroup, *, relative_to_rigid_motion: bool = True
 ) -> FullSystem:
-    """Assemble the full system of a group of shoes, with all of its nodes in contact.
+    """Assemble the full system of a group of shoes, with equations for all nodes as if in contact.
 
     Parameters
     ----------
     group : the group of shoes
-    relative_to_rigid_motion : whether the displacements are those by deformation alone, without the
-        rigid-body motion of the shoe. Otherwise they are measured from the unloaded shoe. The
-        second choice keeps more digits if the drum holds the lining and a soft shoe turns behind
-        the lining.
+    relative_to_rigid_motion : whether the unknown displacements are due to deformation alone,
+        without the rigid-body motion of the shoe. Otherwise they are measured from the unloaded
+        shoe, which keeps more digits if the drum holds the lining and a soft shoe turns behind it.
     """
     members = range(len(group.members))
     shoe_blocks = [
-        _part_of_shoe_in_full_system(group, k, relative_to_rigid_motion) for k in members
+        _assemble_shoe_block_of_full_system(group, k, relative_to_rigid_motion) for k in members
     ]
     ring = (
-        _part_of_ring_in_full_system(group.scene, group.brake)
+        _assemble_ring_block_of_full_system(group.scene, group.brake)
         if group.scene.ring is not None
         else None
     )
@@ -243,9 +242,9 @@ def _blocks_of_full_matrix(
     Parameters
     ----------
     group : the group of shoes
-    shoe_blocks : part of each shoe
-    ring : part of the ring; None for a rigid drum
-    stiffnesses : stiffness of each shoe, and that of the ring
+    shoe_blocks : the part of each shoe in the system
+    ring : the part of the ring in the system; None for a rigid drum
+    stiffnesses : stiffness matrix of each shoe, and of the ring if there is one
     """
     count = len(stiffnesses) + len(shoe_blocks)
     blocks: list[list[Any]] = [[None] * count for _ in range(count)]
@@ -272,8 +271,8 @@ def _right_side_of_full_system(
 ) -> Any:
     """The right side (unknowns,) of the full system.
 
-    The right side consists of the actuation of the shoes and the negative weighted gaps of the
-    unloaded linings.
+    The right side consists of the loads on the shoes and the negative weighted gaps of the unloaded
+    linings.
     """
     right = np.zeros(int(layout.pressure_starts[-1]), dtype=LONG_DOUBLE)
     for k, shoe_block in enumerate(shoe_blocks):
@@ -298,13 +297,13 @@ def _torque_factors_of_full_system_unknowns(group: ShoeGroup, layout: _Layout) -
     return lever
 
 
-def _part_of_shoe_in_full_system(
+def _assemble_shoe_block_of_full_system(
     group: ShoeGroup, k: int, relative_to_rigid_motion: bool
 ) -> _ShoeBlock:
     """The part of shoe `k` of a group in the full system, in long double.
 
-    With `relative_to_rigid_motion` the displacements are those by deformation alone, without the
-    rigid-body motion of the shoe.
+    With `relative_to_rigid_motion` the unknown displacements are due to deformation alone, without
+    the rigid-body motion of the shoe.
     """
     body, shoe, modes = (
         group.substructures_of_shoes[k],
@@ -312,8 +311,8 @@ def _part_of_shoe_in_full_system(
         group.rigid_body_modes_of_shoes[k],
     )
     constraints = body.condensed.multi_point_constraints.matrix.astype(LONG_DOUBLE)
-    # The prepared model has the stiffness in double precision only. It is assembled again in long
-    # double.
+    # The prepared model has the stiffness in double precision only, so that it is assembled again
+    # in long double.
     K = sparse_stiffness_of_body(body.basis, elastic_layers_of_shoe(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
@@ -327,32 +326,32 @@ def _part_of_shoe_in_full_system(
     count = contact_modes.shape[1]
     # The contact nodes have the last displacements, two for each node.
     first, shape = inside - 2 * n, (inside + count, n)
-    closures = _sparse_matrix_with_rows_from_place(N.T, shape, row=first)
+    closures = _sparse_matrix_with_values_from_row(N.T, shape, row=first)
     modes_to_nodes = None
     if relative_to_rigid_motion:
-        closures = closures + _sparse_matrix_with_rows_from_place(
+        closures = closures + _sparse_matrix_with_values_from_row(
             (N @ contact_modes).T, shape, row=inside
         )
     else:
         # The generalised coordinates move the supports of the body, and the supports deform the
         # body.
         modes_to_nodes = (constrained[:inside, inside:] @ sp.csr_matrix(pin_motion)).tocsr()
-    on_nodes = _sparse_matrix_with_rows_from_place(pushing, shape, row=first)
-    on_modes = _sparse_matrix_with_rows_from_place(test_modes.T @ pushing, shape, row=inside)
+    on_nodes = _sparse_matrix_with_values_from_row(pushing, shape, row=first)
+    on_modes = _sparse_matrix_with_values_from_row(test_modes.T @ pushing, shape, row=inside)
     stiffness_blocks = [[constrained[:inside, :inside], modes_to_nodes], [None, None]]
     return _ShoeBlock(
         K=_sparse_matrix_from_blocks(stiffness_blocks, [inside, count]),
         pressure_forces=on_nodes + on_modes,
         gap_closures=closures.T.tocsr(),
-        load=_actuation_on_unknowns_of_shoe(group, k, inside),
+        load=_loads_on_unknowns_of_shoe(group, k, inside),
     )
 
 
-def _actuation_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Floats:
-    """The actuation of shoe `k` on its unknowns in the full system, in long double.
+def _loads_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Floats:
+    """The loads on shoe `k` as forces on its unknowns in the full system, in long double.
 
-    The actuation has nodal forces on the `inside` displacements, and generalised forces on the
-    rigid-body modes. All are relative to the largest actuation force of the group.
+    They are nodal forces on the first `inside` unknowns, the displacements, and generalised forces
+    on the rigid-body modes. All are per newton of `largest_actuation_force`.
     """
     body, shoe = group.substructures_of_shoes[k], group.shoes[k]
     share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.largest_actuation_force
@@ -368,7 +367,7 @@ def _actuation_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Flo
     return np.append(load[:inside], share * work + further)
 
 
-def _part_of_ring_in_full_system(scene: PreparedModel, brake: Brake) -> _RingBlock:
+def _assemble_ring_block_of_full_system(scene: PreparedModel, brake: Brake) -> _RingBlock:
     """The part of the drum's elastic ring in the full system, in long double."""
     ring, part = scene.ring, brake.ring
     # The function is called only for models with an elastic ring.
@@ -383,7 +382,7 @@ def _part_of_ring_in_full_system(scene: PreparedModel, brake: Brake) -> _RingBlo
         forces = ring.rim_balance.forces.transpose(1, 0, 2).reshape(-1, FRAME)
         rim = sp.csr_matrix(forces.astype(LONG_DOUBLE))
         K = _sparse_matrix_from_blocks([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])
-    # `place` gives the number of a displacement among those that are kept.
+    # `place` gives the number of a displacement among the displacements that are kept.
     place = np.cumsum(keep) - 1
     nodes = ring.line.nodes
     dofs = place[np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()]
@@ -404,7 +403,7 @@ def _sparse_matrix_with_columns_at_indices(values: Floats, dofs: Any, count: int
     return sp.csr_matrix((entries.data, places), shape=(entries.shape[0], count))
 
 
-def _sparse_matrix_with_rows_from_place(values: Any, size: tuple[int, int], row: int) -> Any:
+def _sparse_matrix_with_values_from_row(values: Any, size: tuple[int, int], row: int) -> Any:
     """A sparse matrix of a given size, with the dense `values` in the rows from `row` on."""
     i, j = np.nonzero(values)
     return sp.csr_matrix((values[i, j], (i + row, j)), shape=size)
@@ -433,10 +432,9 @@ def _sparse_matrix_from_blocks(blocks: list[list[Any]], sizes: list[int]) -> Any
 def _scale_factors_of_full_system(matrix: Any, first: int) -> Floats:
     """Scale factors (unknowns,) that give the rows and columns of the full system similar sizes.
 
-    The scaled matrix has a unit diagonal for unknowns with stiffness. For unknowns without
-    stiffness its rows have the length one: first for the pressures, then for the generalised
-    coordinates and the forces on the rim of a free ring. `first` is the number of the first
-    pressure.
+    The scaled matrix has a unit diagonal for unknowns with stiffness. All other rows get the length
+    one: first the rows of the pressures, then the rows of the generalised coordinates and of the
+    forces on the far edge of a free ring. `first` is the number of the first pressure.
     """
     diagonal = np.abs(matrix.diagonal()).astype(float)
     stiff = diagonal > 0
@@ -459,14 +457,14 @@ def solve_full_system_by_refinement(
 ) -> RefinedSolution:
     """Solve a full system by iterative refinement, and find its contact set.
 
-    The first set of nodes in contact is given. Nodes leave or join the set until no node in contact
-    has a tension and no other node penetrates the drum.
+    Nodes leave or join the given first set until no node in contact has a tension and no other node
+    penetrates the drum.
 
     Parameters
     ----------
     system : the full system
     active : (n,) whether each node of all shoes touches at the start
-    order : order of the elimination, by SuperLU's names
+    order : SuperLU's name for the order in which the unknowns are eliminated
 
     Raises
     ------
@@ -505,7 +503,8 @@ class _Solution(NamedTuple):
     ----------
     x : unknowns (unknowns,) in long double
     last_correction : last correction (unknowns,) of x
-    correction : largest part of the last correction of a pressure, relative to the largest pressure
+    correction : largest entry of the last correction among the pressures, relative to the largest
+        pressure
     corrections : number of corrections
     factors : LU factors of the equilibrated system
     """
@@ -527,7 +526,7 @@ def _divide_refined_solution_into_shoes(
     system : the full system
     on : (unknowns,) whether each unknown is part of the system on this contact set
     solution : the refined solution
-    gap : (n,) relative weighted gaps of all nodes
+    gap : (n,) weighted gaps of all nodes, as in `RefinedSolution`
     contact_sets : number of contact sets that were tried
     """
     x = solution.x
@@ -551,7 +550,7 @@ def _refined_solution_on_contact_set(system: FullSystem, on: Bools, order: str) 
     """The refined solution of a full system on one contact set.
 
     `on` (unknowns,) marks the unknowns that are solved for. The other unknowns, the pressures of
-    open nodes, are zero. `order` is the order of the elimination, by SuperLU's names.
+    open nodes, are zero. `order` is SuperLU's name for the order of elimination.
     """
     at = np.flatnonzero(on)
     A, b, scale = system.matrix[at][:, at], system.right[at], system.scale[at]

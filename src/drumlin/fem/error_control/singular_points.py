@@ -1,16 +1,16 @@
 """The singular points of a lining's pressure, found in the response of an earlier level.
 
 At a singular point the pressure p(theta) is not smooth. Singular points are the ends of the
-contact, the kinks of the gap, and the steps between blocks of the lining. If a table gives friction
-over the pressure, they are also the places where the pressure is that of a row of the table. The
-next division of the lining has small elements at these points.
+contact, the kinks of the gap, and the steps between blocks of the lining. If a table gives the
+friction coefficient as a function of pressure, the places where the pressure has the value of a row
+are singular points too. The next division of the lining has small elements at all of them.
 
-A node without contact between two nodes in contact shows that the contact has an opening which the
-elements are too wide to resolve. The ends of the opening may lie anywhere between the two
+A node without contact between two nodes in contact shows an opening, a stretch without contact,
+which the elements are too wide to resolve. The ends of the opening may lie anywhere between the two
 neighbouring nodes, and the error that they cause does not fall until the elements there are
-smaller. The node in the opening is therefore a singular point, too. An opening that is far shorter
-than its contact is ignored: where p is nearly 0, round-off takes single nodes out of contact, and
-small elements at these nodes would take out more of them.
+smaller. The open node is therefore a singular point, too. An opening that is far shorter than its
+contact is ignored: where p is nearly 0, round-off opens single nodes, and with small elements at
+these nodes it would open more of them.
 """
 
 import math
@@ -31,27 +31,27 @@ from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import polynomial_values_at_gauss_points
 
 NEGLIGIBLE_KINKS = 0.1
-"""Error of the pressure that all neglected kinks of a gap together may cause.
+"""Error of the pressure p that all neglected kinks of a gap together may cause.
 
-It is the error of p in the L2 norm, relative to the planned error of the level (`Level.error`). The
-weakest kinks are neglected first. The actual error of p on a level is about a tenth of
-`Level.error`. The neglected kinks therefore cause less error than the elements of the level. The
-gap of a worn lining, for example, is a table of many rows. It is treated as a smooth curve until a
-level is fine enough to resolve the straight lines between its rows. If every kink were a singular
-point, such a table would take hundreds of hp elements. If no kink were a singular point, a table
-with a real kink would miss the tolerance on all levels.
+It is the error in the L2 norm, divided by the error of p for which the level is planned (called e
+in `LevelRule`). The weakest kinks are neglected first. The actual error of p on a level is about a
+tenth of the planned one, so that the neglected kinks cause less error than the elements. The gap of
+a worn lining, for example, is a table of many rows, between which it varies linearly. It is treated
+as a smooth curve until a level is fine enough to resolve the straight lines. If every kink were a
+singular point, such a table would take hundreds of hp elements. If no kink were a singular point, a
+table with a real kink would miss the tolerance on all levels.
 """
 CONTACT_END_BITS = 20
 """Number of binary digits to which the position of an end of the contact is rounded.
 
 The digits count relative to the length of the contact: twenty binary digits are a millionth of it.
-With 36 digits all results of the stored reference values are the same. With 10 digits p is up to
-six times less exact at an error of 1e-4, because the elements then end beside the contact.
+With 36 digits all stored reference values are the same. With 10 digits the error of p is up to six
+times 1e-4 where it is 1e-4 with 20 digits, because the elements then end beside the contact.
 """
 
 
 class _Opening(NamedTuple):
-    """An open node between two pressed nodes of a lining.
+    """A stretch without contact within a contact: an open node between two pressed nodes.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class _Opening(NamedTuple):
 def singular_points_of_all_linings(
     brake: Brake, response: Response | None, alike: Sequence[int] = (), error: float = 0.0
 ) -> dict[int, list[SingularPoint]]:
-    """The singular points of the pressure on all linings, for each shape of shoe.
+    """The singular points of the pressure on all linings, collected for each shape of shoe.
 
     The key of a shape is the index of its first shoe. Shoes of one shape share a division. The
     points of all shoes of a shape are therefore collected in one list, in the order of their
@@ -76,11 +76,11 @@ def singular_points_of_all_linings(
     ----------
     brake : the brake
     response : an earlier response, or None. Without a response the kinks of a table of clearances
-        are not singular yet, because their strength depends on the pressure.
+        are left out, because their strength depends on the pressure.
     alike : for each shoe the index of the first shoe of the same shape, see
         `cache.first_shoes_of_equal_shape`; if it is empty, this function finds the indices
-    error : planned error of p on the next level, see `Level.error`; with 0 every kink of a table is
-        a singular point where the lining presses
+    error : planned relative error of p on the next level (e in `LevelRule`); with 0 every kink of a
+        table near the contact is a singular point
     """
     points: dict[int, list[SingularPoint]] = {}
     first_alike = alike or equal_shapes(brake)
@@ -105,7 +105,7 @@ def _singular_points_of_lining(
     ----------
     shoe : the shoe
     answer : its earlier response, or None
-    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
+    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
     level_error : planned error of p on the next level
     """
     arcs = [] if answer is None else contact_arcs_merged_over_narrow_gaps(shoe, answer)
@@ -113,10 +113,10 @@ def _singular_points_of_lining(
     if answer is None:
         return points
     points += _singular_points_at_kinks_of_gap(shoe, answer, arcs, scale_factor, level_error)
-    # The ends of each contact arc are singular points. Their angles are rounded, and limited to the
-    # lining.
+    # The ends of each contact arc are singular points. Their angles are rounded, and moved into the
+    # lining if rounding has put them outside.
     for arc_start, arc_end in arcs:
-        start, end = _lining_that_contact_covers(shoe, arc_start, arc_end)
+        start, end = _ends_of_lining_with_contact(shoe, arc_start, arc_end)
         length = arc_end - arc_start
         first = min(max(_rounded_angle_of_contact_end(arc_start, length), start), end)
         last = min(max(_rounded_angle_of_contact_end(arc_end, length), start), end)
@@ -128,14 +128,14 @@ def _singular_points_of_lining(
     return points
 
 
-def _lining_that_contact_covers(shoe: Shoe, first: float, last: float) -> tuple[float, float]:
-    """The ends (phi_1, phi_2) [rad] of the lining with the contact from `first` to `last`."""
+def _ends_of_lining_with_contact(shoe: Shoe, first: float, last: float) -> tuple[float, float]:
+    """The ends (phi_1, phi_2) [rad] of the lining that has the contact from `first` to `last`."""
     middle = 0.5 * (first + last)
     return min(shoe.arcs, key=lambda arc: max(arc[0] - middle, middle - arc[1]))
 
 
 def _is_angle_near_contact(phi: float, arcs: list[list[float]]) -> bool:
-    """Whether the angle phi [rad] lies in a contact, or nearer to a contact than its length.
+    """Whether the angle phi [rad] lies in a contact, or within one contact length of it.
 
     `arcs` are the start and the end [rad] of each contact.
     """
@@ -145,10 +145,11 @@ def _is_angle_near_contact(phi: float, arcs: list[list[float]]) -> bool:
 def _singular_points_at_steps_of_lining(
     shoe: Shoe, answer: ShoeResponse | None, arcs: list[list[float]]
 ) -> list[SingularPoint]:
-    """The singular points at the ends of the steps between the blocks of a lining.
+    """The singular points at the steps of the gap between the blocks of a lining.
 
-    A step far from every contact does not influence the pressure, but an element must end there
-    nevertheless (kind OPEN_STEP): a polynomial for the gap across the step would oscillate.
+    The gap changes over a short length, the step, with a singular point at each end. A step far
+    from every contact does not influence the pressure, but an element must end there nevertheless
+    (kind OPEN_STEP): a polynomial for the gap across the step would oscillate.
     """
     start, end = shoe.arc
     length = shoe.lining.step / shoe.frame.unit
@@ -172,14 +173,13 @@ def _singular_points_at_kinks_of_gap(
 ) -> list[SingularPoint]:
     """The singular points at the kinks of a lining's table of clearances.
 
-    A kink is a row of the table, where the slope of the gap changes. The kinks that point to the
-    drum, the tips, are added once more as points of their own kind. The weakest kinks near the
-    contact are left out, see NEGLIGIBLE_KINKS.
+    A kink is a row of the table, where the slope of the gap changes. Kinks that point to the drum
+    are added once more, with the kind TIP. The weakest kinks are left out, see NEGLIGIBLE_KINKS.
 
     Parameters
     ----------
     shoe, answer : the shoe and its earlier response
-    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
+    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
     level_error : planned error of p on the next level
     arcs : contacts of the lining [rad]
     """
@@ -200,7 +200,7 @@ def _singular_points_at_kinks_of_gap(
         SingularPoint(phi, end - start, Singularity.KINK)
         for phi in frame.phi_coordinates_as_list(kinks)
     ]
-    return points + _singular_points_at_tips_of_gap(shoe, scale_factor, norm, kinks)
+    return points + _singular_points_at_pointed_gap_kinks(shoe, scale_factor, norm, kinks)
 
 
 def _singular_points_at_kinks_of_friction(
@@ -210,18 +210,18 @@ def _singular_points_at_kinks_of_friction(
     scale_factor: float,
     level_error: float,
 ) -> list[SingularPoint]:
-    """The singular points where the pressure is that of a row of a table of friction.
+    """The singular points where the pressure has the value of a row of a friction table.
 
-    There the slope of the friction stress mu(p) p changes by s over the coordinate. Between two
-    such places at a distance h the stress deviates from a smooth curve by the parabola
-    s x (1 - x/h)/2, of the root mean square s h/sqrt(120). The weakest kinks are left out, see
-    NEGLIGIBLE_KINKS.
+    The table gives the friction coefficient mu(p). At such a place the slope of the friction stress
+    mu(p) p along the lining changes by s. Between two such places at a distance h the stress
+    deviates from a smooth curve by the parabola s x (1 - x/h)/2, whose root mean square is s
+    h/sqrt(120). The weakest kinks are left out, see NEGLIGIBLE_KINKS.
 
     Parameters
     ----------
     shoe, answer : the shoe and its earlier response
-    curve : friction coefficient of the shoe over the pressure
-    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
+    curve : friction coefficient of the shoe as a function of pressure
+    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
     level_error : planned error of p on the next level
     """
     theta, p = answer.curve()
@@ -244,7 +244,7 @@ def _singular_points_at_kinks_of_friction(
     kinks = _angles_of_strongest_kinks(
         angle, change * spacing**1.5 / math.sqrt(120), NEGLIGIBLE_KINKS * level_error * norm
     )
-    # The pressure is as smooth there as at a step between blocks, over the lining's thickness.
+    # The elements are graded as at a step between blocks whose length is the lining's thickness.
     length = shoe.lining.thickness / scale_factor / shoe.frame.unit
     (start, end), points = shoe.arc, []
     for phi in shoe.frame.phi_coordinates_as_list(kinks):
@@ -254,16 +254,16 @@ def _singular_points_at_kinks_of_friction(
     return points
 
 
-def _singular_points_at_tips_of_gap(
+def _singular_points_at_pointed_gap_kinks(
     shoe: Shoe, scale_factor: float, norm: float, kinks: Floats
 ) -> list[SingularPoint]:
-    """The singular points at the tips of a lining's gap: the kinks that point to the drum.
+    """The singular points at kinks of a lining's gap that point to the drum (kind TIP).
 
     Parameters
     ----------
     shoe : the shoe
-    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
-    norm : norm of the pressure in L2 [Pa rad^0.5]; on a plane [Pa m^0.5]
+    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
+    norm : L2 norm of the pressure over the surface's coordinate [Pa rad^0.5; Pa m^0.5 on a plane]
     kinks : (k,) angles theta [rad] of the kinks that are singular points
     """
     points: list[SingularPoint] = []
@@ -276,16 +276,16 @@ def _singular_points_at_tips_of_gap(
 
 
 def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Floats:
-    """The change of p in L2 (k,) [Pa rad^0.5] by the kink at each row of a table of clearances.
+    """The change of p in L2 (k,) [Pa rad^0.5] by the kink at each row of a clearance table.
 
-    Between the rows of the table the gap varies linearly. The change of p is that from a smooth
-    curve through the rows to these straight chords. If the slope changes by s at rows at a distance
-    h, the chords deviate from a smooth curve by the parabola s x (1 - x/h)/2. The parabola is a
-    series of cosines of the amplitudes s h/(2 pi^2 n^2). Under a cosine of the wave number k = 2 pi
-    n/h, a half-plane of the modulus E has the pressure E k/2 times the amplitude, and a layer of
-    the thickness t << h has E/t times the amplitude. The root mean square of the change of p is
-    thus E s/sqrt(48) on a half-plane, and E s h/(sqrt(720) t) on a layer. The sum of both is an
-    upper bound for a layer on a support.
+    Between the rows of the table the gap varies linearly, along chords. The change of p is the
+    difference between these chords and a smooth curve through the rows. If the slope changes by s
+    at each of two rows at a distance h, the chord deviates from a smooth curve by the parabola s x
+    (1 - x/h)/2. The parabola is a series of cosines of the amplitudes s h/(2 pi^2 n^2). Under a
+    cosine of the wave number k = 2 pi n/h, a half-plane of the modulus E has the pressure E k/2
+    times the amplitude, and a layer of the thickness t << h has E/t times the amplitude. The root
+    mean square of the change of p is thus E s/sqrt(48) on a half-plane, and E s h/(sqrt(720) t) on
+    a layer. The sum of both is an upper bound for a layer on a support.
     """
     if len(lining.linings_apart) > 1:
         # The rows are those of `coordinates_of_clearance_rows`: the rows on each lining.
@@ -312,7 +312,7 @@ def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Flo
 
 
 def _angles_of_strongest_kinks(angle: Floats, change: Floats, negligible: float) -> Floats:
-    """The sorted angles (m,) [rad] of the kinks of a gap, without the weakest ones.
+    """The sorted angles (m,) [rad] of kinks of gap or friction, without the weakest kinks.
 
     Parameters
     ----------
@@ -326,7 +326,7 @@ def _angles_of_strongest_kinks(angle: Floats, change: Floats, negligible: float)
 
 
 def contact_arcs_merged_over_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
-    """The contacts of a lining in the order of their angle, each as its start and end phi [rad].
+    """The contacts on the linings of a shoe by growing angle, each as its start and end phi [rad].
 
     Two contacts count as one if the gap between them is far shorter than both contacts together,
     see `division.UNRESOLVED_LENGTH`. Contacts on different linings of a shoe never count as one.
@@ -348,8 +348,8 @@ def _openings_within_contact_arcs_of_lining(
 ) -> list[_Opening]:
     """The openings inside the contacts of a lining: open nodes between two pressed nodes.
 
-    A node at an end of a contact does not count. An opening that is far shorter than its contact
-    does not count either: in such narrow elements p oscillates around 0 from node to node.
+    An open node at an end of a contact does not count. An opening that is far shorter than its
+    contact does not count either: p then oscillates around 0 from node to node of narrow elements.
     """
     press = answer.pressure > 0
     open_nodes = 1 + np.flatnonzero(press[:-2] & ~press[1:-1] & press[2:])

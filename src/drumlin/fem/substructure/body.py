@@ -1,13 +1,13 @@
 """An elastic body as a substructure: its stiffness, and its static condensation.
 
 Condensation keeps two groups of degrees of freedom: the displacements c of the contact nodes, and
-the frame f. The frame is a rigid line of the body, which the hinge holds, with the displacements
-(dx, dy, rotation). All other degrees of freedom are eliminated once, which leaves the Schur
-complement S on c and f.
+the displacements f = (dx, dy, rotation) of the frame, a rigid line of the body that its support
+holds. All other degrees of freedom are eliminated once, which leaves the Schur complement S on c
+and f.
 
-With the frame held (f = 0), nodal forces G on the contact nodes do the work G^T S_cc^-1 G = Y^T Y.
-Here S_cc = L_cc L_cc^T is the Cholesky factorisation, and Y = L_cc^-1 G is called the half
-flexibility. The forces L_fc Y then hold the frame, with L_fc = S_fc L_cc^-T.
+If the frame does not move (f = 0), nodal forces G on the contact nodes do the work G^T S_cc^-1 G =
+Y^T Y. Here S_cc = L_cc L_cc^T is the Cholesky factorisation, and Y = L_cc^-1 G is called the half
+flexibility. The forces L_fc Y, with L_fc = S_fc L_cc^-T, then keep the frame in its place.
 """
 
 from collections.abc import Mapping
@@ -34,7 +34,7 @@ from drumlin.fem.substructure.elimination import (
 from drumlin.fem.substructure.loads import LoadColumns, stack_nodal_loads_as_matrix_columns
 
 FRAME = 3
-"""Number of degrees of freedom of a body's frame, a rigid line: dx, dy and rotation about a pin."""
+"""Number of degrees of freedom of a body's frame, its supported rigid line: dx, dy and rotation."""
 
 
 class Constraints(NamedTuple):
@@ -61,7 +61,7 @@ class InnerSystem(NamedTuple):
     ----------
     A : (unknowns, unknowns) sparse stiffness
     constraints : the constraints that define the reduced unknowns
-    loads : (unknowns, l) unit loads
+    loads : (unknowns, l) l unit loads, as forces on the reduced unknowns
     """
 
     A: Any
@@ -77,15 +77,15 @@ class InnerSystem(NamedTuple):
         return cls(A.tocsc(), constraints, loads)
 
     def equations_of_body_before_condensation(self) -> "InnerSystem":
-        """Return the system itself, as the interface `InnerEquations` asks of every body."""
+        """Return the system itself; the interface `InnerEquations` requires this method."""
         return self
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
-        """The unit loads and the stiffness of the body, condensed to its contact and its frame."""
+        """The stiffness and the unit loads of the body, condensed to contact nodes and frame."""
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
     def body_system_with_further_loads(self, forces: Floats) -> "InnerSystem":
-        """A system with nodal forces (2 nodes, k) as k more unit loads, after the present ones."""
+        """A copy with nodal forces (2 nodes, k) as k further unit loads, in the last columns."""
         further = self.constraints.matrix.T @ forces
         return self._replace(loads=np.hstack([self.loads, further]))
 
@@ -94,7 +94,8 @@ class InnerSystem(NamedTuple):
     ) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m] in m load cases.
 
-        The parameters are those of `CondensedBody.displacements`.
+        In each load case act forces `nodal` (2n, m) [N] on the n contact nodes and the unit loads
+        times `loads` (l, m), while the frame moves by `frame` (3, m).
         """
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
         # The nodal forces act on the contact nodes, the last unknowns before the frame.
@@ -106,20 +107,21 @@ class InnerSystem(NamedTuple):
 
 
 class InnerUnknowns(Protocol):
-    """The unknowns of a body that condensation has eliminated, as far as every body has them."""
+    """The eliminated unknowns of a body: the interface that all kinds of bodies have."""
 
     def nodal_displacements_in_load_cases(
         self, nodal: Floats, frame: Floats, loads: Floats
     ) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m] in m load cases.
 
-        The parameters are those of `CondensedBody.displacements`.
+        In each load case act forces `nodal` (2n, m) [N] on the n contact nodes and the unit loads
+        times `loads` (l, m), while the frame moves by `frame` (3, m).
         """
 
 
 @runtime_checkable
 class InnerEquations(InnerUnknowns, Protocol):
-    """The eliminated unknowns of a body in plane stress, with its equations and its unit loads.
+    """The eliminated unknowns of a body in plane stress: an interface with its equations and loads.
 
     An `InnerSystem` holds the whole stiffness. A body of hp elements assembles its stiffness only
     when a method needs it, see `hp.grid.GridUnknowns`.
@@ -129,30 +131,35 @@ class InnerEquations(InnerUnknowns, Protocol):
         """The equations of the body on all its nodes, before condensation."""
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
-        """The unit loads and the stiffness of the body, condensed to its contact and its frame."""
+        """The stiffness and the unit loads of the body, condensed to contact nodes and frame."""
 
     def body_system_with_further_loads(self, forces: Floats) -> "InnerEquations":
-        """The same unknowns with nodal forces (2 nodes, k) as k more unit loads, after its own."""
+        """A copy with nodal forces (2 nodes, k) as k further unit loads, in the last columns."""
 
 
 @dataclass(frozen=True)
 class CondensedBody:
-    """A body reduced to its 2n contact displacements and its frame by static condensation.
+    """A body reduced by static condensation to its 2n contact displacements and its frame.
 
-    The frame is the rigid line of the body that its hinge holds.
+    The frame is the rigid line of the body that its support holds, with the displacements dx, dy
+    and rotation.
 
     Attributes
     ----------
-    L_cc : (2n, 2n) lower Cholesky factor of the contact's stiffness with the frame held
-    L_fc : (3, 2n) = S_fc L_cc^-T; the forces L_fc Y hold the frame, with the half flexibility Y
-    load_on_contact, load_on_frame : (2n, l), (3, l) unit loads, condensed to contact and frame
-    load_work : (l, l) work of the unit loads with contact and frame held
-    inner : the eliminated unknowns, which only few callers need
-    columns : the l load columns by name
-    force_imbalance : estimate of the force by which round-off of the elimination puts a unit force
-        out of balance; 0 where it is not known
+    L_cc : (2n, 2n) lower Cholesky factor of the stiffness on the contact nodes, without motion of
+        the frame
+    L_fc : (3, 2n) matrix S_fc L_cc^-T; contact forces with the half flexibility Y need the forces
+        L_fc Y to keep the frame in its place
+    load_on_contact, load_on_frame : (2n, l) and (3, l) the l unit loads, condensed to the contact
+        nodes and to the frame
+    load_work : (l, l) work of the unit loads on each other's displacements, without motion of
+        contact nodes and frame
+    inner : the eliminated unknowns, from which displacements inside the body are recovered
+    columns : the names of the l unit loads, as columns of the arrays above
+    force_imbalance : estimate of the imbalance that round-off of the elimination causes, relative
+        to the acting force; 0 if it is not known
     rigid_mode_error : (2n, 3) estimate of the contact displacement [m] that round-off adds to each
-        rigid-body mode of the frame; None where it is not known
+        rigid-body mode of the frame; None if it is not known
     """
 
     L_cc: Floats
@@ -195,20 +202,20 @@ class CondensedBody:
     def nodal_forces_over_cholesky_factor(self, forces: Floats) -> Floats:
         """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes.
 
-        L_cc is the Cholesky factor of the condensed stiffness. Y^T Y is the flexibility: the work
-        that each of the m load cases does on the displacements of every other.
+        L_cc is the Cholesky factor of the condensed stiffness. Y^T Y (m, m) is a flexibility: the
+        work of each of the m load cases on the displacements of each other case.
         """
         return solve_lower_triangular_system(self.L_cc, forces)
 
     def nodal_displacements_in_one_case(
         self, nodal: Floats, frame: Floats, loads: Floats
     ) -> Floats:
-        """Displacement (2, nodes) of all nodes [m], the eliminated ones included, in one load case.
+        """Displacement (2, nodes) of all nodes [m], eliminated nodes included, in one load case.
 
         Parameters
         ----------
         nodal : (2n,) forces on the contact nodes [N]
-        frame : (3,) displacement of the frame
+        frame : (3,) displacements dx, dy [m] and rotation [rad] of the frame
         loads : (l,) factors of the unit loads
         """
         u = self.nodal_displacements_in_load_cases(nodal[:, None], frame[:, None], loads[:, None])
@@ -225,9 +232,10 @@ class CondensedBody:
         return self.inner.nodal_displacements_in_load_cases(nodal, frame, loads)
 
     def body_with_further_loads(self, loads: Mapping[str, Floats]) -> "CondensedBody":
-        """The body with further unit loads, whose columns follow the columns of its present loads.
+        """A copy of the body with further unit loads, in columns after those of its present loads.
 
-        The stiffness stays. The inner unknowns are eliminated once more, under all loads.
+        The condensed stiffness stays. The inner unknowns are eliminated once more to condense the
+        loads.
 
         Parameters
         ----------
@@ -280,10 +288,11 @@ def sparse_stiffness_of_body(
     ----------
     basis : scalar basis of a mesh, or a grid of hp elements, which computes its own stiffness
     layers : elastic layers by subdomain
-    precise : whether to compute in long double from the nodes on
+    precise : whether to compute in long double, from the coordinates of the nodes on
     """
     if hasattr(basis, "stiffness"):
-        # The skeleton of a grid has no option `precise`, since its stiffness is in double only.
+        # The stiffness of a grid's skeleton exists in double precision only, so that it has no
+        # option `precise`.
         return basis.stiffness(layers, precise=True) if precise else basis.stiffness(layers)
     if precise:
         gradients, dx = _shape_gradients_in_long_double(basis)
@@ -370,7 +379,7 @@ class ElementQuadrature(NamedTuple):
     Attributes
     ----------
     xy : (2, e, q) quadrature points [m]
-    shapes : (a, q) shape functions
+    shapes : (a, q) values of the shape functions at the q points
     areas : (e, q) areas that the points stand for [m^2]
     nodes : (e, a) numbers of the nodes of each element
     parts : numbers of the elements of each part of the body, by the name of the part
@@ -384,7 +393,7 @@ class ElementQuadrature(NamedTuple):
 
 
 def quadrature_of_elements(basis: Any) -> ElementQuadrature:
-    """The quadrature of all elements of a basis, or of a grid of hp elements, which has its own."""
+    """The quadrature of all elements of a basis of scikit-fem or of a grid of hp elements."""
     if hasattr(basis, "element_quadrature"):
         found: ElementQuadrature = basis.element_quadrature
         return found
@@ -413,7 +422,7 @@ def _orthotropic_part_of_element_stiffness(
     along = layer.directions(points)
 
     def integrals_of_products_of_strains_in_direction(direction: Any) -> Any:
-        """The integrals (e, d a, d a) [1] of products of two stretches in a direction (2, e, q)."""
+        """The integrals (e, d a, d a) of products of two unknowns' strains in a direction."""
         grown = np.einsum("ceq,aceq->aeq", direction, gradients)
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
@@ -431,7 +440,7 @@ def _shape_gradients_in_long_double(basis: Any) -> tuple[Any, Any]:
     """Shape-function gradients (a, 2, elements, points) and quadrature areas, in long double.
 
     The areas are (elements, points). The elements are isoparametric: the same shape functions
-    interpolate places and displacements.
+    interpolate coordinates and displacements.
     """
     at = basis.X.astype(np.longdouble)
     count = basis.element_dofs.shape[0]
@@ -467,8 +476,8 @@ def multi_point_constraints_of_body(
     contact : (n,) contact nodes by growing angle
     rigid : nodes of the rigid line, which move with u = (dx, dy) + rotation k x (x - pin)
     pin : (2,) point of the pin [m]
-    alone : (3,) displacements that take the place of the frame for a body without rigid nodes; None
-        for a body with rigid nodes
+    alone : (3,) numbers of the displacements that take the place of the frame for a body without
+        rigid nodes; None for a body with rigid nodes
     """
     order = elimination_order_by_nested_dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones(basis.N, dtype=bool)
@@ -497,11 +506,11 @@ def matrix_from_unknowns_to_displacements(
 
     Parameters
     ----------
-    dofs : displacements that are unknowns themselves, in the order of the unknowns
+    dofs : numbers of the displacements that are themselves unknowns, in the order of the unknowns
     count : number of all displacements
-    rigid : (n,) number of the displacement x of each node that moves with the frame; y is the next
-        number; None for a body without a frame
-    arm : (2, n) distance of the rigid nodes from the pin [m]
+    rigid : (n,) for each node that moves with the frame, the number of its x displacement; y has
+        the next number; None for a body without a frame
+    arm : (2, n) vectors [m] from the pin to the nodes that move with the frame
     """
     # The import of scipy.sparse takes time, and condensed hp elements do without it.
     import scipy.sparse as sp  # noqa: PLC0415
@@ -510,7 +519,8 @@ def matrix_from_unknowns_to_displacements(
     rows, columns = [dofs], [np.arange(free)]
     values = [np.ones(free)]
     if rigid is not None and arm is not None:
-        # Each rigid node has four entries: x by dx, x by the rotation, y by dy, y by the rotation.
+        # Each rigid node has four entries: its x by dx and by the rotation, and its y by dy and by
+        # the rotation.
         ones = np.ones(len(rigid))
         rows += [rigid, rigid, rigid + 1, rigid + 1]
         columns += list(np.repeat([[free], [free + 2], [free + 1], [free + 2]], len(rigid), axis=1))
@@ -530,7 +540,7 @@ def condense_body_to_contact_and_frame(
     K : (2 nodes, 2 nodes) stiffness [N/m]
     constraints : the multi-point constraints that define the reduced unknowns
     loads : unit loads (unknowns, k) on the reduced unknowns, by name
-    contact : number of displacements of the contact nodes
+    contact : number of displacements of the contact nodes, two for each node
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The elastic layers of shoes and rings, and the constants that their stiffness is computed from.
+"""The elastic layers of shoes and rings, and the constants from which their stiffness is computed.
 
 The elasticity matrix D of a layer (brake.elasticity) is split into an isotropic part, which is
 integrated for all layers at once, and the additional stiffness in the layer's two directions,
@@ -22,10 +22,11 @@ from drumlin.brake.elasticity import ElasticLayer, excess_stiffness_over_isotrop
 
 
 def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
-    """The elastic layers of a shoe by subdomain, with their directions in the shoe's frame.
+    """The elastic layers of a shoe by name of subdomain, with their directions in the shoe's frame.
 
-    On a drum the directions turn with the arc. The layers of a pad on a plane are straight. A
-    straight beam is straight too, and so is the block between the beam and its lining.
+    On a drum the directions of a layer follow the arc. The layers of a pad on a plane have one
+    direction, along x. A straight beam and the block between it and its lining have the direction
+    of the beam.
     """
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     around: Floats | None = None
@@ -69,7 +70,7 @@ def isotropic_and_orthotropic_elastic_constants(elasticity: Any) -> Any:
 def elasticity_times_width_of_layers(
     layers: Mapping[str, ElasticLayer], part: Sequence[str]
 ) -> Floats:
-    """Elasticity matrices times width (l, 3, 3) [N/m] of the layers with the names `part` (l,)."""
+    """Elasticity matrices times width (l, 3, 3) [N/m] of the l layers whose names are `part`."""
     return np.array([layers[name].stiffness for name in part])
 
 
@@ -87,7 +88,7 @@ def stresses_from_displacement_gradients(
     ----------
     gradient : (2, 2, ...) derivatives d u_i / d x_j
     elasticity : (..., 3, 3) elasticity matrix of each point, or one matrix of all points
-    along : (2, ...) unit vectors along the layers; None where all layers are isotropic
+    along : (2, ...) unit vectors along the layers; None if all layers are isotropic
     """
     lam, mu, a, b = np.moveaxis(isotropic_and_orthotropic_elastic_constants(elasticity), -1, 0)
     strain = 0.5 * (gradient + gradient.swapaxes(0, 1))

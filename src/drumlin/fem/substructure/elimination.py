@@ -1,12 +1,13 @@
 """Static condensation of a body by dense matrices, called fronts, over a nested dissection.
 
-The elements of the mesh are halved again and again. A node belongs to the smallest region that
-holds all its elements. The unknowns of a region are eliminated together, by one dense Cholesky
-factorisation of the region's front. The front is the matrix of the region's own unknowns and of
-those later unknowns that they touch. The Schur complement of the front is added to the front of the
-earliest later region that it touches (multifrontal elimination: Duff & Reid 1983). The work
-consists of dense matrix products, and the kept unknowns come last whatever the sparsity. The
-factors are stored only if the displacements of the eliminated unknowns are needed.
+The set of elements is halved again and again, into smaller and smaller regions. A node belongs to
+the smallest region that contains all elements around it. The unknowns of a region are eliminated
+together, by one dense Cholesky factorisation of the region's front. The front is the dense matrix
+of the region's own unknowns and of the later unknowns that are coupled with them. The Schur
+complement of the front on these later unknowns is added to the front of the earliest region among
+them (multifrontal elimination: Duff & Reid 1983). The work consists of dense matrix products, and
+the kept unknowns come last. The factors are stored only if the displacements of the eliminated
+unknowns are needed.
 """
 
 from collections.abc import Iterator
@@ -19,14 +20,14 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 
 LEAF_HALVINGS = 5
-"""Number of the last halvings that the dissection omits: the smallest regions have 2^5 elements.
+"""Number of halvings that the dissection omits at its end: the smallest regions have 2^5 elements.
 
-Smaller regions take more calls, and larger regions more multiplications with zeros. The result is
-the same but for round-off.
+Smaller regions need more calls of dense routines, and larger regions more multiplications with
+zeros. The result is the same apart from round-off.
 """
 
 _Complements = list[list[tuple[Ints, Floats]]]
-"""For each region the Schur complements of earlier fronts that wait to be added to its own front.
+"""For each region the Schur complements of earlier fronts that are still to be added to its front.
 
 Each complement has the numbers of its unknowns (m,) and its lower triangle (m, m).
 """
@@ -55,7 +56,7 @@ class CondensedSystem(NamedTuple):
     ----------
     S : (k, k) Schur complement on the kept unknowns, the condensed stiffness
     loads : (k, l) condensed loads
-    work : (l, l) work of the loads with the kept unknowns held
+    work : (l, l) work of the loads on each other's displacements if the kept unknowns are zero
     """
 
     S: Floats
@@ -66,8 +67,8 @@ class CondensedSystem(NamedTuple):
 def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> EliminationOrder:
     """The order in which the nodes of a mesh are eliminated, by nested dissection.
 
-    The elements are halved across the long direction of their region. A node comes after all nodes
-    of the smaller regions inside the node's own region.
+    The elements of a region are cut into halves across the region's long direction. A node comes
+    after all nodes of the smaller regions inside the node's own region.
 
     Parameters
     ----------
@@ -81,8 +82,8 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
     path = np.zeros(count, dtype=np.int64)
     depth = max(0, int(np.ceil(np.log2(count))))
     resolution = 1e-9 * float(np.ptp(centre, axis=1).max()) or 1.0
-    # Each level halves every region: elements are sorted along the region's long direction, and
-    # the second half of the ranks gets the bit 1.
+    # Each level halves every region: its elements are sorted along its long direction, and the
+    # second half of them gets the bit 1.
     for level in range(depth):
         size = np.bincount(path, minlength=1 << level)
         position = np.round(
@@ -105,8 +106,8 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
     differing_bits = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)
     height = np.maximum(differing_bits, min(LEAF_HALVINGS, depth))
 
-    # A region is a range of paths. Regions are eliminated in the order in which these ranges end,
-    # and of two with the same end the smaller one comes first.
+    # A region is a range of paths. Regions are eliminated in the order in which these ranges end;
+    # of two regions with the same end the smaller region comes first.
     end = (first >> height << height) + (1 << height)
     nodes = np.lexsort((height, end))
     other_end = np.diff(end[nodes], prepend=-1).astype(bool)
@@ -117,8 +118,8 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
 def _positions_along_principal_axis(group: Ints, x: Floats) -> Floats:
     """Positions (m,) of points along the principal axis of their group, its long direction.
 
-    `x` (d, m) are the points relative to the middle of their group, and `group` (m,) is the number
-    of the group of each point.
+    `x` (d, m) are the points relative to the mean of their group, and `group` (m,) is the number of
+    the group of each point.
     """
     if len(x) == 2:
         xy, xx_yy = _mean_of_values_in_each_group(
@@ -126,7 +127,7 @@ def _positions_along_principal_axis(group: Ints, x: Floats) -> Floats:
         )
         along = 0.5 * np.arctan2(2 * xy, xx_yy)
         return np.asarray(x[0] * np.cos(along) + x[1] * np.sin(along))
-    # The second moments of each group about its middle, (groups, 3, 3).
+    # `spread` are the second moments of each group about its mean, (groups, 3, 3).
     products = (x[:, None] * x).reshape(len(x) ** 2, -1)
     moments = np.array([np.bincount(group, row) for row in products])
     spread = moments.reshape(len(x), len(x), -1).transpose(2, 0, 1)
@@ -135,7 +136,7 @@ def _positions_along_principal_axis(group: Ints, x: Floats) -> Floats:
 
 
 def _mean_of_values_in_each_group(group: Ints, values: Floats) -> Floats:
-    """For each member of a group, the mean of its group's `values` (k, m), row by row (k, m).
+    """For each of m members, the means (k, m) of the k rows of `values` (k, m) over its group.
 
     `group` (m,) is the number of the group of each member.
     """
@@ -179,7 +180,7 @@ def solve_by_multifrontal_elimination(A: Any, region: Ints, right: Floats) -> Fl
     ----------
     A : (n, n) sparse matrix, symmetric and positive definite
     region : number of the region of each unknown that a front eliminates, not decreasing; the
-        unknowns behind the last of these are solved for by one dense matrix
+        remaining, last unknowns are solved for by one dense matrix
     right : (n, m) right-hand sides
 
     Raises
@@ -192,7 +193,7 @@ def solve_by_multifrontal_elimination(A: Any, region: Ints, right: Floats) -> Fl
     complements = _empty_list_of_schur_complements(region)
     x = np.array(right, dtype=float)
 
-    # The forward substitution goes front by front, and keeps all fronts for the way back.
+    # The forward substitution goes front by front, and keeps all fronts for the back substitution.
     fronts = []
     for front in _factorise_front_of_each_region(lower, region, complements):
         x[front.own] = dtrsm(1.0, front.L, x[front.own], lower=1)
@@ -218,7 +219,7 @@ class _FrontFactor(NamedTuple):
     Attributes
     ----------
     own : the k unknowns that the front eliminates
-    later : (m,) unknowns of later regions that the own unknowns touch
+    later : (m,) unknowns of later regions that are coupled with the own unknowns
     L : (k, k) Cholesky factor of the block of the own unknowns
     below : (m, k) rows of the factor for the later unknowns
     """
@@ -256,7 +257,7 @@ def _factorise_front_of_each_region(
     ----------
     lower : lower triangle of the sparse matrix
     region : number of the region of each eliminated unknown, not decreasing
-    complements : Schur complements that wait for each region
+    complements : Schur complements of earlier fronts that are to be added to each region's front
     """
     inner, regions = len(region), len(complements) - 1
     starts = np.searchsorted(region, np.arange(regions + 1))
@@ -265,8 +266,8 @@ def _factorise_front_of_each_region(
         start, end = starts[r], starts[r + 1]
         if start == end:
             continue
-        # The front holds the region's own unknowns first, then the later unknowns that they touch
-        # by entries of the matrix or by complements of earlier fronts.
+        # The front has the region's own unknowns first, then the later unknowns that are coupled
+        # with them by entries of the matrix or by complements of earlier fronts.
         span = slice(indptr[start], indptr[end])
         rows = indices[span]
         columns = np.repeat(np.arange(end - start), np.diff(indptr[start : end + 1]))
@@ -282,7 +283,8 @@ def _factorise_front_of_each_region(
             raise NoAnswer(SINGULAR_BODY)
         below = dtrsm(1.0, L, F[own:, :own], side=1, lower=1, trans_a=1)
         if len(later):
-            # The complement goes to the earliest of the later regions that it touches.
+            # The complement is added to the front of the earliest region that its unknowns belong
+            # to.
             next_region = regions if later[0] >= inner else int(region[later[0]])
             complement = np.subtract(F[own:, own:], below @ below.T, order="F")
             complements[next_region].append((later, complement))
@@ -292,7 +294,7 @@ def _factorise_front_of_each_region(
 def _schur_complement_on_kept_unknowns(lower: Any, inner: int, complements: _Complements) -> Floats:
     """The lower triangle (k, k) of the Schur complement on the k unknowns that are kept.
 
-    The kept unknowns follow the first `inner` unknowns of `lower`.
+    The kept unknowns follow the first `inner` unknowns in the matrix `lower`.
     """
     S: Floats = lower[inner:, inner:].toarray(order="F")
     _add_schur_complements_to_front(
@@ -304,7 +306,7 @@ def _schur_complement_on_kept_unknowns(lower: Any, inner: int, complements: _Com
 def _add_schur_complements_to_front(
     F: Floats, touched: Ints, complements: _Complements, region: int
 ) -> None:
-    """Add waiting Schur complements of earlier fronts to the lower triangle of a region's front.
+    """Add the Schur complements of earlier fronts to the lower triangle of a region's front.
 
     `F` (n, n) is the front and `touched` (n,) are its unknowns.
     """

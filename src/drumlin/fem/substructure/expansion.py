@@ -1,6 +1,7 @@
-"""Thermal strain and swelling: the nodal forces by which strains without stress load a body.
+"""Thermal strain and swelling: the nodal forces by which free strains load a body.
 
-A layer with the free strain eps_0 has the stress sigma = D (eps - eps_0). The nodal forces
+A free strain eps_0, by heat or swelling, causes no stress by itself: sigma = D (eps - eps_0). The
+nodal forces
 
     f_ai = b Int sigma^0_ij psi_a,j dA,   sigma^0 = D eps_0
 
@@ -23,9 +24,9 @@ from drumlin.fem.substructure.elasticity import (
 )
 
 Strains = Mapping[str, Callable[[Floats], Floats]]
-"""Functions that give the free strains of each layer that expands, by the layer's name.
+"""For each layer that expands, by its name, a function that returns its free strains.
 
-A function takes points (2, ...) [m] and returns the free strains (2, ...) along and through the
+The function takes points (2, ...) [m] and returns the free strains (2, ...) along and through the
 layer. Both strains of a heated isotropic layer are its coefficient of expansion times its
 temperature rise.
 """

@@ -1,16 +1,16 @@
-"""The contact line of a lining, and the weak (mortar) coupling of its pressure and displacement.
+"""The contact line of a lining, and the mortar coupling of its pressure and displacement.
 
-The pressure is interpolated with the shape functions psi_i that the displacement has on the contact
-line. Along the discrete arc x(xi) = sum_i psi_i(xi) x_i, with the exact radial normal n = sign e_r
-and tangent e_phi at every point, and with the lining's width b:
+Pressure and displacement are interpolated with the same shape functions psi_i on the contact line.
+Along the discrete arc x(xi) = sum_i psi_i(xi) x_i, with the exact normal n = sign e_r and tangent e
+= e_phi of the drum at every point, and with the lining's width b:
 
     M_ij   = b Int psi_i psi_j ds
     N_i,jc = b Int psi_i psi_j n_c ds
     T_i,jc = b Int psi_i psi_j e_c ds
 
 The nodal forces of a pressure p with the friction coefficient mu and the sense s of sliding are
--N^T p + mu s T^T p. Their resultants equal those of the traction on the same arc to round-off, on
-any mesh.
+-N^T p + mu s T^T p. On any mesh, their resultants equal the resultants of the traction on the same
+arc, apart from round-off.
 """
 
 from collections.abc import Callable
@@ -35,9 +35,9 @@ from drumlin.response.resultants import (
 )
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]
-"""A function from points (2, ...) [m] to the counterface's unit normals and unit tangents (2, ...).
+"""Function that takes points (2, ...) [m] and returns unit normals and unit tangents (2, ...).
 
-The counterface is the drum or the plane on which the lining slides.
+They are normal and tangential to the drum or the plane on which the lining slides.
 """
 
 
@@ -48,11 +48,12 @@ class ContactLine:
     Attributes
     ----------
     nodes : (n,) numbers of the contact nodes in the mesh
-    xy : (2, n) places of these nodes [m]
+    xy : (2, n) coordinates of these nodes [m]
     phi : (n,) angles of these nodes [rad]
-    pieces : (order + 1, m) positions in `nodes` of the nodes of each edge, by growing angle
-    edge : length [rad] of the zones at both ends of the lining in which no pressure peak is sought
-    further_linings : position in `nodes` of the first node of each lining behind the first one
+    pieces : (order + 1, m) the nodes of each of m element edges, as indices into `nodes`, by
+        growing angle
+    edge : length [rad] of the zone at each end of a lining in which no pressure peak is sought
+    further_linings : index into `nodes` of the first node of each lining after the first lining
     """
 
     nodes: Ints
@@ -68,7 +69,7 @@ class ContactLine:
         return len(self.pieces) - 1
 
     def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> "Coupling":
-        """The coupling of this line with the drum or the plane; `width` [m] is the lining's."""
+        """The coupling matrices of this line with drum or plane; `width` [m] of the lining."""
         return weak_coupling_of_contact_line(self, width, directions)
 
     @cached_property
@@ -83,15 +84,16 @@ class ContactLine:
         )
 
     def values_of_each_lining(self, values: Floats) -> list[Floats]:
-        """The values (n,) at the contact nodes, divided into those of each lining."""
+        """The values (n,) at the contact nodes, divided into one array for each lining."""
         return np.split(values, self.further_linings)
 
     @cached_property
     def nodes_over_all_linings(self) -> tuple[Floats, Bools]:
-        """The nodes (m,) [rad] of a polynomial over linings and slots, and which are on linings.
+        """Angles (m,) [rad] of nodes on all linings and in the slots, and which are on linings.
 
-        See `resultants.nodes_with_slots`. The nodes on linings are those of
-        `angles_and_mean_pressures`.
+        The nodes on linings are the nodes of `angles_and_mean_pressures`. Nodes are added in the
+        slots between linings, so that a piecewise polynomial spans them, see
+        `resultants.nodes_with_slots`.
         """
         phi, _ = self.angles_and_mean_pressures(np.zeros(len(self.phi)))
         parts = self.values_of_each_lining(phi)
@@ -99,12 +101,12 @@ class ContactLine:
 
     @property
     def node_distances_from_mid_plane(self) -> Floats:
-        """Distances (m,) [m] from the mid-plane of the nodes across the width; 0 on a line."""
+        """Distances (m,) [m] from the mid-plane of the nodes across the width: here one, at 0."""
         return np.zeros(1)
 
     @property
     def width_shares_of_nodes_across_width(self) -> Floats:
-        """The share (m,) of the width that each node across the width stands for; 1 on a line."""
+        """The fraction (m,) of the width that each node across the width stands for: here 1."""
         return np.ones(1)
 
     def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
@@ -121,14 +123,14 @@ class ContactLine:
 
 @dataclass(frozen=True)
 class Coupling:
-    """The matrices of the weak coupling of a lining's pressure with its displacement.
+    """The matrices that couple a lining's nodal pressures with its displacements (mortar method).
 
     b is the width of the lining, and psi_i are the shape functions of the contact nodes.
 
     Attributes
     ----------
-    M : (n, n) mass matrix of the pressure [m^2]; M p are the integrals of the pressure p, weighted
-        with each shape function
+    M : (n, n) mass matrix of the contact nodes [m^2]; M p are the integrals of the pressure p times
+        each shape function
     N : (n, 2n) normal coupling [m^2]; the nodal forces of p are -N^T p
     T : (n, 2n) tangential coupling [m^2]; the nodal forces of the friction are mu s T^T p, with the
         sense s of sliding
@@ -148,7 +150,7 @@ class Coupling:
 
 
 class EdgePoints(NamedTuple):
-    """The quadrature points on m edges of a mesh.
+    """The q quadrature points on each of m element edges of a mesh.
 
     Attributes
     ----------
@@ -163,10 +165,10 @@ class EdgePoints(NamedTuple):
 
 
 def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> EdgePoints:
-    """The quadrature points on edges, with the shape functions and lengths there.
+    """The quadrature points on element edges, with the shape functions and lengths there.
 
-    The quadrature is done on the edges themselves. skfem's boundary bases invert the map of the
-    element with an absolute tolerance, which small and slender elements do not meet.
+    scikit-fem's boundary bases are not used: they invert the map of the element with an absolute
+    tolerance, which fails on small and slender elements.
 
     Parameters
     ----------
@@ -196,7 +198,7 @@ def nodal_forces_of_unit_loads_on_loaded_end(basis: Any, facets: Ints) -> tuple[
     Parameters
     ----------
     basis : scalar basis of the mesh
-    facets : facets of the loaded end
+    facets : numbers of the element edges on the loaded end
     """
     nodes = nodes_along_element_edges(basis, facets)
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
@@ -218,10 +220,10 @@ def make_contact_line_of_lining(
     Parameters
     ----------
     basis : scalar basis of the mesh
-    facets : facets of the friction surface
+    facets : numbers of the element edges on the friction surface
     middle : angle [rad] near which the nodes' angles are sought, at most 180 degrees away
     unit : length [m] by which x is divided to give the "angle" on a plane; None on a drum
-    edge : length [rad] of the zones at both ends in which no pressure peak is sought
+    edge : length [rad] of the zone at each end in which no pressure peak is sought
     """
     dofs = nodes_along_element_edges(basis, facets)
     nodes = np.unique(dofs)
@@ -232,14 +234,14 @@ def make_contact_line_of_lining(
     position = np.empty(basis.N, dtype=np.int64)
     position[nodes] = np.arange(len(nodes))
     pieces = position[dofs]
-    # The nodes of an edge stand by growing angle, and the edges by the angle at which they begin.
+    # The nodes of an edge are sorted by angle, and the edges by the angle of their first node.
     pieces = np.where(phi[pieces[0]] < phi[pieces[-1]], pieces, pieces[::-1])
     pieces = pieces[:, np.argsort(phi[pieces[0]])]
     return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces, edge=edge)
 
 
 def function_for_drum_normals_and_tangents(sign: int) -> Directions:
-    """The function that gives unit normals, sign e_r, and unit tangents, e_phi, of a drum about O.
+    """The function that returns unit normals sign e_r and unit tangents e_phi of a drum about O.
 
     `sign` is 1 for shoes inside the drum, and -1 for shoes outside.
     """
@@ -253,7 +255,7 @@ def function_for_drum_normals_and_tangents(sign: int) -> Directions:
 
 
 def plane_normals_and_tangents(x: Floats) -> tuple[Floats, Floats]:
-    """The unit normals and tangents (2, ...) of the plane y = 0 under a lining, at points x."""
+    """The unit normals and tangents (2, ...), at points x, of a plane y = 0 under the lining."""
     ones, zeros = np.ones(x.shape[1:]), np.zeros(x.shape[1:])
     return np.array([zeros, -ones]), np.array([ones, zeros])
 
@@ -261,7 +263,7 @@ def plane_normals_and_tangents(x: Floats) -> tuple[Floats, Floats]:
 def weak_coupling_of_contact_line(
     line: ContactLine, width: float, directions: Directions
 ) -> Coupling:
-    """The weak coupling of a lining with the drum or the plane.
+    """The matrices that couple a lining with the drum or the plane, see `Coupling`.
 
     Parameters
     ----------
@@ -283,7 +285,7 @@ def weak_coupling_of_contact_line(
     M, *parts = (
         _sum_values_with_equal_position(at, block, n * n).reshape(n, n) for block in blocks
     )
-    # The x and y components of N, and those of T, are interleaved for each node.
+    # The x and y components of N are interleaved for each node, and so are the components of T.
     N = np.array(parts[:2]).transpose(1, 2, 0).reshape(n, 2 * n)
     T = np.array(parts[2:]).transpose(1, 2, 0).reshape(n, 2 * n)
     lever = _sum_values_with_equal_position(line.pieces.T.ravel(), (weight * r) @ psi.T, n)

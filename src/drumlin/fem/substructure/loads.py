@@ -2,9 +2,9 @@
 
 A body is condensed once for all unit loads that its model needs. Each load has a name and as many
 columns as components. The actuation has three components: unit force x, unit force y and unit
-couple on the loaded end, or on the frame of a body whose back is held. A further force, or a
-thermal strain, adds one more name. A caller that combines the columns names the acting loads and
-receives the factors of all columns.
+couple on the loaded end, or on the frame of a body whose back is held. Further forces and thermal
+strain have names of their own. A caller gives the factors of the acting loads by name, and receives
+the factors of all columns.
 """
 
 from collections.abc import Mapping
@@ -20,9 +20,11 @@ ACTUATION = "actuation"
 HEAT = "heat"
 """Name of the load of a heated shoe: the nodal forces of its free strains, in one column."""
 FURTHER_FORCES = "further forces"
-"""Name of the unit loads at the points of a shoe's further forces: force x, y at each point."""
+"""Name of the unit loads at the points of springs and other forces: force x, y at each point."""
 FORCES_ON_MASS = "forces on mass"
-"""Name of the unit loads on a mass of 1 kg: unit acceleration x, y, and unit square of speed."""
+"""Name of the unit loads on a shoe's mass of 1 kg: unit acceleration x, y, and centrifugal force at
+the angular speed 1 rad/s.
+"""
 
 
 @dataclass(frozen=True)
@@ -36,12 +38,12 @@ class LoadColumns:
 
     @classmethod
     def load_columns_of_named_loads(cls, loads: Mapping[str, Floats]) -> "LoadColumns":
-        """Make the load columns of unit loads (unknowns, k), given by name, with k columns each."""
+        """Make the load columns of unit loads, given by name as arrays (unknowns, k)."""
         return cls(tuple((name, forces.shape[1]) for name, forces in loads.items()))
 
     @cached_property
     def column_slice_of_each_load(self) -> dict[str, slice]:
-        """The slice of all load columns that belongs to each load, by the load's name."""
+        """For each load, by its name, the slice of its columns among all load columns."""
         names = [name for name, _ in self.sizes]
         return dict(
             zip(names, slices_of_consecutive_parts(size for _, size in self.sizes), strict=True)

@@ -1,16 +1,17 @@
 """The elastic drum ring: its mesh, its static condensation, and its coupling with all linings.
 
-The pressures that act on the linings also act on the ring, on meshes that need not match. The
-pressure's shape functions psi_i of a lining and the ring's phi_j are integrated over the overlaps
-of the edges of both contact lines,
+The pressures on the linings also act on the ring, whose mesh need not match the meshes of the
+shoes. Products of a lining's shape functions psi_i and the ring's shape functions phi_j are
+integrated over the overlaps of the edges of both contact lines,
 
     N_i,jc = b Int psi_i phi_j n_c ds
     T_i,jc = b Int psi_i [phi_j e_c + (r - r_ring) (k x tau)_c d phi_j/ds_ring] ds
 
-with the lining's width b, ds and radius r and the ring's tangent tau. Both discrete arcs are only
-nearly round: the friction acts at the radius r, but the ring's own arc is at r_ring. The second
-term in the bracket moves the friction to the ring's arc by a couple that is exact for rigid-body
-modes. So the forces and torques on linings and ring cancel to round-off.
+with the lining's width b, the lining's arc length ds at the radius r, and the ring's unit tangent
+tau. Both discrete arcs are only nearly round: the friction acts at the radius r, but the ring's own
+arc lies at r_ring. The second term in the bracket adds the couple by which the friction acts at r,
+which is exact for rigid-body modes. The forces and torques on linings and ring therefore cancel,
+apart from round-off.
 """
 
 import math
@@ -53,7 +54,7 @@ from drumlin.response.resultants import (
 )
 
 RIM = "rim"
-"""Name of the unit loads on the far edge of a free ring, which balance the forces of linings."""
+"""Name of the unit loads on a free ring's far edge, which balance the forces of the linings."""
 
 
 @dataclass(frozen=True)
@@ -70,9 +71,9 @@ class RingSubstructure:
         Called Y_i and Z_i, they open the weighted gap of shoe i under the pressure p_j of shoe j by
         Y_i^T (Y_j + drag Z_j) p_j.
     coupling_matrices : N and T (n_i, 2n) of each shoe
-    held : nodes of the far edge, opposite to the friction surface, that stand still; empty for a
-        free ring
-    rim_balance : balance of forces on the far edge of a free ring; None where the far edge is fixed
+    held : nodes of the far edge (opposite to the friction surface) that are fixed; empty for a free
+        ring
+    rim_balance : balance of forces on the far edge of a free ring; None if the far edge is fixed
     """
 
     mesh: Any
@@ -93,8 +94,9 @@ class RingSubstructure:
         Parameters
         ----------
         pressures : (n_i,) nodal pressure of each lining [Pa]
-        dragging : (n_i,) nodal pressures of each lining that its drag turns into friction [Pa]
-        drags : friction coefficient mu of each lining times the sense s of sliding
+        dragging : (n_i,) friction stress at the nodes of each lining, divided by mu [Pa]; the
+            pressure itself unless mu differs from node to node
+        drags : friction coefficient mu of each lining times the sense of sliding, +1 or -1
         """
         nodal = np.zeros(2 * len(self.line.nodes))
         for i, (N, T) in enumerate(self.coupling_matrices):
@@ -120,14 +122,14 @@ class RingSubstructure:
 
 
 def mesh_of_drum_ring(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
-    """Quadratic quadrilateral mesh of the whole ring, finer where linings end.
+    """Mesh of quadratic quadrilaterals of the whole ring, finer at the ends of the linings.
 
     The boundary "contact" is the friction surface of the ring, and "support" the far edge opposite
     to it.
 
     Parameters
     ----------
-    ring : section of the ring
+    ring : cross-section of the ring
     radius : radius of the friction surface [m]
     shoes : shoes whose linings press the ring
     elements : number of elements along each lining
@@ -146,7 +148,7 @@ def mesh_of_drum_ring(ring: Section, radius: float, shoes: tuple[Shoe, ...], ele
 def _angles_where_ring_elements_meet(
     radius: float, shoes: tuple[Shoe, ...], elements: int
 ) -> Floats:
-    """Angles [rad] at which elements of a ring meet, equally spaced between linings.
+    """Angles [rad] at which elements of a ring meet, equally spaced between the linings.
 
     Parameters
     ----------
@@ -163,10 +165,12 @@ def _angles_where_ring_elements_meet(
             parts.append(start % (2 * math.pi) + angles_of_lining)
     angles = np.unique(np.concatenate(parts) % (2 * math.pi))
     step = min(arcs) / elements
-    # Where linings overlap, two nearly equal angles would make a thin element. One is left out.
+    # Where linings overlap, two nearly equal angles would make a thin element. One of them is left
+    # out.
     if len(arcs) > 1:
         angles = angles[np.append(True, np.diff(angles) > 0.01 * step)]
-    # Wide gaps between these angles are divided equally, into elements of some 1.5 steps.
+    # Wide gaps between these angles are divided into equal elements, each some 1.5 times as long as
+    # the elements under the linings.
     gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
     filled = []
     for angle, gap in zip(angles, gaps, strict=True):
@@ -178,16 +182,17 @@ def _angles_where_ring_elements_meet(
 def quadratic_mesh_of_closed_ring(
     angles: Floats, depths: Floats, radius: float, sign: int, name: str
 ) -> Any:
-    """Quadratic quadrilateral mesh of a closed ring from `radius` to radius + sign depth [m].
+    """Mesh of quadratic quadrilaterals of a closed ring between two circles about the origin.
 
-    The boundary "contact" is the circle at depth 0, and "support" the circle at the largest depth.
+    A node lies at radius + sign depth. The boundary "contact" is the circle at depth 0, and
+    "support" the circle at the largest depth.
 
     Parameters
     ----------
     angles : (m,) ends of the elements within one turn [rad]
-    depths : (l + 1,) ends of the layers from 0 [m]
+    depths : (l + 1,) growing depths [m] of the ends of the l element layers, from 0 on
     radius : radius of the friction surface [m]
-    sign : 1 where the depth grows outwards, -1 where it grows inwards
+    sign : 1 if the depth grows outwards, -1 if it grows inwards
     name : name of the one subdomain
     """
     # The import of skfem takes time, and bodies of hp elements do without it.
@@ -199,8 +204,8 @@ def quadratic_mesh_of_closed_ring(
     after = np.roll(corner, -1, axis=1)
     cells = np.array([corner[:-1], corner[1:], after[1:], after[:-1]]).reshape(4, -1)
 
-    # A midside node lies on the ray through the middle of its chord, at the mean depth of both ends
-    # of the edge.
+    # A midside node lies on the ray through the middle of its edge's chord, at the mean depth of
+    # the edge's two ends.
     circle = np.array([np.cos(theta), np.sin(theta)])
     grid = skfem.MeshQuad(circle, cells, validate=False)
     direction = skfem.MeshQuad2.from_mesh(grid).doflocs
@@ -223,7 +228,7 @@ def quadratic_mesh_of_closed_ring(
 def condense_meshed_drum_ring_to_contact_nodes(
     brake: Brake, elements: int, linings: tuple[ContactLine, ...]
 ) -> RingSubstructure:
-    """The ring of a brake on a mesh, condensed to its nodes under the linings.
+    """The drum ring of a brake, meshed and condensed to its nodes under the linings.
 
     Parameters
     ----------
@@ -231,7 +236,7 @@ def condense_meshed_drum_ring_to_contact_nodes(
     elements : number of elements along each lining
     linings : contact line of each lining, in its shoe's frame
     """
-    # Every brake that `scene.reason_why_brake_is_not_modelled` lets pass has a section here.
+    # `scene.reason_why_brake_is_not_modelled` refuses a ring without a section.
     ring = brake.ring
     assert ring is not None and ring.section is not None
     mesh = mesh_of_drum_ring(ring.section, brake.size, brake.shoes, elements)
@@ -241,7 +246,7 @@ def condense_meshed_drum_ring_to_contact_nodes(
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         angles = shoe.frame.theta(lining.phi)
         arcs.append((float(angles.min()), float(angles.max())))
-    # Only nodes under the linings are contact nodes; the rest of the surface is condensed.
+    # Only nodes under the linings are contact nodes; all other nodes of the surface are eliminated.
     under = _ring_facets_under_arcs(mesh, arcs)
     line = make_contact_line_of_lining(basis, under, math.pi)
     n = 2 * len(line.nodes)
@@ -265,7 +270,7 @@ def condense_meshed_drum_ring_to_contact_nodes(
 
 
 def ring_stiffness(basis: Any, ring: Ring, *, precise: bool = False) -> Any:
-    """Sparse stiffness (2 nodes, 2 nodes) [N/m] of a ring, before any node is held.
+    """Sparse stiffness (2 nodes, 2 nodes) [N/m] of a ring without any fixed node.
 
     All models of the ring take its stiffness from this function. The stiffness of an elastic
     support would be added here.
@@ -281,7 +286,7 @@ def ring_stiffness(basis: Any, ring: Ring, *, precise: bool = False) -> Any:
 
 
 def fixed_nodes_of_ring(ring: Ring, far_edge: Ints) -> Ints:
-    """The nodes of a ring that stand still: all of the far edge if it is fixed, otherwise none."""
+    """The fixed nodes of a ring: all nodes of its far edge if the edge is fixed, or none."""
     return far_edge if ring.support == "fixed" else far_edge[:0]
 
 
@@ -315,10 +320,11 @@ def couple_ring_with_linings(
         line,
         condensed,
         normal_half_flexibilities=tuple(
-            _square_root_of_work_of_ring_forces(condensed, N.T, rim_balance) for N, _ in matrices
+            _half_flexibility_of_ring_under_forces(condensed, N.T, rim_balance) for N, _ in matrices
         ),
         friction_half_flexibilities=tuple(
-            _square_root_of_work_of_ring_forces(condensed, -T.T, rim_balance) for _, T in matrices
+            _half_flexibility_of_ring_under_forces(condensed, -T.T, rim_balance)
+            for _, T in matrices
         ),
         coupling_matrices=tuple(matrices),
         held=held,
@@ -352,14 +358,14 @@ def coupling_matrices_of_lining_and_ring(
     """The coupling matrices N and T (n, 2 n_ring) [m^2] of a lining's pressure with the ring.
 
     They are integrated over the overlaps of the edges of both contact lines, with the normal sign
-    e_r. The nodal forces of a pressure p on the ring are N^T p, and -mu s T^T p by friction with
+    e_r. The nodal forces on the ring are N^T p by a pressure p, and -mu s T^T p by friction with
     the sense s of sliding.
 
     Parameters
     ----------
     lining, ring : contact lines in the brake's frame
     width : width of the lining [m]
-    sign : 1 where the lining presses outwards, -1 where it presses inwards
+    sign : 1 if the lining presses outwards, -1 if it presses inwards
     """
     own, other = _edges_with_angles_of_their_ends(lining), _edges_with_angles_of_their_ends(ring)
     overlaps = _overlaps_of_lining_and_ring_edges(own, other)
@@ -371,8 +377,8 @@ def coupling_matrices_of_lining_and_ring(
     x, r = at.x, np.hypot(*at.x)
     ds = at.ds * width
 
-    # The friction moves from the lining's arc to the ring's arc, by the vector `arm`. The couple of
-    # this motion acts on the slopes of the ring's shape functions.
+    # The friction acts on the lining's arc, at the distance `arm` from the ring's arc. The couple
+    # of this offset is applied by the slopes of the ring's shape functions.
     r_ring = np.hypot(*np.einsum("cki,kiq->ciq", ring_xy, at.phi))
     tau = np.einsum("cki,kiq->ciq", ring_xy, at.ring_slopes)
     tangent_length = np.hypot(*tau)
@@ -397,7 +403,7 @@ class _OverlapQuadrature(NamedTuple):
     psi, phi : (nodes, k, q) shape functions of the lining's edges and of the ring's edges
     ring_slopes : (nodes, k, q) derivatives of `phi` by the local coordinate of the ring's edges
     x : (2, k, q) points on the lining's edges [m]
-    ds : (k, q) lengths of arc that belong to the points [m], which include the Gauss weights
+    ds : (k, q) length of arc [m] that each point stands for, with its Gauss weight
     """
 
     psi: Floats
@@ -410,7 +416,7 @@ class _OverlapQuadrature(NamedTuple):
 def _quadrature_of_overlaps(
     lining: ContactLine, ring: ContactLine, own_xy: Floats, ring_xy: Floats, overlaps: "_Overlaps"
 ) -> _OverlapQuadrature:
-    """The quadrature points of the overlaps, where rays of the drum cross both edges.
+    """The quadrature points of the overlaps, where rays from the drum's centre cross both edges.
 
     Parameters
     ----------
@@ -419,7 +425,8 @@ def _quadrature_of_overlaps(
         overlap [m]
     overlaps : the k overlaps
     """
-    # xi is the local coordinate of a point on the lining's edge, and eta that on the ring's edge.
+    # xi is the local coordinate of a point on the lining's edge, and eta its coordinate on the
+    # ring's edge.
     length = (overlaps.end - overlaps.start)[:, None]
     angle = overlaps.start[:, None] + 0.5 * length * (1 + GAUSS)
     xi = _edge_coordinates_where_rays_cross(own_xy, angle)
@@ -464,7 +471,7 @@ def _overlaps_of_lining_and_ring_edges(lining: "_EdgeArcs", ring: "_EdgeArcs") -
 
 
 class _EdgeArcs(NamedTuple):
-    """The m edges of a contact line: their nodes, and the angles between which they lie.
+    """The m element edges of a contact line: their nodes, and the angles of their ends.
 
     `pieces` (order + 1, m) are the nodes of each edge. Each edge goes from the angle `start` (m,)
     to the angle `end` (m,) [rad].
@@ -508,8 +515,9 @@ def _edge_coordinates_where_rays_cross(xy: Floats, angle: Floats) -> Floats:
 def rim_forces_distributed_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
     """Nodal forces (2 nodes, 3) on a ring's far edge, distributed like its rigid-body modes.
 
-    The work of these forces on a displacement is the mean rigid-body motion of the edge. `facets`
-    are the facets of the far edge.
+    The work of these forces on a displacement of the ring is the mean of the displacement along the
+    edge, weighted by each of the three modes. `facets` are the numbers of the element edges on the
+    far edge.
     """
     nodes = nodes_along_element_edges(basis, facets)
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
@@ -521,9 +529,9 @@ def rim_forces_distributed_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
 
 
 def unknowns_of_statically_determinate_support(basis: Any, support: Ints) -> Ints:
-    """Three displacements (3,) of far-edge nodes that hold a free ring against rigid-body motion.
+    """Numbers (3,) of three displacements whose fixing keeps a free ring from rigid-body motion.
 
-    The result has the numbers of the unknowns. The support is statically determinate: it takes no
+    They belong to two nodes of the far edge. The support is statically determinate: it takes no
     force under balanced loads.
     """
     angle = np.arctan2(basis.doflocs[1, support], basis.doflocs[0, support])
@@ -538,10 +546,10 @@ class RimBalance:
 
     The far edge, or rim, is the edge opposite to the friction surface. The rim forces -B lambda
     balance the contact forces f, and the mean motion of the rim is zero. With the rigid-body modes
-    R,  lambda = (R^T B)^-1 R^T f. The ring is held at three statically determinate unknowns, which
-    then carry no force. The work of the displacements is (Y - Y_B lambda)^T (Y - Y_B lambda) +
-    lambda^T beta lambda, where Y is the half flexibility under f, and beta is the work of B with
-    the contact nodes held too.
+    R, lambda = (R^T B)^-1 R^T f. Three displacements of the ring are fixed, which is statically
+    determinate, so that no force acts on them. The work of the forces is (Y - Y_B lambda)^T (Y -
+    Y_B lambda) + lambda^T beta lambda, where Y is the half flexibility under f, and beta is the
+    work of B if the contact nodes are fixed too.
 
     Attributes
     ----------
@@ -583,18 +591,18 @@ class RimBalance:
         )
 
 
-def _square_root_of_work_of_ring_forces(
+def _half_flexibility_of_ring_under_forces(
     condensed: CondensedBody, forces: Floats, rim_balance: RimBalance | None
 ) -> Floats:
     """The half flexibility W (m, k) of a drum ring under nodal forces on its contact nodes.
 
-    W^T W is the work that each of the k load cases does on the displacements of every other.
+    W^T W (k, k) is the work of each of the k load cases on the displacements of each other case.
 
     Parameters
     ----------
     condensed : the condensed ring
     forces : (2n, k) nodal forces
-    rim_balance : balance of a free ring; None where the far edge is fixed
+    rim_balance : balance of forces on a free ring; None if the far edge is fixed
     """
     Y = condensed.nodal_forces_over_cholesky_factor(forces)
     if rim_balance is None:
