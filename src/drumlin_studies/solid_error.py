@@ -120,7 +120,10 @@ class SolidErrorRow(NamedTuple):
         return self.true[name] > max(LEAST_TRUE_ERROR, TRUTH_FACTOR * self.unsure[name])
 
     def ratio(self, name: str) -> float:
-        """The ratio of stated to true error, for one of JUDGED_ERRORS; inf for a true error of 0."""
+        """The ratio of stated to true error; inf if the true error is 0.
+
+        `name` is one of JUDGED_ERRORS.
+        """
         return self.stated[name] / self.true[name] if self.true[name] else math.inf
 
 
