@@ -55,7 +55,9 @@ def draw_hot_brake(seed: int) -> Brake:
     changes: dict[str, Any] = {}
     if hasattr(brake, "drum") and rng.random() < HOT_SHARE:
         changes |= {"drum.expansion": 1e-5}
-        changes |= _rises_of_part(rng, "drum", BODY_STRAINS, gradient=brake.ring is not None)
+        changes |= _draw_temperature_rises_of_part(
+            rng, "drum", BODY_STRAINS, gradient=brake.ring is not None
+        )
     for i, shoe in enumerate(brake.shoes):
         for key, strains in (
             ("lining", LINING_STRAINS),
@@ -69,11 +71,11 @@ def draw_hot_brake(seed: int) -> Brake:
             coefficient = "expansion" if hasattr(part.material, "E") else "expansion_along"
             changes[f"{name}.material.{coefficient}"] = 1e-5
             is_beam = getattr(part, "shape", "arc") == "beam"
-            changes |= _rises_of_part(rng, name, strains, gradient=not is_beam)
+            changes |= _draw_temperature_rises_of_part(rng, name, strains, gradient=not is_beam)
     return vary(brake, changes)
 
 
-def _rises_of_part(
+def _draw_temperature_rises_of_part(
     rng: np.random.Generator, name: str, strains: tuple[float, float], *, gradient: bool
 ) -> dict[str, float]:
     """Draw the temperature rises [K] of a part whose thermal expansion is 1e-5 1/K.
@@ -120,7 +122,7 @@ def rows_of_hot_brake(seed: int) -> list[dict[str, Any]]:
     return [{key: v for key, v in row.items() if key not in left_out} for row in rows]
 
 
-def _outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
+def _text_on_outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
     """Text on a solve: its outcome, and the smallest ratio of a stated to a true error."""
     ratios = {name: stated_over_true_error_of_row(row, name) for name in JUDGED_QUANTITIES}
     known = {name: ratio for name, ratio in ratios.items() if not math.isnan(ratio)}
@@ -136,7 +138,7 @@ def main(first: int, last: int) -> None:
     for seed in range(first, last):
         own = rows_of_hot_brake(seed)
         rows += own
-        sys.stdout.write(f"{seed}: {', '.join(map(_outcome_and_smallest_ratio, own))}\n")
+        sys.stdout.write(f"{seed}: {', '.join(map(_text_on_outcome_and_smallest_ratio, own))}\n")
         sys.stdout.flush()
     for row in summary_rows_of_stated_errors(rows):
         shown = {key: f"{v:.4g}" if isinstance(v, float) else v for key, v in row.items()}

@@ -72,7 +72,7 @@ def write_mesh_of_main_example(path: Path, size: float) -> tuple[Brake, Brake]:
     return brake, vary(brake, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"})
 
 
-def costs_on_mesh_file(brake: Brake, filed: Brake) -> Iterator[CostOfSolve]:
+def costs_of_solves_on_mesh_file(brake: Brake, filed: Brake) -> Iterator[CostOfSolve]:
     """Yield the cost and errors of each way to solve a brake whose shoe is a mesh file.
 
     `filed` is the brake with the mesh file. `brake` is the same brake without it, which gives the
@@ -112,7 +112,7 @@ def main(words: Sequence[str]) -> int:
     with tempfile.TemporaryDirectory() as folder:
         brake, filed = write_mesh_of_main_example(Path(folder) / "shoe.msh", 1e-3 * size)
         print("way                     seconds  error of p  stated  error of the torque")  # noqa: T201
-        for row in costs_on_mesh_file(brake, filed):
+        for row in costs_of_solves_on_mesh_file(brake, filed):
             stated = "none" if row.stated is None else f"{100 * row.stated:.2g} %"
             print(  # noqa: T201
                 f"{row.way:22s}  {row.seconds:7.2f}  {100 * row.pressure:8.2g} %  {stated:>6s}  "

@@ -157,7 +157,7 @@ def observe_width_errors_of_random_brake(part: str, kind: str, seed: int) -> lis
     kind : how the brake is drawn, a name in `solid_error.DRAWN`
     seed : seed of the brake
     """
-    observe = observe_errors_of_degrees if part == "width" else observe_error_of_section
+    observe = observe_errors_of_width_degrees if part == "width" else observe_error_of_section_mesh
     try:
         brake = DRAWN[kind](seed)
         if reason_against_width_model(brake) is not None:
@@ -168,7 +168,7 @@ def observe_width_errors_of_random_brake(part: str, kind: str, seed: int) -> lis
     return [row._replace(kind=kind, seed=seed) for row in rows]
 
 
-def observe_errors_of_degrees(brake: Brake, plane: Response) -> list[WidthRow]:
+def observe_errors_of_width_degrees(brake: Brake, plane: Response) -> list[WidthRow]:
     """Rows with the errors of the degrees FITTED_DEGREES across the width, on one mesh.
 
     The true error of a degree is its distance from the truth, whose functions across the width are
@@ -202,7 +202,7 @@ def observe_errors_of_degrees(brake: Brake, plane: Response) -> list[WidthRow]:
     return rows
 
 
-def observe_error_of_section(brake: Brake, plane: Response) -> list[WidthRow]:
+def observe_error_of_section_mesh(brake: Brake, plane: Response) -> list[WidthRow]:
     """Rows with the error of the section's mesh on its first level.
 
     The degree `ladder.SECTION_DEGREE` across the width gives the estimate. The true error is the

@@ -341,7 +341,7 @@ def solve_brake_by_foundation_model(
         balance=largest_imbalance_among_shoes(balances),
         iterations=steps,
         seconds={"solve": time.perf_counter() - clock},
-        left_out=lines_on_neglected_effects(brake, names),
+        left_out=texts_of_neglected_effects(brake, names),
         notes=tuple(
             note_on_shoe_without_contact(shoe.name) for shoe in ordered if not shoe.contact_arcs
         ),
@@ -386,7 +386,7 @@ def _responses_of_shoe_group(
     return answers
 
 
-def lines_on_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
+def texts_of_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
     """Lines on the effects that a solve neglects, each with the option to include the effect.
 
     `names` are the names in LIFTS of the effects that the solve includes.

@@ -24,7 +24,7 @@ SHEAR_FACTOR = 6 / 5
 """Shear factor 1/kappa of a rectangular cross-section; its shear stiffness is kappa G A."""
 
 
-def _angles_within_one_full_turn(d: Floats) -> tuple[Floats, Floats]:
+def _angle_within_full_turn_and_its_difference_from_pi(d: Floats) -> tuple[Floats, Floats]:
     """The angles d [rad] reduced by full turns to d' in [0, 2 pi), and pi - d'."""
     d = np.mod(d, 2 * math.pi)
     return d, math.pi - d
@@ -35,7 +35,7 @@ def deflection_series_of_one_radial_force(d: Floats) -> Floats:
 
     d are angles [rad] from the force, of any shape. The result has the same shape.
     """
-    d, u = _angles_within_one_full_turn(d)
+    d, u = _angle_within_full_turn_and_its_difference_from_pi(d)
     return np.asarray(
         -0.5 - (math.pi**2 / 24 + 3 / 16) * np.cos(d) + u * np.sin(d) / 4 + u**2 * np.cos(d) / 8
     )
@@ -58,7 +58,7 @@ def shear_series_of_one_radial_force(d: Floats) -> Floats:
 
     d are angles [rad] from the force, of any shape. The result has the same shape.
     """
-    angle, u = _angles_within_one_full_turn(d)
+    angle, u = _angle_within_full_turn_and_its_difference_from_pi(d)
     return (
         0.5 + np.cos(angle) / 4 - u * np.sin(angle) / 2 + deflection_series_of_one_radial_force(d)
     )
@@ -71,7 +71,7 @@ def deflection_series_of_one_tangential_force(d: Floats) -> Floats:
     `deflection_series_of_one_radial_force` from 0 to d. d are angles [rad] from the force, of any
     shape. The result has the same shape.
     """
-    d, u = _angles_within_one_full_turn(d)
+    d, u = _angle_within_full_turn_and_its_difference_from_pi(d)
     s, c = np.sin(d), np.cos(d)
     return np.asarray(0.5 * u - (math.pi**2 / 24 + 3 / 16) * s - (u * c + s) / 2 + u**2 * s / 8)
 

@@ -127,8 +127,8 @@ The last of them adds 4e-9 of the brake's largest nodal compliance to the lining
 removed, hardly a node changes between contact and gap."""
 
 
-def is_friction_always_allowed(_: Contact) -> bool:
-    """Always true: without friction at the abutments every solution agrees with it."""
+def agree_with_any_contact(_: Contact) -> bool:
+    """Always true: without friction at abutments no solution contradicts the assumed friction."""
     return True
 
 
@@ -143,7 +143,7 @@ class Footing(NamedTuple):
     """
 
     problem: ContactProblem
-    stands: Callable[[Contact], bool] = is_friction_always_allowed
+    stands: Callable[[Contact], bool] = agree_with_any_contact
 
 
 class WearInterface(NamedTuple):
@@ -174,7 +174,7 @@ class WearInterface(NamedTuple):
     pressure: Floats
     area: Floats
     torque: Floats
-    stands: Callable[[Contact], bool] = is_friction_always_allowed
+    stands: Callable[[Contact], bool] = agree_with_any_contact
     others: tuple[Footing, ...] = ()
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
 
@@ -455,7 +455,7 @@ def join_contact_problems_of_lining_groups(interfaces: WearInterfaces) -> WearIn
     cases.
     """
     combinations = product(*(interface.abutment_friction_cases for interface in interfaces))
-    first, *others = map(_joint_abutment_friction_case, combinations)
+    first, *others = map(_join_abutment_friction_cases, combinations)
     all_settle = all(map(attrgetter("settle"), interfaces))
     return WearInterface(
         problem=first.problem,
@@ -475,7 +475,7 @@ def _concatenate_attribute_of_objects(owners: Iterable[Any], name: str) -> Float
     return np.concatenate(list(map(attrgetter(name), owners)))
 
 
-def _joint_abutment_friction_case(footings: Sequence[Footing]) -> Footing:
+def _join_abutment_friction_cases(footings: Sequence[Footing]) -> Footing:
     """Join one friction case of each group of linings to a friction case of the joint group.
 
     The matrices of the joint contact problem are block diagonal.
@@ -875,7 +875,9 @@ class _WearStepper:
         pressed = second.p > 0
         same_set = ((state.pressure > 0) == pressed).all() and ((first.p > 0) == pressed).all()
         if not same_set or self.footing != footing:
-            error = max(error, self._pressure_distance_from_euler_step(state, ds, second.p))
+            error = max(
+                error, self._norm_of_pressure_difference_from_euler_step(state, ds, second.p)
+            )
         error /= self._norm_of_pressure_over_all_linings(second.p) or 1.0
 
         def integral_over_step(at_first: Floats, at_second: Floats, row: Floats) -> float:
@@ -900,7 +902,9 @@ class _WearStepper:
             changes.append(interface.pressure * tangent(interface.weight @ depth[part]))
         return np.concatenate(changes)
 
-    def _pressure_distance_from_euler_step(self, state: WearState, ds: float, p: Floats) -> float:
+    def _norm_of_pressure_difference_from_euler_step(
+        self, state: WearState, ds: float, p: Floats
+    ) -> float:
         """The L2 norm of the difference between p after a step and p of one implicit Euler step.
 
         The norm measures the error of a step during which nodes come into contact or leave it. The

@@ -200,10 +200,11 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
         pressure=np.ones(len(gap)),
         area=np.concatenate(list(map(attrgetter("areas_of_contact_nodes"), couplings))),
         torque=group.brake.friction * group.torque_of_each_shoe_per_nodal_pressure.sum(axis=1),
-        stands=partial(_is_abutment_friction_as_assumed, first),
+        stands=partial(_are_abutment_friction_and_supports_as_assumed, first),
         others=tuple(
             Footing(
-                _contact_problem_in_newtons(way), partial(_is_abutment_friction_as_assumed, way)
+                _contact_problem_in_newtons(way),
+                partial(_are_abutment_friction_and_supports_as_assumed, way),
             )
             for way in others
         ),
@@ -289,7 +290,7 @@ def _contact_problem_in_newtons(group: ShoeGroup) -> ContactProblem:
     return problem._replace(q=size * problem.q, h=size * problem.h)
 
 
-def _is_abutment_friction_as_assumed(group: ShoeGroup, contact: Contact) -> bool:
+def _are_abutment_friction_and_supports_as_assumed(group: ShoeGroup, contact: Contact) -> bool:
     """Whether a solution agrees with what was assumed at the supports of a group of shoes.
 
     Friction at an abutment must oppose the slide of the shoe's foot or hold the foot, and

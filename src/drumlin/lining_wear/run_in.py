@@ -198,26 +198,26 @@ def largest_pressure_difference_of_linings(setup: WearSetup, p: Floats, goal: Fl
     """
     distances = []
     for surface in setup.surfaces:
-        size = _norm_of_values_over_face_without_ends(surface, goal)
+        size = _norm_over_lining_face_without_end_elements(surface, goal)
         # The difference of a lining is relative to the norm of `goal` on this lining. A lining that
         # has no contact when worn in, so that `goal` is zero on it, is skipped.
         if size:
-            distances.append(_norm_of_values_over_face_without_ends(surface, p - goal) / size)
+            distances.append(_norm_over_lining_face_without_end_elements(surface, p - goal) / size)
     return max(distances, default=0.0)
 
 
-def _norm_of_values_over_face_without_ends(surface: WornLining, values: Floats) -> float:
+def _norm_over_lining_face_without_end_elements(surface: WornLining, values: Floats) -> float:
     """The L2 norm of a lining's values over theta and, as a mean square, over the width.
 
     One element at each end of the lining is left out. `values` holds one value for each contact
     unknown of all linings.
     """
     rows = surface.own_values_over_face(values).T
-    norms = [norm_of_values_on_lining_without_ends(surface, row) for row in rows]
+    norms = [norm_along_lining_without_end_elements(surface, row) for row in rows]
     return math.sqrt(float(np.square(norms) @ surface.shares))
 
 
-def norm_of_values_on_lining_without_ends(surface: WornLining, values: Floats) -> float:
+def norm_along_lining_without_end_elements(surface: WornLining, values: Floats) -> float:
     """The L2 norm over theta of values (n,) along a lining, without one element at each end."""
     inner = slice(surface.order, len(values) - surface.order)
     _, at_points, weight = polynomial_values_at_gauss_points(
@@ -615,7 +615,7 @@ def report_lines_of_wear_run(
     for i in np.unique(np.rint(np.linspace(0, len(states) - 1, lines)).astype(int)):
         text.append(_table_line_of_wear_state(setup, states[i], goal, law))
     text.append(f"worn in (law): {surface.effect} {goal.torque:.6g} {surface.effect_unit}")
-    text += _line_on_mesh_error_of_wear_end(setup, goal, law)
+    text += _note_on_difference_of_wear_end_from_law(setup, goal, law)
     if law.coefficient > 0:
         spent = compute_life_of_linings(setup, states, goal, law)
         text.append(
@@ -668,7 +668,9 @@ def _table_line_of_wear_state(
     )
 
 
-def _line_on_mesh_error_of_wear_end(setup: WearSetup, goal: WearTarget, law: WearLaw) -> list[str]:
+def _note_on_difference_of_wear_end_from_law(
+    setup: WearSetup, goal: WearTarget, law: WearLaw
+) -> list[str]:
     """A line of text on how far the end of wear on this mesh is from the rigid-shoe law.
 
     The list is empty if the relative difference of the pressures is at most WEAR_SETTLED. See

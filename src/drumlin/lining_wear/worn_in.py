@@ -167,7 +167,7 @@ def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[sli
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")
     # `opened` is c, by which the load opens the gap. Motions y close the gap by approach @ y.
     opened, approach = solved[:, 0], -solved[:, 1:]
-    motions = _motions_to_resting_position(interface, opened, approach)
+    motions = _motions_that_close_gap_best_and_most_evenly(interface, opened, approach)
     rest, bent = motions.nearest, opened - approach @ motions.nearest
     closing = approach @ motions.evenly
     for part in linings:
@@ -200,7 +200,7 @@ class _RestingMotions(NamedTuple):
     evenly: Floats
 
 
-def _motions_to_resting_position(
+def _motions_that_close_gap_best_and_most_evenly(
     interface: WearInterface, opened: Floats, approach: Floats
 ) -> _RestingMotions:
     """Two motions of the shoes: one closes the gap `opened` best, one closes the gap most evenly.
