@@ -116,8 +116,8 @@ def rows_of_hot_brake(seed: int) -> list[dict[str, Any]]:
         failure = str(error)
     one = partial(row_of_stated_and_true_errors, brake, solve=solve, true=truth, failure=failure)
     rows = [one(tolerance) for tolerance in HOT_TOLERANCES]
-    # On a plane the response has a braking force in place of a torque, and the fine solution does
-    # not have it. Errors of the torque are left out.
+    # The fine solution has no braking force, which brakes on a plane have in place of a torque.
+    # Errors of the torque are therefore left out on a plane.
     left_out = {"true_torque", "stated_torque"} if brake.surface.is_plane_and_not_drum else set()
     return [{key: v for key, v in row.items() if key not in left_out} for row in rows]
 

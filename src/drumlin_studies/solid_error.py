@@ -252,7 +252,8 @@ def rows_of_width_errors_of_random_brakes(
 ) -> Iterator[SolidErrorRow | str]:
     """Yield the errors of each brake of a kind in DRAWN, or the reason why a brake has none.
 
-    Brakes whose parts have one width, or several for the kind "one", are left out.
+    The kind "one" skips brakes whose shoes have parts of several widths. The other kinds skip
+    brakes whose shoes have parts of one width.
 
     Parameters
     ----------

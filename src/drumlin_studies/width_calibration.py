@@ -89,12 +89,12 @@ node.
 TRUE_OVER_UNCERTAINTY = 2.0
 """True error above which a row enters the fit, relative to the uncertainty of the true error.
 
-The true error of a degree is its distance from the truth: functions graded to the sides of all
-parts. The uncertainty is the distance of the highest degree from the truth. On a wide overhang the
-truth may be less exact than this degree: on one brake ("free" 1009) its torque is off by 1.5e-3,
-and with degree 5 by 3e-4. With values from 2 to 2.5 the fitted factor of forces is 1.2. With 1.5 it
-is 2.6 and with 0 it is 5.7, since errors of the truth then count as well. With 4 the fit loses all
-brakes whose errors fall only as the inverse of the degree, 3.5 times from degree 2 to degree 7.
+True errors are measured against a reference solution, which has its own error. Its uncertainty is
+its distance from the solution with the highest degree across the width. On one brake with a wide
+overhang ("free" 1009) the torque of the reference is off by 1.5e-3, and with degree 5 only by 3e-4.
+With a value of 2 to 2.5 the fitted safety factor of forces is 1.2. With 1.5 it is 2.6 and with 0 it
+is 5.7, because errors of the reference are then taken for true errors. With 4 the fit loses all
+brakes whose errors fall slowly with the degree, by a factor of 3.5 from degree 2 to degree 7.
 """
 WIDTH_FACTOR_MEANINGS = {
     "pressure": "Width's part of the error of p in the L2 norm, over the distance of a degree "
@@ -203,10 +203,10 @@ def observe_errors_of_width_degrees(brake: Brake, plane: Response) -> list[Width
 
 
 def observe_error_of_section_mesh(brake: Brake, plane: Response) -> list[WidthRow]:
-    """Rows with the error of the section's mesh on its first level.
+    """Rows with the estimated and true errors that the coarsest mesh in the section makes.
 
-    The degree `ladder.SECTION_DEGREE` across the width gives the estimate. The true error is the
-    distance between the first two levels with the degree SECTION_TRUE_DEGREE across the width.
+    The errors are distances between the first two levels of this mesh. The estimate has the degree
+    `ladder.SECTION_DEGREE` across the width, and the true error the degree SECTION_TRUE_DEGREE.
     `plane` is the response by plane stress.
     """
     levels, loose = LEVELS[:MOST_SECTION_LEVELS], Tolerance(1.0, 1.0)

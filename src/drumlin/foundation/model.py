@@ -394,7 +394,8 @@ def texts_of_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str
     ring = brake.ring is not None
     blocks = any(shoe.backing for shoe in brake.shoes)
     kept = []
-    # A brake without a ring or a block cannot neglect the effects of rings or blocks.
+    # Effects of an elastic ring are listed only if the drum has a ring, and "wedge" only if a shoe
+    # has a block.
     for name, text in LIFTS.items():
         concerns = (ring or name not in EFFECTS_OF_AN_ELASTIC_RING) and (blocks or name != "wedge")
         if name not in names and concerns:

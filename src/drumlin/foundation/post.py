@@ -70,7 +70,10 @@ class SectionedShoe(NamedTuple):
     further_linings: tuple[int, ...] = ()
 
     def values_of_each_lining_by_growing_angle(self, values: Floats) -> list[Floats]:
-        """Split values (n,) at the sectors by lining; linings and values by growing brake angle."""
+        """Split values (n,) at the sectors into an array for each lining.
+
+        The linings, and the values of each lining, are in the order of growing angles of the brake.
+        """
         parts = np.split(values, self.further_linings)
         return parts if self.axis.sense > 0 else [part[::-1] for part in parts[::-1]]
 

@@ -14,11 +14,10 @@ implicit step of the length ds the wear depth depends on the unknown pressure. T
 acts as an additional compliance of the lining, A + gamma ds G k D, and each of the two stages of a
 step is one contact problem. The method is the diagonally implicit Runge-Kutta method of order 2
 with gamma = 1 - 1/sqrt(2), which is L-stable and stiffly accurate (Alexander 1977, SIAM J. Numer.
-Anal. 14, 1006).
-It is stable for any length of step, and the pressure does not alternate from node to node. The
-difference from a first-order method with the same stages measures the error. All stages fulfil
-p w = 0 exactly. Both weights of the method are positive, so that h never shrinks, and does not grow
-where p is zero.
+Anal. 14, 1006). It is stable for any length of step, and the pressure does not alternate from node
+to node. The difference from a first-order method with the same stages measures the error. All
+stages fulfil p w = 0 exactly. Both weights of the method are positive, so that h never shrinks, and
+does not grow where p is zero.
 
 The foot of a shoe may rest on a rough abutment. The friction there either opposes the slide of the
 foot in one of two directions, or holds the foot. Each of these three cases has a contact problem of
@@ -204,12 +203,12 @@ class WearLaw(NamedTuple):
     reference: float = 1e6
 
     def wear_rate_and_its_slope(self, p: Floats, rounded: float) -> tuple[Floats, Floats]:
-        """The wear rates (n,), depth per sliding distance, and their slopes (n,) [1/Pa] by p.
+        """The wear rates dh/ds (n,), and their derivatives by the pressure (n,) [1/Pa].
 
         Parameters
         ----------
         p : (n,) [Pa], pressures
-        rounded : pressure [Pa] below which the rate of an exponent under 1 is smoothed
+        rounded : pressure [Pa] below which the rate is smoothed if the exponent is below 1
         """
         if self.exponent == 1:
             return self.coefficient * p, np.full(p.shape, self.coefficient)
@@ -842,9 +841,9 @@ class _WearStepper:
         slope = float(self.law.wear_rate_and_its_slope(np.full(1, largest), 0.0)[1][0])
         if slope == 0:
             return math.inf
-        # Wear changes the pressure of a stiff node faster. The compliance of a node, divided by its
-        # wear per pressure and distance, is the distance over which its pressure changes. The
-        # smallest of these distances counts.
+        # Wear changes the pressure of a node over a sliding distance of about a/(k g). Here a is
+        # the node's elastic compliance (weighted gap per pressure), k the slope of the wear law and
+        # g the weighted gap per worn depth. The node with the shortest distance counts.
         least = math.inf
         for interface in self.interfaces:
             of_wear = np.diagonal(interface.weight) * interface.pressure
@@ -972,7 +971,8 @@ class _WearStepper:
 
         The friction cases at the abutments (`Footing`) are tried until a solution agrees with its
         case. Raises NoAnswer if no solution does. `depth` (n,) [m] is the worn depth before the
-        stage. Over `ds` [m] the stage wears the linings further, at the rate of its own pressure.
+        stage. In the stage the linings wear further over the distance `ds` [m], at the rate of the
+        pressure that is solved for.
         """
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]

@@ -476,7 +476,9 @@ def compute_checks_of_wear_run(
 def _imbalance_of_wear_and_friction_energy(
     setup: WearSetup, end: WearState, law: WearLaw, scale: float
 ) -> float | None:
-    """The relative difference of the worn volume from k W/mu, by friction energy W: see RunChecks.
+    """The relative difference between the worn volume and k W/mu, with the friction energy W.
+
+    It is the `energy` of RunChecks, and None where that is None.
 
     Parameters
     ----------

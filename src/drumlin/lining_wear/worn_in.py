@@ -8,9 +8,9 @@ per sliding distance, the opening w' of the gap and the loads h it satisfies
     w' = M p + B y' >= 0,   p >= 0,   p w' = 0,   C p = h
 
 The matrix M turns nodal gaps into gaps weighted by the shape functions of the elements
-(fem.substructure.interface). Friction at the abutments opposes y'.
-This module seeks the gap g between the unloaded linings and the drum with which the brake has the
-same pressure p under its load. The gap g must satisfy, for some motions y of the shoe,
+(fem.substructure.interface). Friction at the abutments opposes y'. This module seeks the gap g
+between the unloaded linings and the drum with which the brake has the same pressure p under its
+load. The gap g must satisfy, for some motions y of the shoe,
 
     w = M g + q + A p + B y >= 0,   p w = 0
 
@@ -66,12 +66,11 @@ from drumlin.response import Response
 from drumlin.response.merit import response_with_figures_of_merit
 
 LEAST_CLOSING = 0.01
-"""Least gap change by a motion at nodes that must be kept off the drum, relative to the largest.
+"""Gap change by a motion below which a node is ignored, relative to the lining's largest change.
 
 An unloaded worn-in lining must not penetrate the drum. The shoe is moved away from the drum until
-no node does. Nodes where the motion changes the gap by less than this fraction of the largest
-change along the lining are left out. They are near the line through the hinge and the drum's
-centre, and would need a motion a hundred times as large. A judgement; the pressure does not depend
+no node does, except for the ignored nodes. They lie near the line through the hinge and the drum's
+centre, where even a large motion hardly changes the gap. A judgement; the pressure does not depend
 on it."""
 
 EVEN_WEAR = 1e-3
