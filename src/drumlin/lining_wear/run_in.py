@@ -207,7 +207,7 @@ def largest_pressure_difference_of_linings(setup: WearSetup, p: Floats, goal: Fl
 
 
 def _norm_over_lining_face_without_end_elements(surface: WornLining, values: Floats) -> float:
-    """The L2 norm of a lining's values over theta and, as a mean square, over the width.
+    """The L2 norm over theta of a lining's values, with the mean over the width of their squares.
 
     One element at each end of the lining is left out. `values` holds one value for each contact
     unknown of all linings.
@@ -478,7 +478,8 @@ def _imbalance_of_wear_and_friction_energy(
 ) -> float | None:
     """The relative difference between the worn volume and k W/mu, with the friction energy W.
 
-    It is the `energy` of RunChecks, and None where that is None.
+    The result is None if mu is 0 or not the same for all shoes, or if the exponent of the wear law
+    is not 1, because k W/mu is then not the worn volume.
 
     Parameters
     ----------
