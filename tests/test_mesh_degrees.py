@@ -35,7 +35,7 @@ from drumlin.response.resultants import gauss_lobatto_points
 from drumlin_studies import mesh_degrees
 from drumlin_studies.mesh_cost import (
     TOLERANCE,
-    costs_on_mesh_file,
+    costs_of_solves_on_mesh_file,
     write_mesh_of_main_example,
 )
 from drumlin_studies.mesh_degrees import (
@@ -434,7 +434,7 @@ def test_cost_on_a_mesh_file_has_errors_that_the_mesh_explains(tmp_path):
     """The answer with a stated error is nearer than one on the elements of the file's degree."""
     pytest.importorskip("gmsh")
     alone, filed = write_mesh_of_main_example(tmp_path / "shoe.msh", 8e-3)
-    rows = {row.way: row for row in costs_on_mesh_file(alone, filed)}
+    rows = {row.way: row for row in costs_of_solves_on_mesh_file(alone, filed)}
     split, whole = rows["drumlin, stated error"], rows["drumlin, file's degree"]
     assert split.pressure < split.stated < TOLERANCE
     assert 2 * split.pressure < whole.pressure < 0.1

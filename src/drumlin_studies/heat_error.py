@@ -2,8 +2,9 @@
 
     python -m drumlin_studies.heat_error FIRST LAST
 
-draws the hot brakes with the seeds FIRST to LAST - 1, solves each to HOT_TOLERANCES, and prints how
-far the stated errors can be trusted. The truth is a solution on far finer levels.
+draws the hot brakes with the seeds FIRST to LAST - 1, solves each to the tolerances HOT_TOLERANCES,
+and prints the ratios of stated to true errors. True errors are differences from a solution on much
+finer meshes.
 """
 
 import math
@@ -30,21 +31,22 @@ from drumlin_studies.stated_true import (
 )
 
 LINING_STRAINS, BODY_STRAINS = (1e-4, 1e-2), (3e-5, 1e-3)
-"""Smallest and largest free strain of a hot lining and of a hot body or drum.
+"""Smallest and largest free thermal strain of a hot lining and of a hot body or drum.
 
-Steel at 10 K has 1e-4, at 80 K 1e-3. An organic lining at 300 K has 1e-2.
+Steel has a strain of 1e-4 if it is 10 K warmer, and 1e-3 if it is 80 K warmer. An organic lining
+has 1e-2 if it is 300 K warmer.
 """
 HOT_TOLERANCES = (1e-2, 1e-3)
 """Relative tolerances to which each hot brake is solved."""
 HOT_SHARE = 0.7
-"""Share of the drums, linings, backings and bodies that are heated."""
+"""Probability with which a drum, lining, backing or body is heated."""
 
 
 def draw_hot_brake(seed: int) -> Brake:
-    """A random brake with heat in some of its parts, the same for the same seed.
+    """Draw the random brake of a seed, with some of its parts heated.
 
-    Parts that cannot be heated stay cold: a straight beam has one temperature, and drums on a plane
-    have none. Raises BadInput for brakes that take no heat at all.
+    A straight beam gets the same temperature throughout, and the surface of a brake on a plane is
+    not heated. Raises BadInput if heat is not modelled for the brake, for example with a cam.
     """
     rng = np.random.default_rng([seed, 20])
     brake = draw_random_brake(seed) if seed % 2 else draw_brake_of_support_kind(seed)
@@ -53,7 +55,9 @@ def draw_hot_brake(seed: int) -> Brake:
     changes: dict[str, Any] = {}
     if hasattr(brake, "drum") and rng.random() < HOT_SHARE:
         changes |= {"drum.expansion": 1e-5}
-        changes |= _rises_of_part(rng, "drum", BODY_STRAINS, gradient=brake.ring is not None)
+        changes |= _draw_temperature_rises_of_part(
+            rng, "drum", BODY_STRAINS, gradient=brake.ring is not None
+        )
     for i, shoe in enumerate(brake.shoes):
         for key, strains in (
             ("lining", LINING_STRAINS),
@@ -67,14 +71,16 @@ def draw_hot_brake(seed: int) -> Brake:
             coefficient = "expansion" if hasattr(part.material, "E") else "expansion_along"
             changes[f"{name}.material.{coefficient}"] = 1e-5
             is_beam = getattr(part, "shape", "arc") == "beam"
-            changes |= _rises_of_part(rng, name, strains, gradient=not is_beam)
+            changes |= _draw_temperature_rises_of_part(rng, name, strains, gradient=not is_beam)
     return vary(brake, changes)
 
 
-def _rises_of_part(
+def _draw_temperature_rises_of_part(
     rng: np.random.Generator, name: str, strains: tuple[float, float], *, gradient: bool
 ) -> dict[str, float]:
-    """The temperature rises [K] of a part with an expansion of 1e-5 1/K, as changes of a brake.
+    """Draw the temperature rises [K] of a part whose thermal expansion is 1e-5 1/K.
+
+    The result holds the changed values of the brake by their keys.
 
     Parameters
     ----------
@@ -83,9 +89,9 @@ def _rises_of_part(
     name : str
         Name of the part in the brake.
     strains : tuple of two floats
-        Smallest and largest free strain.
+        Smallest and largest free thermal strain.
     gradient : bool
-        Whether the far face may have another temperature.
+        Whether the face away from the contact may have another temperature than the front face.
     """
     low, high = np.log(strains)
     rises = np.exp(rng.uniform(low, high, 2)) / 1e-5
@@ -110,13 +116,14 @@ def rows_of_hot_brake(seed: int) -> list[dict[str, Any]]:
         failure = str(error)
     one = partial(row_of_stated_and_true_errors, brake, solve=solve, true=truth, failure=failure)
     rows = [one(tolerance) for tolerance in HOT_TOLERANCES]
-    # On a plane the answer has a braking force in place of torques, which the truth does not have.
+    # The fine solution has no braking force, which brakes on a plane have in place of a torque.
+    # Errors of the torque are therefore left out on a plane.
     left_out = {"true_torque", "stated_torque"} if brake.surface.is_plane_and_not_drum else set()
     return [{key: v for key, v in row.items() if key not in left_out} for row in rows]
 
 
-def _outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
-    """The outcome of a row, and its smallest ratio of a stated to a true error."""
+def _text_on_outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
+    """Text on a solve: its outcome, and the smallest ratio of a stated to a true error."""
     ratios = {name: stated_over_true_error_of_row(row, name) for name in JUDGED_QUANTITIES}
     known = {name: ratio for name, ratio in ratios.items() if not math.isnan(ratio)}
     if not known:
@@ -131,7 +138,7 @@ def main(first: int, last: int) -> None:
     for seed in range(first, last):
         own = rows_of_hot_brake(seed)
         rows += own
-        sys.stdout.write(f"{seed}: {', '.join(map(_outcome_and_smallest_ratio, own))}\n")
+        sys.stdout.write(f"{seed}: {', '.join(map(_text_on_outcome_and_smallest_ratio, own))}\n")
         sys.stdout.flush()
     for row in summary_rows_of_stated_errors(rows):
         shown = {key: f"{v:.4g}" if isinstance(v, float) else v for key, v in row.items()}

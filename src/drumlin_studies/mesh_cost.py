@@ -1,14 +1,14 @@
-"""The processor time and the true error of a solve on a mesh file, beside those of the peers.
+"""Compare time and true error of solves on a mesh file, by drumlin, GetFEM and CalculiX.
 
     make mesh_cost             a mesh of some 10 000 nodes
     make mesh_cost ARGS=4.4    elements of 4.4 mm, some 2 500 nodes
 
 Gmsh meshes a shoe of the main example with quadratic triangles of one size. drumlin solves the file
-to a tolerance of 0.5 % with stated errors, and once on the elements of the file's own degree. The
-peers GetFEM and CalculiX solve the elements of the same file. The true errors are differences from
-the shoe itself in hp elements. The command prints a row for each. All times are processor times on
-one thread in one run. Those of drumlin include reading the file. Those of the peers do not: drumlin
-reads the file for them.
+in two ways: to a tolerance of 0.5 % with stated errors, and with elements of the file's own degree.
+GetFEM and CalculiX solve the elements of the same file. The true errors are differences from a
+solution of the same shoe in hp elements, without the file. The command prints a row for each solve.
+All times are processor times on one thread. The times of drumlin include reading the file. The
+times of GetFEM and CalculiX do not, because drumlin reads the file for them.
 """
 
 import sys
@@ -31,11 +31,14 @@ from drumlin_studies.mesh_degrees import FINE, MeshForm, write_gmsh_mesh_of_shoe
 from drumlin_studies.stated_true import true_errors_of_response
 
 SIZE = 2.25
-"""Size of the elements [mm] without a word on the command line: some 10 000 nodes."""
+"""Size of the elements [mm] if the command line gives none: the mesh has some 10 000 nodes."""
 TOLERANCE = 5e-3
-"""Tolerance to which drumlin solves the file."""
+"""Relative tolerance to which drumlin solves the mesh file with stated errors."""
 SOLVES_OF_MESH_FILE = 3
-"""Number of solves by drumlin, of which the fastest counts; others have to load modules."""
+"""Number of times that drumlin solves the mesh file in each way.
+
+The shortest time counts, since the first solve also loads modules.
+"""
 
 
 class CostOfSolve(NamedTuple):
@@ -43,7 +46,7 @@ class CostOfSolve(NamedTuple):
 
     Attributes
     ----------
-    way : name of the way
+    way : name of the program and of its way to solve
     seconds : processor time [s]
     pressure, torque : true relative errors of p (L2) and of the torque
     stated : stated relative error of p; None where no error is stated
@@ -57,9 +60,10 @@ class CostOfSolve(NamedTuple):
 
 
 def write_mesh_of_main_example(path: Path, size: float) -> tuple[Brake, Brake]:
-    """Mesh the first shoe of the main example; return the brake of this shoe, and on its mesh.
+    """Mesh the first shoe of the main example, and write the mesh file at `path`.
 
-    `size` is the size of the elements [m].
+    Returns the brake with only this shoe, and the same brake with the mesh file as its shoe. `size`
+    is the size of the elements [m].
     """
     shoes = example("double_shoe").shoes
     brake = vary(example("double_shoe"), {"shoe": [shoes[0].model_dump()]})
@@ -68,15 +72,16 @@ def write_mesh_of_main_example(path: Path, size: float) -> tuple[Brake, Brake]:
     return brake, vary(brake, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"})
 
 
-def costs_on_mesh_file(brake: Brake, filed: Brake) -> Iterator[CostOfSolve]:
-    """Yield the cost of each way to solve a brake on mesh files, `filed`; see the module.
+def costs_of_solves_on_mesh_file(brake: Brake, filed: Brake) -> Iterator[CostOfSolve]:
+    """Yield the cost and errors of each way to solve a brake whose shoe is a mesh file.
 
-    `brake` is the brake without mesh files.
+    `filed` is the brake with the mesh file. `brake` is the same brake without it, which gives the
+    true errors.
     """
     known = solve(brake, tolerance=FINE)
 
     def cost(way: str, response: Response, seconds: float) -> CostOfSolve:
-        """The cost of a way with the true errors of its response."""
+        """The cost of a way to solve, together with the true errors of its response."""
         true = true_errors_of_response(filed, response.shoes, known.shoes)
         stated = response.error["pressure"] if response.error else None
         return CostOfSolve(way, seconds, true["pressure"], true["torque"], stated)
@@ -102,12 +107,12 @@ def costs_on_mesh_file(brake: Brake, filed: Brake) -> Iterator[CostOfSolve]:
 
 
 def main(words: Sequence[str]) -> int:
-    """Print the rows for elements of the size [mm] in the first word."""
+    """Print the table of costs; the first of the `words` is the size of the elements [mm]."""
     size = float(words[0]) if words else SIZE
     with tempfile.TemporaryDirectory() as folder:
         brake, filed = write_mesh_of_main_example(Path(folder) / "shoe.msh", 1e-3 * size)
         print("way                     seconds  error of p  stated  error of the torque")  # noqa: T201
-        for row in costs_on_mesh_file(brake, filed):
+        for row in costs_of_solves_on_mesh_file(brake, filed):
             stated = "none" if row.stated is None else f"{100 * row.stated:.2g} %"
             print(  # noqa: T201
                 f"{row.way:22s}  {row.seconds:7.2f}  {100 * row.pressure:8.2g} %  {stated:>6s}  "

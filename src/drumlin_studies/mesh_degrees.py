@@ -1,13 +1,13 @@
-"""The stated errors of meshes of files, compared with true errors.
+"""Compare the errors that drumlin states for mesh files with true errors.
 
     make degrees              60 meshes
     make degrees ARGS="8 100" 8 meshes, from seed 100 on
 
 Gmsh meshes random shoes with elements of a tenth to a hundredth of the drum's radius: triangles or
-recombined quadrilaterals, of first to third order, with straight or curved sides, graded or not,
-with all digits of the coordinates or rounded. drumlin solves each mesh file, and the shoe itself in
-hp elements to a tolerance of 1e-4. The difference is the true error. The command prints a line for
-each mesh and the ratios of stated to true errors.
+quadrilaterals recombined from them, of first to third order, with straight or curved sides, graded
+or not, with all digits of the coordinates or rounded. drumlin solves each mesh file. It also solves
+the same shoe without the file, in hp elements to a tolerance of 1e-4. The difference is the true
+error. The command prints a line for each mesh and the ratios of stated to true errors.
 """
 
 import math
@@ -28,22 +28,25 @@ from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 
 MESHES = 60
-"""Number of meshes without further words on the command line: eight or nine of each form."""
+"""Number of meshes if the command line gives none: eight or nine of each form in FORMS."""
 FINE = 1e-4
-"""Tolerance of the solution in hp elements from which true errors are taken."""
+"""Relative tolerance of the solution in hp elements that serves as the truth."""
 UNSURE = 3.0
-"""Smallest true error, in stated errors of the solution in hp elements, that is compared."""
+"""True error above which a stated error is judged, relative to the truth's own stated error."""
 WIDTH = 0.04
-"""Width [m] of lining and body of every random shoe; in plane stress it changes no ratio."""
+"""Width [m] of lining and body of every random shoe.
+
+In plane stress the width has no influence on the ratios of stated to true errors.
+"""
 
 
 class MeshForm(NamedTuple):
-    """A form of a mesh by Gmsh.
+    """The kind of elements and nodes of a mesh by Gmsh.
 
     Attributes
     ----------
     order : order of the elements
-    straight : whether Gmsh keeps sides straight
+    straight : whether Gmsh keeps the sides of elements of higher order straight
     recombined : whether triangles are recombined to quadrilaterals
     decimals : number of decimals to which coordinates in mm are rounded; None for all digits
     graded : whether elements at the lining's ends are smaller than others
@@ -65,19 +68,28 @@ FORMS = (
     MeshForm(3, straight=False, recombined=False),
     MeshForm(3, straight=False, recombined=True),
 )
-"""The forms of elements, in the order of the seeds."""
+"""The forms of meshes. The mesh of a seed has the form number seed modulo the number of forms."""
 DECIMALS = (None, 2, 3, 4, 5, 6)
-"""The numbers of decimals, in mm, of which each mesh has one by chance."""
+"""Numbers of decimals of coordinates in mm, from which one is drawn for each mesh.
+
+None stands for all digits.
+"""
 SIZES = (10.0, 100.0)
-"""The smallest and the largest ratio of the drum's radius to the size of the elements."""
+"""Smallest and largest ratio of the drum's radius to the size of the elements of a mesh."""
 FINER_AT_ENDS = 0.25
 """Size of the elements at the lining's ends of a graded mesh, relative to the size elsewhere."""
 
 
 class JudgedMesh(NamedTuple):
-    """The stated and the true errors of a mesh, by the names of QUANTITIES.
+    """The stated and the true relative errors of a mesh, by the names of QUANTITIES.
 
-    `size` is the drum's radius over the size of the elements.
+    Attributes
+    ----------
+    seed : seed of the random shoe and its mesh
+    form : form of the mesh
+    size : drum's radius divided by the size of the elements
+    stated : stated errors
+    true : true errors; nan if uncertain
     """
 
     seed: int
@@ -129,12 +141,14 @@ def draw_random_shoe(rng: np.random.Generator) -> Brake:
 
 
 def write_gmsh_mesh_of_shoe(brake: Brake, form: MeshForm, size: float, path: Path) -> None:
-    """Mesh the only shoe of a brake on a drum with Gmsh, and write the mesh in mm with its groups.
+    """Mesh the only shoe of a drum brake with Gmsh, and write the mesh file with lengths in mm.
+
+    The file has the named groups of elements that drumlin needs.
 
     Parameters
     ----------
     brake : the brake, whose shoe has lining and body
-    form : form of the elements
+    form : form of the mesh
     size : size of the elements [m]
     path : path of the .msh file
     """
@@ -171,7 +185,7 @@ def _draw_outline_of_shoe(model: Any, brake: Brake, size_at_ends: float) -> None
     points: dict[tuple[float, float], int] = {}
 
     def point(depth: float, angle: float) -> int:
-        """The point at a depth [m] behind the friction surface and an angle [rad]."""
+        """The tag of the point at a depth [m] behind the friction surface and an angle [rad]."""
         r = brake.size - shoe.sign * depth
         if (depth, angle) not in points:
             size = size_at_ends if depth == 0 else 0
@@ -179,11 +193,11 @@ def _draw_outline_of_shoe(model: Any, brake: Brake, size_at_ends: float) -> None
         return points[depth, angle]
 
     def arc(depth: float, first: float, last: float) -> int:
-        """The arc at a depth [m] between two angles [rad]."""
+        """Add the arc at a depth [m] between two angles [rad], and return its tag."""
         return int(geo.addCircleArc(point(depth, first), centre, point(depth, last)))
 
     def radial(angle: float, top: float, bottom: float) -> int:
-        """The straight line at an angle [rad] between two depths [m]."""
+        """Add the radial line at an angle [rad] between two depths [m], and return its tag."""
         return int(geo.addLine(point(top, angle), point(bottom, angle)))
 
     behind, back = lining.thickness, lining.thickness + body.depth
@@ -204,7 +218,11 @@ def _draw_outline_of_shoe(model: Any, brake: Brake, size_at_ends: float) -> None
 
 
 def draw_random_mesh_form(rng: np.random.Generator, form: MeshForm) -> tuple[float, MeshForm]:
-    """Draw a size, R over the size of elements, and the decimals and grading of a form."""
+    """Draw the size, decimals and grading of a mesh by chance.
+
+    Returns the drum's radius divided by the size of the elements, and the form with the drawn
+    decimals and grading.
+    """
     coarsest, finest = SIZES
     size = coarsest * (finest / coarsest) ** rng.random()
     decimals = DECIMALS[rng.integers(len(DECIMALS))]
@@ -212,7 +230,7 @@ def draw_random_mesh_form(rng: np.random.Generator, form: MeshForm) -> tuple[flo
 
 
 def judge_mesh_of_random_shoe(seed: int) -> JudgedMesh | str:
-    """The stated and true errors of the mesh of a seed, or the reason why it has no answer."""
+    """The stated and true errors of the mesh of a seed, or the reason why there are none."""
     rng = np.random.default_rng([seed, 3])
     size, form = draw_random_mesh_form(rng, FORMS[seed % len(FORMS)])
     try:
@@ -230,7 +248,10 @@ def judge_mesh_of_random_shoe(seed: int) -> JudgedMesh | str:
 
 
 def _true_errors(brake: Brake, response: Response, known: Response) -> dict[str, float]:
-    """The true relative errors of a response by QUANTITIES; nan where they are not certain."""
+    """The true relative errors of a response, by QUANTITIES: its differences from `known`.
+
+    An error is nan if it is at most UNSURE times the stated error of `known`.
+    """
     steps = relative_differences_of_two_levels(brake, response, known).steps[1:]
     assert known.error is not None
     errors = dict(zip(QUANTITIES, steps.tolist(), strict=True))
@@ -241,7 +262,7 @@ def _true_errors(brake: Brake, response: Response, known: Response) -> dict[str,
 
 
 def report_lines_on_judged_meshes(judged: Sequence[JudgedMesh]) -> Iterator[str]:
-    """Yield a line on the ratios of stated to true error for each quantity."""
+    """Yield a line of text on the ratios of stated to true errors, for each of QUANTITIES."""
     for name in QUANTITIES:
         ratios = np.array([mesh.stated[name] / mesh.true[name] for mesh in judged if mesh.stated])
         ratios = ratios[np.isfinite(ratios)]
@@ -255,7 +276,10 @@ def report_lines_on_judged_meshes(judged: Sequence[JudgedMesh]) -> Iterator[str]
 
 
 def main(words: Sequence[str]) -> int:
-    """Judge as many meshes as the first word says, from the seed of the second word on."""
+    """Judge meshes and print their errors.
+
+    The first of the `words` is the number of meshes, the second is the first seed.
+    """
     count, first = [int(word) for word in words] + [MESHES, 0][len(words) :]
     judged = []
     for seed in range(first, first + count):

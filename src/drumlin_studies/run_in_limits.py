@@ -51,7 +51,7 @@ from drumlin.lining_wear.run_in import (
     compute_checks_of_wear_run,
     compute_life_of_linings,
     end_of_wear_by_rigid_shoe_law,
-    norm_of_values_on_lining_without_ends,
+    norm_along_lining_without_end_elements,
     relative_difference_from_end_of_wear,
     sliding_distance_of_e_fold_pressure_change,
     wear_brake_linings_until_worn_in,
@@ -437,7 +437,7 @@ def _largest_relative_difference_on_linings(
     differences = []
     for surface in setup.surfaces:
         norms = [
-            norm_of_values_on_lining_without_ends(surface, surface.own_values_by_growing_angle(of))
+            norm_along_lining_without_end_elements(surface, surface.own_values_by_growing_angle(of))
             for of in (values - reference, reference)
         ]
         differences.append(norms[0] / norms[1])

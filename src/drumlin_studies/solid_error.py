@@ -1,21 +1,23 @@
-"""The stated errors of solid shoes solved to a tolerance against the true errors, on random brakes.
+"""Compare the stated errors of solid shoes with their true errors, on random brakes.
 
     python -m drumlin_studies.solid_error KIND FIRST LAST [TOLERANCE [LEVEL]]
 
-solves the brakes of the seeds FIRST to LAST - 1 to TOLERANCE (0.01) by
-`solve_brake_with_widths_to_tolerance`. It prints a line for each brake, a table of stated over true
-errors, and a table of the errors that plane stress states of itself. KIND is a name in DRAWN:
+solves the brakes of the seeds FIRST to LAST - 1 to TOLERANCE (by default 0.01) by
+`solve_brake_with_widths_to_tolerance`. It prints a line for each brake, a table of the ratios of
+stated to true errors, and the same ratios for the errors that a solve by plane stress states for
+its neglect of the widths. KIND is a name in DRAWN:
 
-- "free": brakes of draw_random_brake whose parts have several widths
-- "built": shoes as they are built. The table is as wide as the lining and 1/30 to 1/8 of this width
-  thick, the web is 1/12 to 1/4 as wide, and both are of steel.
+- "free": brakes of draw_random_brake whose shoes have parts of several widths
+- "built": steel shoes with a table under the lining and a web, as they are built. The table is as
+  wide as the lining and 1/30 to 1/8 of this width thick. The web is 1/12 to 1/4 as wide.
 - "one": brakes of draw_random_brake whose bodies are made as wide as the linings
 
-The truth has functions across the width that are graded to the sides of all parts, on the level
-LEVEL (2) of the section. Its uncertainty is its distance from the same functions of one degree
-less. An error is judged where it is at least TRUTH_FACTOR times this uncertainty. An answer on the
-section of level LEVEL shares the section's error with the truth. Stated over true errors of such an
-answer are then too large, and a truth on the next level judges them.
+The true errors are distances from a reference solution, the truth. Its functions across the width
+are graded to the sides of all parts, on the mesh of level LEVEL (by default 2) in the section. Its
+uncertainty is its distance from the same functions of one degree less. An error is judged if it is
+at least TRUTH_FACTOR times this uncertainty. A solve on a section of level LEVEL has the same error
+of the section as the truth, so that its true errors come out too small. To judge such a solve, use
+a truth on the next level.
 """
 
 import math
@@ -53,35 +55,36 @@ from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.width_error import KINDS_WITH_WIDTHS
 
 GRADED_DEGREE = 3
-"""Degree across the width of the truth, in each of its pieces."""
+"""Degree of the reference solution's functions across the width, in each of their pieces."""
 GRADED_LENGTH = 0.2
-"""Length of the truth's pieces beside the side of a part, over the lining's thickness.
+"""Length across the width of the reference solution's pieces beside the side of a part.
 
-Where the next break is nearer than this thickness, it is the length over the distance to this
-break. Pieces much shorter than elements of the section add unknowns without use.
+It is relative to the lining's thickness or, if the next break between pieces is nearer than this
+thickness, to the distance of the break. Pieces much shorter than the elements of the section add
+unknowns without use.
 """
 STEEL = {"E": 210e9, "nu": 0.3}
-"""Material of the tables and webs of shoes "as built": Young's modulus [Pa], Poisson's ratio."""
+"""Material of the tables and webs of the "built" shoes: Young's modulus [Pa], Poisson's ratio."""
 TABLE = (1 / 30, 1 / 8)
-"""Smallest and largest thickness of a drawn table, over the lining's width."""
+"""Smallest and largest thickness of a "built" shoe's table, relative to the lining's width."""
 WEB = (1 / 12, 1 / 4)
-"""Smallest and largest width of a drawn web, over the lining's width."""
+"""Smallest and largest width of a "built" shoe's web, relative to the lining's width."""
 BOUNDED_ERRORS = ("torque", "pressure")
-"""The errors that a tolerance bounds, by their names in the response's `error`."""
+"""Names, in the `error` of a response, of the errors that a tolerance bounds."""
 JUDGED_ERRORS = (*BOUNDED_ERRORS, "reaction")
-"""The stated errors that are judged."""
+"""Names of the stated errors that are compared with true errors."""
 LEAST_MODEL_ERROR = 0.01
-"""True relative error of plane stress from which on its estimate is judged."""
+"""True relative error of plane stress from which on the estimate of this error is judged."""
 GOOD_FACTOR, POOR_FACTOR = 1.5, 3.0
-"""Factors within which an estimate of the error of plane stress is good, and beyond which poor.
+"""Factors that tell whether an estimate of the error of plane stress is good or poor.
 
-Within the first one the estimate tells an engineer whether plane stress is enough. An estimate that
-is below a third of the error would mislead.
+An estimate within a factor GOOD_FACTOR of the true error tells an engineer whether plane stress is
+good enough. An estimate below the true error divided by POOR_FACTOR would mislead.
 """
 TRUTH_FACTOR = 4.0
-"""Smallest true error that is judged, over the uncertainty of the truth, as for stored truths."""
+"""True error above which a stated error is judged, relative to the uncertainty of the truth."""
 LEAST_TRUE_ERROR = 1e-5
-"""True relative error from which on a stated error is judged: the truth itself is no better."""
+"""True relative error above which a stated error is judged; the truth itself is no more exact."""
 
 
 class SolidErrorRow(NamedTuple):
@@ -89,14 +92,14 @@ class SolidErrorRow(NamedTuple):
 
     Attributes
     ----------
-    title : of the brake
+    title : title of the brake
     true, stated : relative errors by the names of JUDGED_ERRORS
     unsure : uncertainties of the true errors, by the same names
-    cost : processor time of the solve, over that of a default solve by plane stress
+    cost : processor time of the solve, divided by the time of a default solve by plane stress
     reached : whether the stated errors meet the tolerance
-    how : degrees across the width and of the section, in words
-    plane_true, plane_stated : true and stated errors of plane stress, by the same names; without
-        stated ones the second is empty
+    how : text on the degrees of the solve, across the width and in the section
+    plane_true, plane_stated : true and stated errors of plane stress, by the same names;
+        `plane_stated` is empty if the solve by plane stress states no errors
     """
 
     title: str
@@ -110,21 +113,27 @@ class SolidErrorRow(NamedTuple):
     plane_stated: dict[str, float]
 
     def is_judged(self, name: str) -> bool:
-        """Whether the true error is large enough beside its uncertainty to judge the stated one."""
+        """Whether a true error is certain and large enough to judge the stated error.
+
+        `name` is one of JUDGED_ERRORS.
+        """
         return self.true[name] > max(LEAST_TRUE_ERROR, TRUTH_FACTOR * self.unsure[name])
 
     def ratio(self, name: str) -> float:
-        """The stated error over the true error; inf where the true error is zero."""
+        """The ratio of stated to true error; inf if the true error is 0.
+
+        `name` is one of JUDGED_ERRORS.
+        """
         return self.stated[name] / self.true[name] if self.true[name] else math.inf
 
 
 def random_brake_on_rigid_drum(seed: int) -> Brake:
-    """The random brake of a seed on a rigid drum."""
+    """Draw the random brake of a seed, of a kind with a rigid drum."""
     return draw_random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
 
 
 def random_brake_with_steel_table_and_web(seed: int) -> Brake:
-    """The brake of a seed with a shoe as they are built: a table and a web of steel."""
+    """Draw the brake of a seed whose shoe is built as usual, of a steel table and a steel web."""
     brake = draw_random_brake(seed, "backed")
     rng = np.random.default_rng([seed, len(KINDS_WITH_WIDTHS)])
     table, web = (math.exp(rng.uniform(*np.log(part))) for part in (TABLE, WEB))
@@ -139,7 +148,7 @@ def random_brake_with_steel_table_and_web(seed: int) -> Brake:
 
 
 def random_brake_with_bodies_as_wide_as_linings(seed: int) -> Brake:
-    """The random brake of a seed, its bodies as wide as their linings."""
+    """Draw the random brake of a seed, and make its bodies as wide as the linings."""
     brake = random_brake_on_rigid_drum(seed)
     if any(shoe.body is None for shoe in brake.shoes):
         return brake
@@ -151,17 +160,20 @@ DRAWN: dict[str, Callable[[int], Brake]] = {
     "built": random_brake_with_steel_table_and_web,
     "one": random_brake_with_bodies_as_wide_as_linings,
 }
-"""How a brake is drawn from a seed, by the kind of its widths."""
+"""The function that draws a brake from a seed, for each KIND on the command line."""
 
 
 def functions_across_width_graded_to_sides(
     shoe: Shoe, degree: int = GRADED_DEGREE
 ) -> WidthFunctions:
-    """Functions across the width of a shoe that are graded to the sides of all its parts."""
+    """Functions across the width of a shoe, with short pieces beside the sides of all its parts.
+
+    `degree` is the degree of the functions in each piece.
+    """
     halves, breaks = half_widths_of_parts(shoe).values(), breaks_across_half_width_of_shoe(shoe)
 
     def is_place_a_side_of_shoe_part(place: float) -> bool:
-        """Whether a part of the shoe ends at this place."""
+        """Whether the side of a part of the shoe is at this distance [m] from the mid-plane."""
         return any(abs(place - half) <= SAME_SIDE * half for half in halves)
 
     found = set(breaks)
@@ -177,13 +189,13 @@ def functions_across_width_graded_to_sides(
 def response_with_graded_width_functions(
     brake: Brake, level: Level, degree: int = GRADED_DEGREE
 ) -> Response:
-    """The response of a brake with graded functions across the width, on a level of the section.
+    """The response of a brake with functions across the width graded to the sides of its parts.
 
     Parameters
     ----------
     brake : the brake
-    level : degree and grading of the hp elements of the section
-    degree : degree of the functions in each of their pieces
+    level : degree and grading of the hp elements of the shoes' sections
+    degree : degree of the functions across the width, in each of their pieces
     """
     graded = partial(functions_across_width_graded_to_sides, degree=degree)
     return solve_level_of_section_with_width_degree(brake, level, graded, solve(brake)).response
@@ -192,13 +204,13 @@ def response_with_graded_width_functions(
 def stated_and_true_width_errors_or_why_none(
     brake: Brake, tolerance: float, level: Level
 ) -> SolidErrorRow | str:
-    """The stated and the true errors of a brake with widths, or why there are none.
+    """The stated and the true errors of a brake with solid shoes, or the reason why it has none.
 
     Parameters
     ----------
     brake : the brake
-    tolerance : relative error that is allowed, of mean pressure and torque
-    level : level of the section of the truth
+    tolerance : allowed relative error of the pressure, averaged over the width, and of the torque
+    level : level of the mesh in the section with which the truth is solved
     """
     reason = reason_against_width_model(brake)
     if reason is not None:
@@ -238,14 +250,17 @@ def stated_and_true_width_errors_or_why_none(
 def rows_of_width_errors_of_random_brakes(
     kind: str, seeds: range, tolerance: float, level: Level
 ) -> Iterator[SolidErrorRow | str]:
-    """The rows of the brakes of a kind in DRAWN, or why a brake has none.
+    """Yield the errors of each brake of a kind in DRAWN, or the reason why a brake has none.
+
+    The kind "one" skips brakes whose shoes have parts of several widths. The other kinds skip
+    brakes whose shoes have parts of one width.
 
     Parameters
     ----------
     kind : how the brakes are drawn
     seeds : seeds of the brakes
-    tolerance : relative error that is allowed, of mean pressure and torque
-    level : level of the section of the truth
+    tolerance : allowed relative error of the pressure, averaged over the width, and of the torque
+    level : level of the mesh in the section with which the truth is solved
     """
     for seed in seeds:
         try:
@@ -260,7 +275,10 @@ def rows_of_width_errors_of_random_brakes(
 
 
 def table_lines_of_stated_over_true_quantiles(rows: list[SolidErrorRow]) -> list[str]:
-    """Lines of stated over true errors: their number, the share of too small ones, quantiles."""
+    """Table lines on the ratios of stated to true errors: their number, share below 1, quantiles.
+
+    Two more lines say how many brakes reach the tolerance, and how much time the solves take.
+    """
     lines = ["error     brakes  too small  least   5 %   half  95 %"]
     for name in JUDGED_ERRORS:
         ratios = [row.ratio(name) for row in rows if row.is_judged(name)]
@@ -277,9 +295,10 @@ def table_lines_of_stated_over_true_quantiles(rows: list[SolidErrorRow]) -> list
 
 
 def table_lines_of_stated_plane_stress_errors(rows: list[SolidErrorRow]) -> list[str]:
-    """Lines on the stated errors of plane stress: how many are good, and how many are poor.
+    """Table lines on the stated errors of plane stress: how many are good, and how many are poor.
 
-    Errors from LEAST_MODEL_ERROR on are judged, see GOOD_FACTOR and POOR_FACTOR.
+    Only brakes on which plane stress has a true error of at least LEAST_MODEL_ERROR are judged.
+    GOOD_FACTOR and POOR_FACTOR say what good and poor mean.
     """
     lines = ["plane stress: error  brakes  within 1.5  below 1/3  least   half   most"]
     for name in JUDGED_ERRORS:
@@ -297,7 +316,7 @@ def table_lines_of_stated_plane_stress_errors(rows: list[SolidErrorRow]) -> list
 
 
 def main() -> None:
-    """Print the rows and the table of a kind of brakes."""
+    """Print a line of errors for each brake of a kind, and the two tables of all brakes."""
     kind, first, last = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
     tolerance, level = [*map(float, sys.argv[4:]), *(1e-2, 2.0)[len(sys.argv) - 4 :]]
     rows = []

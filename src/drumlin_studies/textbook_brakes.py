@@ -9,7 +9,7 @@ from drumlin.brake.plane_brake import make_brake_from_data
 TEXTBOOK_LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 """Data of the lining of all drum brakes of this module, in SI units.
 
-The laws, with which these brakes are solved, do not depend on thickness and modulus.
+These brakes are solved by the closed-form laws, which do not depend on thickness and modulus.
 """
 
 
@@ -29,8 +29,8 @@ def brake_with_one_hinged_shoe(
 ) -> Brake:
     """A drum brake with one hinged shoe that is pressed by a given moment about its hinge.
 
-    The moment is applied as a force at a lever arm of 1 m. The force is normal to the line from the
-    drum's centre to the hinge and acts 1 m beyond the hinge.
+    The moment is applied as a force with a lever arm of 1 m. The force acts on the line from the
+    drum's centre through the hinge, 1 m beyond the hinge, and is normal to this line.
 
     Parameters
     ----------
@@ -45,19 +45,20 @@ def brake_with_one_hinged_shoe(
     side : str
         "internal" or "external".
     spin : int
-        1 where the drum turns counter-clockwise, -1 clockwise.
+        1 if the drum turns counter-clockwise, -1 if it turns clockwise.
     hand : int
-        1 where the lining lies on the side of growing angles of the hinge, -1 on the other side.
+        1 if the angles `arc` count counter-clockwise from the hinge, -1 if clockwise.
     turned : float
-        Angle of the hinge around the drum [rad].
+        Angle [rad] of the hinge around the drum, counter-clockwise from the x axis.
     width : float
         Width of the lining [m].
     pivot : tuple of two float, optional
-        Radius [m] and angle from the hinge [rad] of a pivot. The shoe then turns about the pivot,
-        and the hinge is that of its lever.
+        Radius [m] and angle from the hinge [rad] of a pivot. The shoe then turns about the pivot on
+        a lever, and the hinge belongs to the lever.
     """
     start, end = sorted(turned + hand * phi for phi in arc)
-    # 1 or -1: the sense of the moment about the hinge that presses the shoe to the drum.
+    # The sense of the moment about the hinge that presses the shoe to the drum: 1 is
+    # counter-clockwise, -1 is clockwise.
     pressing = -hand if side == "internal" else hand
     shoe = {
         "name": "shoe",
@@ -95,7 +96,7 @@ def brake_with_block_on_lever(
     half: float,
     spin: int,
 ) -> Brake:
-    """A drum brake with a block on top of the drum that is pressed by a horizontal lever.
+    """A drum brake with a block on top of the drum, which a horizontal lever presses down.
 
     Parameters
     ----------
@@ -104,7 +105,8 @@ def brake_with_block_on_lever(
     arm : float
         Distance of the force from the lever's pin [m].
     x, a : float
-        Distance of the lever's pin to the left of the block, and above the top of the drum [m].
+        Distances [m] of the lever's pin: x to the left of the block's middle, a above the top of
+        the drum.
     P : float
         Downward force on the lever [N].
     mu : float
@@ -112,7 +114,7 @@ def brake_with_block_on_lever(
     half : float
         Half of the block's arc [rad].
     spin : int
-        1 where the drum turns counter-clockwise, -1 clockwise.
+        1 if the drum turns counter-clockwise, -1 if it turns clockwise.
     """
     block = {
         "name": "block",
@@ -157,7 +159,7 @@ def brake_with_one_hinged_pad(
     sliding : str
         Direction in which the plane slides, "+x" or "-x".
     hand : int
-        1 where the lining lies at positive x, -1 at negative x.
+        1 if the lining lies at positive x, -1 if it lies at negative x.
     width : float
         Width of the lining [m].
     """

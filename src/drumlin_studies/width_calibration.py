@@ -1,14 +1,14 @@
-"""Fits the safety factors of the stated errors of solid shoes on random brakes.
+"""Fit the safety factors of the stated errors of solid shoes on random brakes.
 
 `observe_width_errors_of_random_brake` solves a brake by several degrees across the width on one
-section, and by two levels of the section. A row has an estimate without its safety factor and the
-true error. `fit_width_factors` finds the smallest factors with which the estimates are large
-enough. The command
+mesh of the section, or by one degree on two meshes of the section. It returns rows, each with an
+estimated error without its safety factor and the true error. `fit_width_factors` finds the smallest
+factors with which the estimates are large enough. The command
 
     make calibrate
 
-runs the study `calibration`, which calls these functions, writes the file of the factors, and keeps
-the table of the rows.
+runs the study `calibration`, which calls these functions and writes the file of the factors and the
+table of the rows.
 """
 
 import csv
@@ -57,34 +57,44 @@ WIDTH_SEEDS: dict[str, Sequence[int]] = {
     "free": range(1000, 1021),
     "built": range(3100, 3107),
 }
-"""Seeds of the random brakes whose degrees are fitted, by their kind in `solid_error.DRAWN`."""
+"""Seeds of the brakes on which the factors of the degree across the width are fitted.
+
+The keys are kinds in `solid_error.DRAWN`.
+"""
 SECTION_SEEDS: dict[str, Sequence[int]] = {
     "built": (3100, 3102, 3104, 3105, 3106, 3108, 3109, 3110, 3111, 3117),
 }
-"""Seeds of the random brakes whose section is fitted. Their second level takes up to 110 s each."""
-FITTED_DEGREES = (2, 3, 4, 5)
-"""Degrees across the width whose errors are fitted, up to `ladder.MOST_DEGREE`."""
-SECTION_TRUE_DEGREE = 3
-"""Degree across the width whose distance of the first two levels is the section's true error."""
-WIDTH_QUANTILE = 0.99
-"""Fraction of the true errors that must not exceed the stated errors in the fit."""
-LARGEST_SHORTFALL = 2.0
-"""Largest true over stated error that the fit leaves."""
-LEAST_FITTED = {"pressure": 1e-3, "torque": 1e-5, "reaction": 1e-5}
-"""True relative errors from which on a row is fitted.
+"""Seeds of the brakes on which the factors of the mesh in the section are fitted.
 
-Smaller ones are of the size of the round-off and of the noise of contact ends, which move from node
-to node.
+The keys are kinds in `solid_error.DRAWN`. The solve of a brake on the second level of the section
+takes up to 110 s.
+"""
+FITTED_DEGREES = (2, 3, 4, 5)
+"""Degrees across the width whose errors the factors are fitted to, up to `ladder.MOST_DEGREE`."""
+SECTION_TRUE_DEGREE = 3
+"""Degree across the width with which the true error of the section's mesh is measured.
+
+The true error of the first level of the mesh is its distance from the second level.
+"""
+WIDTH_QUANTILE = 0.99
+"""Fraction of the solves in the fit whose true errors must not exceed their stated errors."""
+LARGEST_SHORTFALL = 2.0
+"""Largest ratio of a true error to its stated error that the fit allows."""
+LEAST_FITTED = {"pressure": 1e-3, "torque": 1e-5, "reaction": 1e-5}
+"""True relative errors above which a row enters the fit, by quantity.
+
+Smaller errors are as large as the effect of round-off and of contact ends, which move from node to
+node.
 """
 TRUE_OVER_UNCERTAINTY = 2.0
-"""True error from which on a row of the width is fitted, over the uncertainty of the truth.
+"""True error above which a row enters the fit, relative to the uncertainty of the true error.
 
-The uncertainty is the distance of the truth from the answer of the highest degree. On a wide
-overhang the truth is at times less exact than this degree. On one brake ("free" 1009) the truth is
-off by 1.5e-3 of the torque, and degree 5 by 3e-4. From 2 to 2.5 the factor of forces is 1.2. With
-1.5 it is 2.6 and with 0 it is 5.7, since errors of the truth are fitted as well. With 4 no rows are
-left of brakes whose errors fall as the inverse of the degree, from degree 2 to degree 7 by a factor
-of 3.5.
+True errors are measured against a reference solution, which has its own error. Its uncertainty is
+its distance from the solution with the highest degree across the width. On one brake with a wide
+overhang ("free" 1009) the torque of the reference is off by 1.5e-3, and with degree 5 only by 3e-4.
+With a value of 2 to 2.5 the fitted safety factor of forces is 1.2. With 1.5 it is 2.6 and with 0 it
+is 5.7, because errors of the reference are then taken for true errors. With 4 the fit loses all
+brakes whose errors fall slowly with the degree, by a factor of 3.5 from degree 2 to degree 7.
 """
 WIDTH_FACTOR_MEANINGS = {
     "pressure": "Width's part of the error of p in the L2 norm, over the distance of a degree "
@@ -101,21 +111,22 @@ WIDTH_FACTOR_MEANINGS = {
     "section_force": "The same part of the error of a torque or a reaction. A factor that is too "
     "small or too large has the same effects as that of the pressure.",
 }
-"""The meaning of each factor, as the file of the factors states it."""
+"""The meaning of each safety factor, as the file of the factors states it."""
 
 
 class WidthRow(NamedTuple):
-    """An estimate without its safety factor, and the true error.
+    """An estimated error of a solid shoe without its safety factor, and the true error.
 
     Attributes
     ----------
-    kind, seed : of the random brake
-    part : "width" or "section"
+    kind, seed : kind in `solid_error.DRAWN` and seed of the random brake
+    part : "width" for the error of the degree across the width, "section" for the error of the mesh
+        in the section
     degree : degree across the width
     quantity : "pressure", "torque" or "reaction"
-    estimate : the estimated error without its safety factor
-    true : the true error
-    unsure : uncertainty of the true error; 0 for a section
+    estimate : the estimated relative error without its safety factor
+    true : the true relative error
+    unsure : uncertainty of the true error; 0 for the part "section"
     """
 
     kind: str
@@ -129,21 +140,24 @@ class WidthRow(NamedTuple):
 
     @property
     def is_usable(self) -> bool:
-        """Whether the true error is large enough for the fit, and certain enough."""
+        """Whether the row enters the fit: its true error must be large and certain enough."""
         least = max(LEAST_FITTED[self.quantity], TRUE_OVER_UNCERTAINTY * self.unsure)
         return self.true > least
 
 
 def observe_width_errors_of_random_brake(part: str, kind: str, seed: int) -> list[WidthRow]:
-    """The rows of a random brake; none where the brake is not covered or a solve has no answer.
+    """The estimated and true errors of a random brake, as rows for the fit.
+
+    The list is empty if the model with widths does not apply or a solve has no answer.
 
     Parameters
     ----------
-    part : "width" or "section"
+    part : "width" for errors of the degree across the width, "section" for errors of the mesh in
+        the section
     kind : how the brake is drawn, a name in `solid_error.DRAWN`
     seed : seed of the brake
     """
-    observe = observe_errors_of_degrees if part == "width" else observe_error_of_section
+    observe = observe_errors_of_width_degrees if part == "width" else observe_error_of_section_mesh
     try:
         brake = DRAWN[kind](seed)
         if reason_against_width_model(brake) is not None:
@@ -154,18 +168,19 @@ def observe_width_errors_of_random_brake(part: str, kind: str, seed: int) -> lis
     return [row._replace(kind=kind, seed=seed) for row in rows]
 
 
-def observe_errors_of_degrees(brake: Brake, plane: Response) -> list[WidthRow]:
-    """Rows of the degrees FITTED_DEGREES on the section on which degrees are compared.
+def observe_errors_of_width_degrees(brake: Brake, plane: Response) -> list[WidthRow]:
+    """Rows with the errors of the degrees FITTED_DEGREES across the width, on one mesh.
 
-    The true errors are distances from functions that are graded to the sides of all parts. These
-    functions and those of the highest degree approach the same answer in two ways. Their distance
-    is the uncertainty of the true errors.
+    The true error of a degree is its distance from the truth, whose functions across the width are
+    graded to the sides of all parts. The highest degree approaches the exact answer in another way,
+    so that its distance from the truth is the uncertainty of the true errors. `plane` is the
+    response by plane stress.
     """
     cache = Cache()
     section = section_to_compare_width_degrees(brake, plane, cache=cache)
 
     def answer(across: int | MakeFunctions) -> Response:
-        """The answer with these functions across the width on the section."""
+        """The response with the degree, or the function maker, `across` for the width."""
         scene = prepare_divided_brake_with_widths(brake, section.divisions, across, cache=cache)
         return solve_prepared_model(scene, brake, start=plane)
 
@@ -187,10 +202,12 @@ def observe_errors_of_degrees(brake: Brake, plane: Response) -> list[WidthRow]:
     return rows
 
 
-def observe_error_of_section(brake: Brake, plane: Response) -> list[WidthRow]:
-    """Rows of the first level: its error by SECTION_DEGREE, and by SECTION_TRUE_DEGREE.
+def observe_error_of_section_mesh(brake: Brake, plane: Response) -> list[WidthRow]:
+    """Rows with the estimated and true errors that the coarsest mesh in the section makes.
 
-    The true error is the distance of the first two levels with SECTION_TRUE_DEGREE.
+    The errors are distances between the first two levels of this mesh. The estimate has the degree
+    `ladder.SECTION_DEGREE` across the width, and the true error the degree SECTION_TRUE_DEGREE.
+    `plane` is the response by plane stress.
     """
     levels, loose = LEVELS[:MOST_SECTION_LEVELS], Tolerance(1.0, 1.0)
     cache = Cache()
@@ -215,11 +232,12 @@ def observe_error_of_section(brake: Brake, plane: Response) -> list[WidthRow]:
 
 
 def smallest_width_factor(rows: Sequence[WidthRow]) -> float:
-    """The smallest factor that makes estimates large enough, rounded up to two digits.
+    """The smallest safety factor that makes estimates large enough, rounded up to two digits.
 
-    With it the share WIDTH_QUANTILE of the solves is covered (of few, all but one), and no true
-    error is more than LARGEST_SHORTFALL times the stated one. A solve, of a brake with a degree,
-    needs the largest factor of its quantities. The factor is nan without usable rows.
+    Estimates times the factor cover the true errors of the fraction WIDTH_QUANTILE of all solves,
+    or of about all but one if the solves are few. No true error is more than LARGEST_SHORTFALL
+    times as large as its estimate times the factor. A solve is a brake with a degree. It needs the
+    largest factor of its quantities. The result is nan without usable rows.
     """
     by_solve: dict[tuple[str, int, int], float] = {}
     for row in rows:
@@ -235,7 +253,7 @@ def smallest_width_factor(rows: Sequence[WidthRow]) -> float:
 
 
 def fit_width_factors(rows: Sequence[WidthRow]) -> SolidFactors:
-    """The factors of the stated errors of solid shoes, the smallest sufficient ones."""
+    """Fit the safety factors of the stated errors of solid shoes to rows of observed errors."""
     factors = []
     for part in ("width", "section"):
         for of_pressure in (True, False):
@@ -251,13 +269,13 @@ def fit_width_factors(rows: Sequence[WidthRow]) -> SolidFactors:
 def width_factors_as_json_text(
     factors: SolidFactors, rows: Sequence[WidthRow], commit: str, date: str
 ) -> str:
-    """The JSON text of the factors' file: the brakes, and each factor with its meaning.
+    """The JSON text of the file of safety factors: each factor with its meaning, and its origin.
 
     Parameters
     ----------
     factors : the fitted factors
-    rows : the rows of the fit
-    commit, date : commit of the source code and its date
+    rows : the rows to which the factors are fitted
+    commit, date : commit of the source code, and its date
     """
     brakes = {(row.kind, row.seed) for row in rows}
     provenance = {
@@ -273,7 +291,7 @@ def width_factors_as_json_text(
 
 
 def width_rows_as_csv_text(rows: Sequence[WidthRow]) -> str:
-    """The kept table of the rows, with errors of four digits."""
+    """The rows as the text of a CSV table, with errors of four digits."""
     lines = [",".join(WidthRow._fields)]
     for row in rows:
         errors = [f"{value:.4g}" for value in (row.estimate, row.true, row.unsure)]
@@ -282,7 +300,7 @@ def width_rows_as_csv_text(rows: Sequence[WidthRow]) -> str:
 
 
 def read_width_rows(path: Path) -> list[WidthRow]:
-    """The rows of a kept table."""
+    """Read the rows from a CSV table that `width_rows_as_csv_text` has made."""
     rows = []
     with path.open(encoding="utf-8", newline="") as file:
         for one in csv.DictReader(file):

@@ -1,4 +1,4 @@
-"""Table rows on worked examples: a number printed in a source beside the number by a law."""
+"""Table rows on worked examples: a number from a source beside the number that a law computes."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -19,20 +19,19 @@ from drumlin.response.merit import brake_scaled_to_peak_pressure
 from drumlin.response.response import Response
 
 Row = dict[str, Any]
-"""A row of a table: its values by key."""
+"""A row of a table: its values by the names of the columns."""
 
 
 def _lowest_locking_friction_of_shoes(brake: Brake) -> float:
-    """The lowest friction at which a shoe of the brake locks itself by the sine law."""
+    """The lowest friction coefficient at which a shoe of the brake locks itself by the sine law."""
     return min(self_locking_friction_of_hinged_shoe(brake, shoe) for shoe in brake.shoes)
 
 
 def _pivot_reaction_component(response: Response, axis: int) -> float:
     """The absolute value of a component of the first shoe's pivot reaction [N].
 
-    The result is nan for a shoe without a pivot.
-
-    axis : 0 for the component along x, 1 for the component along y.
+    `axis` is 0 for the component along x and 1 for the component along y. The result is nan for a
+    shoe without a pivot.
     """
     reaction = response.shoes[0].pivot_reaction
     return math.nan if reaction is None else abs(float(reaction[axis]))
@@ -58,18 +57,19 @@ PRINTED_QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
     "force [kN]": lambda b, r: b.shoes[0].actuation.force * 1e-3,
     "mu_lock": lambda b, r: _lowest_locking_friction_of_shoes(b),
 }
-"""Function that computes a quantity from a brake and its response, for each printed quantity."""
+"""Quantities that sources print, each with the function of (brake, response) that computes it."""
 
 
 def rows_of_printed_and_computed_numbers(example: Mapping[str, Any], folder: Path) -> list[Row]:
-    """A row for each printed number of a worked example.
+    """Solve a worked example by a law, and make a row for each of its printed numbers.
 
     Parameters
     ----------
-    example : mapping `law`: name of the law; `file`: brake file in the folder; `changes`: values
-        that replace values of the file; `peak`: peak pressure to which the actuation force is
-        scaled; `given`: printed numbers as text by PRINTED_QUANTITIES; `source`, `origin`,
-        `remark`: texts for the rows.
+    example : mapping
+        `law`: name of the law; `file`: brake file in the folder; `changes` (optional): values that
+        replace values of the file; `peak` (optional): peak pressure to which the actuation force is
+        scaled; `given`: printed numbers as text, by the names in PRINTED_QUANTITIES; `source`,
+        `origin`, `remark` (optional): texts for the rows.
     folder : Path
         Folder of the brake files.
     """
@@ -133,7 +133,7 @@ def row_of_printed_and_computed_number(
 
 
 def rows_of_simscape_double_shoe_brake() -> list[Row]:
-    """Rows on the double-shoe brake of Simscape with its default parameters and a force of 1 N.
+    """Rows on Simscape's Double-Shoe Brake block, with its default parameters and a force of 1 N.
 
     The angle theta_s in the manual of Simscape can be read as the end or as the span of the lining.
     The rows cover both readings.
@@ -147,7 +147,8 @@ def rows_of_simscape_double_shoe_brake() -> list[Row]:
         source = f"Simscape defaults, theta_s as {reading}"
         leading, trailing = (float(T) for T in block.shoe_torques(1.0, 1.0))
         p_a, p_b = block.line_pressures(1.0, 1.0)
-        # Torques of single shoes and the ratio of pressures are compared for one reading only.
+        # The torques of single shoes and the ratio of pressures are compared only if theta_s is
+        # read as the end.
         if reading == "end":
             rows.append(
                 row_of_printed_and_computed_number(
@@ -176,9 +177,9 @@ def rows_of_simscape_double_shoe_brake() -> list[Row]:
 
 
 def rows_of_equivalent_block_friction() -> list[Row]:
-    """Rows on the equivalent friction of a block brake, for several half-arcs of the block.
+    """Rows on the ratio mu'/mu of equivalent to real friction of a block, for several half-arcs.
 
-    The equivalent friction mu' is that of a short block with the same normal force and torque.
+    A short block with the friction coefficient mu' would have the same normal force and torque.
     """
     printed = {15: "1.011408", 30: "1.045356", 45: "1.100214", 60: "1.170138", 90: "1.273240"}
     rows = []

@@ -1,7 +1,7 @@
 """The elastic foundation model of post brakes, published by Barecki & Scieszka (1987).
 
-The shoe is a bending beam, lining and block are springs side by side, and the drum is a ring that
-bends.
+The shoe is a bending beam. Lining and block are independent springs side by side. The drum is rigid
+or a ring that bends.
 """
 
 from typing import TYPE_CHECKING
@@ -24,7 +24,7 @@ __all__ = [
 ]
 
 if not TYPE_CHECKING:
-    # Programs of users may still import these functions by the names that they had.
+    # Users' programs may still import these functions by their former names.
     __getattr__ = getattr_of_renamed_functions(
         __name__,
         {

@@ -8,14 +8,14 @@ below the sector moves inwards by z, and the beam closes the gap by d, so that t
 
 The beam turns about its hinge by y and bends under its moments M. The forces of all sectors bend
 the ring, which has the flexibilities c. The matrices `loaded`, `pressed`, `dragged` and `closing`
-are those of `SectionedShoe`; a subscript 0 stands for their first row, which is that of the hinge.
-With the trapezoidal rule over the stations of the beam, whose steps are dx,
+are those of `SectionedShoe`. A subscript 0 stands for their first row, that of the station at the
+hinge. With the trapezoidal rule over the stations of the beam, whose weights are dx,
 
     M = loaded - (pressed + mu_hat dragged) N,   d = y closing_0 + closing^T (dx/EI) M,
     z = c N,                                     M_0 = 0: (pressed + mu_hat dragged)_0 N = loaded_0.
 
-These equations are eq. 2, 8, 16 and 19 of Barecki & Scieszka (1987), and eq. 7 solved for the
-displacement.
+These equations are eq. 2, 8, 16 and 19 of Barecki & Scieszka (1987), and their eq. 7 solved for the
+displacement d.
 """
 
 import math
@@ -93,18 +93,18 @@ LIFTS = {
 }
 """Effects that Barecki & Scieszka (1987) neglect and that this model can include.
 
-The keys are the names by which the option --lift includes the effects. The values are the
-descriptions that are printed for the effects that stay neglected.
+The keys are the names of the effects for the option --lift, which includes them. The values
+describe how the model neglects each effect. They are printed for the effects that stay neglected.
 """
 
 ALWAYS_NEGLECTED_EFFECTS = (
     "shear and stretching of the beam: it only bends",
     "shear of lining and block: springs side by side",
 )
-"""Effects that the foundation model always neglects, as lines for the reader."""
+"""Effects that the foundation model always neglects, as lines for the printed answer."""
 
 EFFECTS_OF_AN_ELASTIC_RING = frozenset({"thick-ring", "all-modes", "own-pressure", "ring-friction"})
-"""Names in LIFTS of the effects that concern the drum's ring; a rigid drum does not have them."""
+"""Names in LIFTS of the effects that exist only if the drum is an elastic ring."""
 
 
 def reason_against_foundation_model(brake: Brake) -> str | None:
@@ -129,7 +129,7 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
     """The names in LIFTS of the effects that a solve includes, from the values of --lift.
 
     The value "all" stands for all effects for which the brake file has data. Raises BadInput for an
-    unknown name, or for an effect for which the brake file has no data.
+    unknown name, and for an effect for which the brake file lacks data.
     """
     names = set(lift)
     unknown = sorted(names - set(LIFTS) - {"all"})
@@ -137,7 +137,7 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
         raise BadInput(
             f"--lift = {unknown[0]!r}: unknown simplification; allowed: {', '.join(LIFTS)}, all"
         )
-    # Some effects need data that a brake file may lack.
+    # `lacking` holds, by the effect's name, why the brake file does not allow an effect.
     lacking: dict[str, str] = {}
     for shoe in brake.shoes:
         if shoe.backing and isinstance(shoe.body, Beam) and shoe.body.thickness is None:
@@ -151,14 +151,15 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
         raise BadInput(f"--lift = {name!r}: {lacking[name]}")
     if "all" in names:
         names = set(LIFTS) - set(lacking)
-    # If each shoe loads the ring by its own pressure, the ring has odd modes as well.
+    # Without "all-modes" an equal shoe opposite each shoe is assumed, so that the ring has even
+    # modes only. If each shoe loads the ring by its own pressure, it needs the odd modes as well.
     if "own-pressure" in names:
         names = names | {"all-modes"}
     return frozenset(names)
 
 
 class FoundationSystem(NamedTuple):
-    """The contact problem of a group of shoes, which load the ring together.
+    """The contact problem of a group of shoes that load the drum's ring together.
 
     Attributes
     ----------
@@ -188,7 +189,7 @@ def contact_problem_of_shoe_group(
     Raises
     ------
     BadInput
-        for too few or too many `sections`
+        if `sections` is below 4 or above 4000
     """
     if not 4 <= sections <= 4000:
         raise BadInput(f"--sections = {sections}: must be from 4 to 4000")
@@ -203,7 +204,7 @@ def contact_problem_of_shoe_group(
     # Angles of all sectors of the group on the ring.
     theta = np.concatenate([p.axis.origin + p.axis.sense * p.theta for p in posts])
     ring = ring_displacement_per_normal_force(brake, theta, theta, lift)
-    # Only the ring couples the shoes, so that all other matrices are block diagonal.
+    # Only the ring couples the shoes. All matrices except `ring` are block diagonal.
     problems = list(map(_contact_problem_of_one_shoe, posts))
     problem = ContactProblem(
         A=block_diag(*(each.A for each in problems)) + ring,
@@ -216,8 +217,9 @@ def contact_problem_of_shoe_group(
 
 
 def _contact_problem_of_one_shoe(p: SectionedShoe) -> ContactProblem:
-    """The contact problem of one shoe for the normal forces [N] of its sectors on a rigid drum."""
-    # The bending moments at all stations close the gaps; the normal forces make the moments.
+    """The contact problem of one shoe for the normal forces [N] of its sectors, on a rigid drum."""
+    # turning @ M is the closing of the gaps by the bending moments M of the beam's stations.
+    # moments @ N are the moments of the normal forces N and their friction.
     turning = p.closing.T * (p.step / p.EI)
     moments = p.pressed + p.drag * p.dragged
     return ContactProblem(
@@ -234,7 +236,7 @@ def ring_displacement_per_normal_force(
 ) -> Floats:
     """The inward displacement (k, n) [m/N] of the drum's ring per normal force on its rim.
 
-    All displacements are zero if the drum is rigid.
+    The result has a row for each place and a column for each force. It is zero for a rigid drum.
 
     Parameters
     ----------
@@ -251,7 +253,7 @@ def ring_displacement_per_normal_force(
     c = ring_displacement_per_radial_force(
         ring, R, d, twin=twin, sign=-1, thick="thick-ring" in lift
     )
-    # The friction on the drum acts against the rotation and bends the ring as well.
+    # Friction acts on the drum against the rotation. It bends the ring as well.
     if "ring-friction" in lift:
         c = c - brake.friction * brake.sign_of_motion * ring_displacement_per_tangential_force(
             ring, R, d, twin=twin
@@ -264,8 +266,9 @@ def ring_displacement_under_each_shoe(
 ) -> Floats:
     """The inward displacement (shoes, k) [m] of the drum's ring under the pressure of each shoe.
 
-    A row belongs to a shoe. With "all-modes" in `lift`, the displacement under all shoes is the sum
-    of the rows. Otherwise a row is the displacement under the shoe and an equal shoe opposite it.
+    The result has a row for each shoe. With "all-modes" in `lift`, the displacement under all shoes
+    is the sum of the rows. Otherwise a row is the displacement under the shoe and an equal shoe
+    that is assumed opposite it.
 
     Parameters
     ----------
@@ -276,7 +279,8 @@ def ring_displacement_under_each_shoe(
     """
     names = validated_names_of_effects_to_include(brake, lift)
     rows = []
-    # The trapezoidal rule turns the pressure of a shoe into forces at the response's angles.
+    # The trapezoidal rule turns the pressure of a shoe into normal forces N at the angles of the
+    # response.
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
         N = (
             shoe.lining.width
@@ -316,7 +320,7 @@ def solve_brake_by_foundation_model(
         raise BadInput(f"foundation does not apply to this brake: {reason}")
     names, clock = validated_names_of_effects_to_include(brake, lift), time.perf_counter()
     shoes = brake.shoes
-    # A shoe that its force turns away from the drum does not touch and needs no contact problem.
+    # A shoe that is turned away from the drum by its actuation needs no contact problem.
     touching = [i for i, shoe in enumerate(shoes) if actuation_moment_towards_drum(shoe) > 0]
     answers = {
         i: response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
@@ -337,7 +341,7 @@ def solve_brake_by_foundation_model(
         balance=largest_imbalance_among_shoes(balances),
         iterations=steps,
         seconds={"solve": time.perf_counter() - clock},
-        left_out=lines_on_neglected_effects(brake, names),
+        left_out=texts_of_neglected_effects(brake, names),
         notes=tuple(
             note_on_shoe_without_contact(shoe.name) for shoe in ordered if not shoe.contact_arcs
         ),
@@ -348,11 +352,11 @@ def solve_brake_by_foundation_model(
 def _groups_of_shoes_solved_together(
     brake: Brake, touching: list[int], names: frozenset[str]
 ) -> list[list[int]]:
-    """The groups of shoes, among those numbered `touching`, that must be solved together.
+    """The groups of shoes that must be solved together, as positions of shoes in the brake.
 
     Shoes influence each other only through an elastic ring that bends under the pressure of each
-    shoe (the effect "own-pressure"). Without it each shoe is a group of its own. `names` are the
-    effects that the solve includes.
+    shoe (the effect "own-pressure"). Otherwise each shoe is a group of its own. `touching` are the
+    positions of the shoes that touch the drum, `names` the effects that the solve includes.
     """
     together = brake.ring is not None and "own-pressure" in names
     return [touching] if together and touching else [[i] for i in touching]
@@ -382,7 +386,7 @@ def _responses_of_shoe_group(
     return answers
 
 
-def lines_on_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
+def texts_of_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
     """Lines on the effects that a solve neglects, each with the option to include the effect.
 
     `names` are the names in LIFTS of the effects that the solve includes.
@@ -390,7 +394,8 @@ def lines_on_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str
     ring = brake.ring is not None
     blocks = any(shoe.backing for shoe in brake.shoes)
     kept = []
-    # Effects of a ring or of a block do not count as neglected in a brake that has none.
+    # Effects of an elastic ring are listed only if the drum has a ring, and "wedge" only if a shoe
+    # has a block.
     for name, text in LIFTS.items():
         concerns = (ring or name not in EFFECTS_OF_AN_ELASTIC_RING) and (blocks or name != "wedge")
         if name not in names and concerns:
@@ -433,7 +438,8 @@ def _solve_contact_of_shoe_group(
         other = brake.brake_with_scaled_friction(friction)
         return contact_problem_of_shoe_group(other, group, sections, names).problem
 
-    # The solver trusts a contact that it finds at once only below the mu_lock of rigid shoes.
+    # `law` is the lowest friction at which one of the shoes, if rigid, locks itself (mu_lock). The
+    # solver trusts a solution found without a search from zero friction only below it.
     limits = []
     for i in group:
         own = self_locking_friction_of_hinged_shoe(brake, brake.shoes[i])
@@ -474,7 +480,7 @@ def response_of_post_brake_shoe(
     """
     shoe, R = brake.shoes[index], brake.size
     pressure = N / (shoe.lining.width * R * p.sector)
-    # The displacement w of the beam is its turn about the hinge plus the bending by its moments.
+    # The displacement w of the beam is due to its turn about the hinge and to bending.
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
     bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
     w = turn * p.x + bent
@@ -482,7 +488,7 @@ def response_of_post_brake_shoe(
     contact = _resultant_of_sector_forces(brake, shoe, theta, N)
     # Friction is self-energising if its moment about the hinge opposes that of the normal forces.
     helping = float(-p.drag * (p.dragged[0] @ N))
-    # Between two linings the response has nodes without pressure.
+    # `place` also has nodes in the slots between linings, where the pressure is zero.
     place, on_lining = nodes_with_slots(p.values_of_each_lining_by_growing_angle(theta), 1)
     p_at_place = np.zeros(len(place))
     p_at_place[on_lining] = pressure[:: p.axis.sense]
@@ -507,9 +513,9 @@ def response_of_post_brake_shoe(
 
 
 def _resultant_of_sector_forces(brake: Brake, shoe: Shoe, theta: Floats, N: Floats) -> Resultant:
-    """The resultant on an external lining of normal forces (n,) [N] and of their friction.
+    """The resultant on an external lining of the normal forces `N` (n,) [N] and of their friction.
 
-    The normal forces `N` act at the angles `theta` (n,) [rad] of the drum.
+    The normal forces act at the angles `theta` (n,) [rad] around the drum.
     """
     normal = np.array([N @ np.cos(theta), N @ np.sin(theta)])
     drag = brake.signed_friction_per_pressure(shoe)

@@ -4,10 +4,10 @@ The shoe of a post brake is a straight beam that carries one lining, or several 
 them. The beam has parts under the linings, in the slots, and before and behind them, and each part
 has equal divisions of length dx. The points between the divisions are called stations. Each station
 under a lining has a sector of the lining. The ends of a lining are stations, so that the sectors at
-the ends are halves. The sums of Barecki & Scieszka
-(1987) are then trapezoidal rules, with errors of second order in dx. At the station of a sector
-only the half of the sector that is farther from the hinge bends the beam. Sum (8) of the paper
-counts the whole sector there, which is an error of first order in dx.
+the ends are half as long as the others. The sums of Barecki & Scieszka (1987) are then trapezoidal
+rules, with errors of second order in dx. Of a sector, only the half that is farther from the hinge
+bends the beam at the sector's own station. Sum (8) of the paper counts the whole sector there,
+which is an error of first order in dx.
 """
 
 from collections.abc import Sequence
@@ -36,7 +36,7 @@ class SectionedShoe(NamedTuple):
     x : (m,) [m], places of the stations along the beam
     step : (m,) [m], weights of the trapezoidal rule over the stations, 0 at the hinge
     EI : (m,) [N m^2], bending stiffness of the beam at the stations
-    under : (n,), numbers of the stations at which the sectors are
+    under : (n,), index of the station of each sector
     theta : (n,) [rad], angles of the sectors
     sector : (n,) [rad], sizes of the sectors
     k : (n,) [N/m], stiffnesses of the sectors: force per compression of lining and block
@@ -46,9 +46,11 @@ class SectionedShoe(NamedTuple):
         friction towards the loaded end of the beam
     loaded : (m,) [N m], moment of the actuation about each station, positive if it opposes the
         moments of the normal forces
-    closing : (m, n) [m], closing of the gap at each sector per turn of the beam at each station
-    drag : mu_hat, ratio of the friction force towards the loaded end to the normal force
-    further_linings : number of the first sector of each lining behind the first one
+    closing : (m, n) [m], closing of the gap at each sector per turn [rad] of the part of the beam
+        beyond each station
+    drag : mu_hat, signed ratio of friction to normal force, positive if the friction acts on the
+        shoe towards the loaded end
+    further_linings : index of the first sector of each lining except the first lining
     """
 
     axis: Axis
@@ -68,7 +70,10 @@ class SectionedShoe(NamedTuple):
     further_linings: tuple[int, ...] = ()
 
     def values_of_each_lining_by_growing_angle(self, values: Floats) -> list[Floats]:
-        """The values (n,) at the sectors, divided into those of each lining, by growing theta."""
+        """Split values (n,) at the sectors into an array for each lining.
+
+        The linings, and the values of each lining, are in the order of growing angles of the brake.
+        """
         parts = np.split(values, self.further_linings)
         return parts if self.axis.sense > 0 else [part[::-1] for part in parts[::-1]]
 
@@ -142,7 +147,7 @@ def _angles_of_sectors_at_places(places: Floats, axis: Axis, R: float, ends: Flo
     places : (m,) places along the beam [m]
     axis : axis of the beam
     R : radius of the drum [m]
-    ends : (2,) angles of the lining's ends, which are those of the first and the last sector [rad]
+    ends : (2,) angles of the lining's ends [rad], where the first and the last sector are
     """
     theta = np.arcsin(np.clip((places - axis.foot) / R, -1, 1))
     theta[[0, -1]] = ends
@@ -150,9 +155,9 @@ def _angles_of_sectors_at_places(places: Floats, axis: Axis, R: float, ends: Flo
 
 
 def _weights_of_beam_stations(x: Floats) -> Floats:
-    """The weights (n,) [m] of the stations of a beam at the places x (n,) [m] in an integral.
+    """The weights (n,) [m] of a beam's stations at x (n,) [m] in integrals of its bending moment.
 
-    The beam has no moment at its hinge, so that the first station needs no weight.
+    The beam has no moment at its hinge, so that the first station has the weight 0.
     """
     weights = trapezoidal_rule_weights(x)
     weights[0] = 0.0
@@ -162,32 +167,34 @@ def _weights_of_beam_stations(x: Floats) -> Floats:
 def _levers_of_sectors_about_stations(
     x: Floats, under: Ints, angles: list[Floats], depth: Floats
 ) -> tuple[Floats, Floats]:
-    """The levers (n, m) of m sectors about n stations [m], along the beam and towards the drum.
+    """The levers (m, n) [m] of n sectors about m stations, along the beam and towards the drum.
 
-    A sector between the hinge and the station has no lever.
+    The force on a sector between the hinge and a station has no moment about it: the levers are 0.
 
     Parameters
     ----------
-    x : (n,) places of the stations along the beam [m]
-    under : (m,) numbers of the stations under the sectors
-    angles : angles (m_k,) of the sectors of each lining [rad]
-    depth : (n, m) distance of each sector from the beam's neutral axis at each station [m]
+    x : (m,) places of the stations along the beam [m]
+    under : (n,) index of the station of each sector
+    angles : angles (n_k,) of the sectors of each lining [rad]
+    depth : (m, n) distance [m] of each sector from the beam's neutral axis at each station, normal
+        to the beam
     """
     along = np.maximum(x[under] - x[:, None], 0.0)
     return along, _fractions_of_sectors_beyond_stations(x, under, angles) * depth
 
 
 def _fractions_of_sectors_beyond_stations(x: Floats, under: Ints, angles: list[Floats]) -> Floats:
-    """The fraction (m, n) of each sector that lies farther from the hinge than each station.
+    """The fraction (m, n) of each of n sectors that is farther from the hinge than each station.
 
     Parameters
     ----------
     x : places (m,) [m] of the stations along the beam
-    under : numbers (n,) of the stations at which the sectors are
+    under : index (n,) of the station of each sector
     angles : angles (n_k,) [rad] of the sectors of each lining
     """
     beyond = (x[:, None] < x[under]).astype(float)
-    # At its own station a sector counts by the half between the station and the next one.
+    # A sector reaches half-way to the neighbouring stations. At its own station only the part
+    # towards the next station counts.
     ahead = []
     for theta in angles:
         half_ahead = np.append(np.diff(theta), 0.0)
@@ -199,15 +206,16 @@ def _fractions_of_sectors_beyond_stations(x: Floats, under: Ints, angles: list[F
 def places_of_beam_stations(
     length: float, linings: Sequence[Floats], sections: int
 ) -> tuple[Floats, list[Ints]]:
-    """The places (m,) [m] of a beam's stations, and the numbers (n_k,) of those under each lining.
+    """The places (m,) [m] of a beam's stations, and the indices (n_k,) of those under each lining.
 
     Parameters
     ----------
     length : length of the beam [m]
     linings : begin and end (2,) of each lining along the beam [m], growing
-    sections : wanted number of divisions of the beam; rounding makes m - 1 differ from it
+    sections : wanted number of divisions of the beam; the actual number m - 1 is rounded
     """
-    # The parts of the beam before the linings, under them and in the slots in turn, and behind.
+    # Lengths of the parts of the beam, in order: before the first lining, under it, in the slot
+    # behind it, under the next lining, and so on, and behind the last lining.
     lengths = np.diff(np.concatenate([[0.0], *linings, [length]]))
     # Each part has at least one division, unless it has no length; a lining has two or more.
     divisions = np.maximum(np.round(sections * lengths / length), 1)
@@ -231,9 +239,9 @@ def trapezoidal_rule_weights(x: Floats) -> Floats:
 def compression_of_layers_per_pressure(
     brake: Brake, shoe: Shoe, axis: Axis, theta: Floats, *, wedge: bool, plane_stress: bool
 ) -> Floats:
-    """The compression per pressure [m/Pa] of lining and block, at angles of the beam.
+    """The compression per pressure [m/Pa] of lining and block together, in the shape of `theta`.
 
-    It is t_l/E_l of the lining plus t_w/E_w of the block, in the shape of `theta`.
+    It is t_l/E_l + t_w/E_w, with thickness t and modulus E of the lining (l) and the block (w).
 
     Parameters
     ----------
@@ -247,7 +255,7 @@ def compression_of_layers_per_pressure(
     """
 
     def compression_of_layer_per_pressure(thickness: Floats, material: AnyMaterial) -> Floats:
-        """The compression per pressure [m/Pa] of one layer of a thickness [m]."""
+        """The compression per pressure [m/Pa] of a layer of a given thickness [m] and material."""
         # `reason_against_foundation_model` has refused brakes with orthotropic materials.
         assert isinstance(material, Material)
         return thickness * ((1 - material.nu**2) if plane_stress else 1.0) / material.E
@@ -260,8 +268,8 @@ def compression_of_layers_per_pressure(
         return total
     thickness = np.full(theta.shape, backing.thickness)
     if wedge:
-        # `reason_against_foundation_model` has refused bodies other than beams,
-        # `validated_names_of_effects_to_include` beams of no thickness.
+        # `reason_against_foundation_model` has refused bodies other than beams, and
+        # `validated_names_of_effects_to_include` has refused beams without a thickness.
         assert isinstance(shoe.body, Beam) and shoe.body.thickness is not None
         face = axis.distance - shoe.body.thickness / 2
         thickness = face - (brake.size + lining.thickness) * np.cos(theta)
@@ -271,7 +279,7 @@ def compression_of_layers_per_pressure(
 def brake_angles_from_beam_angles(axis: Axis, shoe: Shoe, theta: Floats) -> Floats:
     """Convert angles in a beam's coordinates to angles of the brake [rad], of the same shape.
 
-    The result counts full turns as the angles of the shoe's lining do.
+    Full turns are added or not so that the result lies near the angles of the shoe's lining.
     """
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     origin = middle - axis.sense * float(axis.angle(np.array(middle)))

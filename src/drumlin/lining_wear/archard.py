@@ -2,26 +2,27 @@
 
 Every point of a lining slides on the drum and loses depth where it is pressed. The contact problem
 of the lining has the unknowns x, from which the pressure p = D x follows, and the rigid-body
-motions y of the shoe. A maps x, and B maps y, to the gap w between lining and drum. The gap of the
-unloaded lining is q, and C x = h_load are the equilibria of the shoe. G weighs the worn depth h,
-which opens the gap, and s is the sliding distance:
+motions y of the shoe. The unknowns open the weighted gap w between lining and drum by A x + B y.
+The weighted gap of the unloaded lining is q, and C x = h_load are the equilibria of the shoe. The
+worn depth h opens the weighted gap by G h, and s is the sliding distance:
 
     w = q + A x + B y + G h,   p = D x >= 0,  w >= 0,  p w = 0,   C x = h_load,      dh/ds = rate(p)
 
 For the exponent 1 of the wear law the rate is k p. The equations are stiff: ripples of the pressure
 from element to element settle some thousand times faster than the bending of the shoe. In an
 implicit step of the length ds the wear depth depends on the unknown pressure. The wear therefore
-acts as an additional compliance of the lining, A + gamma ds G k D, and each stage of a step is one
-contact problem. The method is the diagonally implicit Runge-Kutta method of order 2 with gamma = 1
-- 1/sqrt(2), which is L-stable and stiffly accurate (Alexander 1977, SIAM J. Numer. Anal. 14, 1006).
-It is stable for any length of step, and the pressure does not alternate from node to node. A
-first-order method with the same stages measures the error. All stages fulfil p w = 0 exactly. Both
-weights of the method are positive, so that h never shrinks, and does not grow where p is zero.
+acts as an additional compliance of the lining, A + gamma ds G k D, and each of the two stages of a
+step is one contact problem. The method is the diagonally implicit Runge-Kutta method of order 2
+with gamma = 1 - 1/sqrt(2), which is L-stable and stiffly accurate (Alexander 1977, SIAM J. Numer.
+Anal. 14, 1006). It is stable for any length of step, and the pressure does not alternate from node
+to node. The difference from a first-order method with the same stages measures the error. All
+stages fulfil p w = 0 exactly. Both weights of the method are positive, so that h never shrinks, and
+does not grow where p is zero.
 
-A shoe may bear with its foot on a rough abutment. The friction there either opposes the slide of
-the foot in one of two directions, or holds the foot. Each of these three cases has a contact
-problem of its own, which is called a `Footing`. A stage of a step first tries the case of the last
-stage. If the solution contradicts this case, the stage tries the other cases.
+The foot of a shoe may rest on a rough abutment. The friction there either opposes the slide of the
+foot in one of two directions, or holds the foot. Each of these three cases has a contact problem of
+its own, which is called a `Footing`. A stage of a step first tries the case of the stage before. If
+the solution contradicts this case, the stage tries the other cases.
 
 After a long sliding distance wear becomes steady: the pressure no longer changes. Every point of
 the lining then wears as fast as the rigid-body motions y' of the shoe bring it nearer to the drum.
@@ -29,9 +30,10 @@ With dp/ds = 0 the equations above, differentiated by s, are
 
     w' = B y' + G rate(p),   p >= 0,  w' >= 0,  p w' = 0,   C x = h_load
 
-They contain neither the stiffness of the brake nor the gap q: they are the equations of a rigid
-shoe on a bed of springs. Their solution, by `solve_steady_wear`, is the end of wear on the given
-mesh. As the mesh is refined this solution converges to the rigid-shoe law.
+They contain neither the stiffness of the brake nor the gap q. With p as the unknown, they have the
+form of the equations of a rigid shoe on a bed of springs. Their solution, by `solve_steady_wear`,
+is the end of wear on the given mesh. As the mesh is refined this solution converges to the
+rigid-shoe law.
 
 The module knows nothing of brakes. The module `linings` makes contact problems from a brake.
 """
@@ -64,8 +66,8 @@ This value makes the method L-stable (Alexander 1977)."""
 DEFAULT_WEAR_STEP_ERROR = 1e-3
 """Largest error of the pressure in a step of wear if the user gives no tolerance.
 
-The error is an L2 norm, relative to that of the pressure. A step with a larger error is repeated
-over a shorter distance. A judgement."""
+It is the L2 norm of the error divided by the L2 norm of the pressure. A step with a larger error is
+repeated over a shorter distance. A judgement."""
 
 MAX_WEAR_STEPS = 20_000
 """Largest number of steps of a wear run. A run that needs more is refused.
@@ -78,7 +80,7 @@ MAX_STEP_GROWTH = 4.0
 A larger ratio risks a step with too large an error, which has to be repeated."""
 
 ROUNDED_PRESSURE = 1e-3
-"""Pressure, relative to the mean pressure, below which a wear rate p^m with m < 1 is smoothed.
+"""Pressure below which a wear rate p^m with m < 1 is smoothed, relative to the mean pressure.
 
 Without the smoothing the slope of the rate is infinite at p = 0, and Newton's method does not
 converge there. A judgement."""
@@ -94,43 +96,43 @@ MAX_NEWTON_STEPS = 60
 A judgement."""
 
 SHORTEST_STEP = 1e-13
-"""Length of a wear step, relative to the distance so far, below which the run is refused.
+"""Length of a wear step below which the run is refused, relative to the sliding distance so far.
 
-Adding a shorter step to the distance would be round-off."""
+A shorter step would change the distance by little more than round-off."""
 
 STEADY_MOTION_RATIO = 1e9
-"""Ratio of a shoe's motion by wear to its elastic motion at which the slide of its foot is judged.
+"""Assumed ratio of a shoe's motion by steady wear to its elastic motion under load.
 
-The direction of the slide tells which way friction acts at an abutment. Wear that goes on for ever
-makes this ratio infinite. At 1e9 the elastic motion changes the direction of the slide by as little
-as round-off does."""
+The sum of the two motions tells in which direction the shoe's foot slides on an abutment, and so
+which way friction acts there. Wear that goes on for ever makes the ratio infinite. At 1e9 the
+elastic motion influences the direction as little as round-off does."""
 
 SOFTEST_COMPLIANCE = 1e3
-"""Compliance of the soft linings at which the search for a contact set begins.
+"""Compliance added to the linings where the search for the nodes in contact begins.
 
-It is relative to the largest compliance of the brake. The nodes in contact are then followed as the
-linings become stiffer. A larger value only costs time."""
+It is relative to the largest nodal compliance of the brake. Under soft linings the contact is easy
+to find. It is then followed as the linings become stiffer. A larger value only costs time."""
 
 RATIO_OF_SOFT_LININGS = 4.0
-"""Factor by which the compliance of soft linings falls from step to step of the search.
+"""Factor by which the compliance added to soft linings falls from one problem to the next.
 
-The search follows the nodes in contact from soft linings to the real ones. A smaller factor only
-costs time."""
+The search for the nodes in contact solves a sequence of contact problems, from soft linings to the
+real ones. A smaller factor only costs time."""
 
 NUMBER_OF_SOFT_LININGS = 20
-"""Number of steps from soft linings to the real ones in the search for the nodes in contact.
+"""Number of contact problems with soft linings that are solved before that of the real linings.
 
-The last additional compliance is 4e-9 of the brake's own. Without it the nodes in contact hardly
-change."""
+The last of them adds 4e-9 of the brake's largest nodal compliance to the linings. When this rest is
+removed, hardly a node changes between contact and gap."""
 
 
-def is_friction_always_allowed(_: Contact) -> bool:
-    """Always true: without friction at the abutments every solution agrees with it."""
+def agree_with_any_contact(_: Contact) -> bool:
+    """Always true: without friction at abutments no solution contradicts the assumed friction."""
     return True
 
 
 class Footing(NamedTuple):
-    """One case of the friction on the feet of shoes at their abutments: slide either way, or stick.
+    """One case of friction at abutments: each shoe's foot slides one way or the other, or sticks.
 
     Attributes
     ----------
@@ -140,7 +142,7 @@ class Footing(NamedTuple):
     """
 
     problem: ContactProblem
-    stands: Callable[[Contact], bool] = is_friction_always_allowed
+    stands: Callable[[Contact], bool] = agree_with_any_contact
 
 
 class WearInterface(NamedTuple):
@@ -151,18 +153,18 @@ class WearInterface(NamedTuple):
     Attributes
     ----------
     problem : contact problem of the unworn linings
-    loaded : (n,), opening of the gap by the actuation; it is a part of the vector q of the problem
+    loaded : (n,), weighted gap that the actuation opens; it is a part of the vector q of `problem`
     weight : G (n, n), weighted gap per worn depth
-    pressure : (n,), diagonal of the matrix D: pressure [Pa] per contact unknown
-    area : (n,) [m^2], worn volume per depth, and normal force per pressure
-    torque : (n,) [m^3], torque per pressure
+    pressure : (n,), pressure [Pa] per unit of each contact unknown, the diagonal of the matrix D
+    area : (n,) [m^2], worn volume per worn depth at each unknown; also normal force per pressure
+    torque : (n,) [m^3], torque per pressure at each unknown
     stands : function that tells whether a solution of `problem` agrees with the friction that the
         problem assumes at the abutments
     others : the other cases of the friction at the abutments, each with its contact problem
     settle : function settle(depth) that solves the contact of linings worn by a depth (n,) [m]
-        without a first guess. It returns the number of the friction case at the abutments, and for
-        each unknown (n,) whether it is in contact. It raises NoAnswer if these linings have no
-        equilibrium.
+        without a first guess. It returns the position of the friction case in
+        `abutment_friction_cases`, and a mask (n,) of the unknowns in contact. It raises NoAnswer if
+        these linings have no equilibrium.
     """
 
     problem: ContactProblem
@@ -171,18 +173,23 @@ class WearInterface(NamedTuple):
     pressure: Floats
     area: Floats
     torque: Floats
-    stands: Callable[[Contact], bool] = is_friction_always_allowed
+    stands: Callable[[Contact], bool] = agree_with_any_contact
     others: tuple[Footing, ...] = ()
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
 
     @property
     def abutment_friction_cases(self) -> tuple[Footing, ...]:
-        """All ways in which friction may act at the abutments; that of `problem` comes first."""
+        """All cases of friction at the abutments, each with its contact problem.
+
+        The first case has the contact problem `problem`, the further cases are `others`.
+        """
         return (Footing(self.problem, self.stands), *self.others)
 
 
 class WearLaw(NamedTuple):
-    """The wear law dh/ds = coefficient p (p/reference)^(exponent - 1) for the worn depth h.
+    """The wear law dh/ds = coefficient p (p/reference)^(exponent - 1).
+
+    h is the worn depth, s the sliding distance and p the pressure.
 
     Attributes
     ----------
@@ -196,19 +203,20 @@ class WearLaw(NamedTuple):
     reference: float = 1e6
 
     def wear_rate_and_its_slope(self, p: Floats, rounded: float) -> tuple[Floats, Floats]:
-        """The wear per sliding distance (n,), and its derivative by the pressure (n,) [1/Pa].
+        """The wear rates dh/ds (n,), and their derivatives by the pressure (n,) [1/Pa].
 
         Parameters
         ----------
         p : (n,) [Pa], pressures
-        rounded : pressure [Pa] below which the rate of an exponent under 1 is smoothed
+        rounded : pressure [Pa] below which the rate is smoothed if the exponent is below 1
         """
         if self.exponent == 1:
             return self.coefficient * p, np.full(p.shape, self.coefficient)
         k, m = self.coefficient / self.reference ** (self.exponent - 1), self.exponent
         if m > 1:
             return k * p**m, k * m * p ** (m - 1)
-        # In a rate with an exponent below 1, sqrt(p^2 + rounded^2) takes the place of p.
+        # For an exponent m below 1 the rate k p^m is replaced by k p (p^2 + rounded^2)^((m - 1)/2),
+        # which has a finite slope at p = 0.
         size = p**2 + rounded**2
         rate = k * p * size ** ((m - 1) / 2)
         slope = k * size ** ((m - 3) / 2) * (m * p**2 + rounded**2)
@@ -230,9 +238,9 @@ class WearState:
     torque : torque of all linings [N m]
     force : factor on the actuation of the brake; 1 unless the run keeps a given torque
     forward : whether the drum turns in the direction that the brake file states
-    removed : worn volume [m^3] as integral of the wear rate over area and distance
-    pressed : integral [N m] of the normal force over the distance
-    work : integral [N m^2] of the torque over the distance
+    removed : worn volume [m^3], the integral of the wear rate over area and sliding distance
+    pressed : integral [N m] of the normal force over the sliding distance
+    work : integral [N m^2] of the torque over the sliding distance
     """
 
     s: float
@@ -268,13 +276,13 @@ def wear_linings(
     forward : groups of linings, which do not influence each other
     law : the wear law
     backward : the same groups of linings with the drum turning the other way
-    reverse : distance [m] after which the drum turns the other way, again and again. At a reversal
-        the list has two states, one before and one after the reversal.
+    reverse : distance [m] between reversals of the drum. At a reversal the list has two states, one
+        before and one after the reversal.
     torque : torque of all linings [N m] that the actuation is adjusted to keep; None for a constant
         actuation
     distance : sliding distance [m] at which the run ends
     tolerance : largest error of the pressure in a step (L2 norm, relative)
-    until : function that tells whether the run ends with a given state
+    until : function of a WearState that returns whether the run ends with this state
 
     Raises
     ------
@@ -303,7 +311,7 @@ def wear_linings(
 
 
 def _require_options_above_zero(values: Mapping[str, float]) -> None:
-    """Raise BadInput if one of the values, by the names of their options, is not above 0."""
+    """Raise BadInput if the value of an option is not above 0; `values` holds values by name."""
     for name, value in values.items():
         if not value > 0:
             raise BadInput(f"{name} = {value:g}: must be greater than 0")
@@ -327,7 +335,7 @@ class _WearRunInProgress:
     Parameters
     ----------
     forward, backward : solvers of a wear step for the two directions of rotation
-    reverse : distance [m] after which the drum turns the other way
+    reverse : distance [m] between reversals of the drum
     distance : sliding distance [m] at which the run ends
     tolerance : largest error of the pressure in a step (L2 norm, relative)
     """
@@ -340,15 +348,15 @@ class _WearRunInProgress:
         distance: float,
         tolerance: float,
     ) -> None:
-        # The solvers of a step, by whether the drum turns forward.
+        # True: solver of the steps with the drum turning forward; False: turning backward.
         self._steppers = {True: forward, False: backward}
         self._reverse, self._distance, self._tolerance = reverse, distance, tolerance
         self._forward = True
         self._next_turn = reverse
         self.states = [forward.state_of_unworn_linings()]
         self._step = forward.length_of_first_step(self.last_wear_state, tolerance)
-        # The first step after a reversal has the length that was right for the first step after the
-        # last reversal or, for the first reversal, after the start.
+        # The pressure changes fast at the start and after a reversal. The length that was right for
+        # the first step there is kept, as the length of the first step after the next reversal.
         self._opening_step = self._step
         self._just_turned = True
 
@@ -363,7 +371,7 @@ class _WearRunInProgress:
         return self.last_wear_state.s >= self._distance * (1 - 1e-12)
 
     def take_wear_step(self) -> None:
-        """Append the state after the next step, or shorten the step if its error is too large.
+        """Try a step: append the state after it, or shorten the next try if its error is too large.
 
         Raises NoAnswer if the step has no solution or becomes too short.
         """
@@ -374,7 +382,8 @@ class _WearRunInProgress:
         after, error = self._steppers[self._forward].state_and_error_after_step(
             self.last_wear_state, size
         )
-        # The error of the embedded first-order method grows with the square of the step.
+        # The error of a step grows with the square of its length, since the embedded method is of
+        # first order. The factor for the next length is therefore a root.
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
         factor = min(max(growth, 0.2), MAX_STEP_GROWTH)
         if error > self._tolerance:
@@ -384,18 +393,19 @@ class _WearRunInProgress:
         self.states.append(replace(after, s=end) if at_end else after)
         if self._just_turned:
             self._opening_step, self._just_turned = size * factor, False
-        # If the end has cut a step short, the next step may be as long as the uncut step.
+        # If this step was only short to end at a reversal or at the end of the run, the next step
+        # may have the length that was planned.
         cut_short = at_end and size < self._step
         self._step = max(self._step, size) if cut_short else size * factor
         if at_end and end == self._next_turn and not self.has_reached_distance:
             self._reverse_drum_rotation()
 
     def _length_of_next_step(self, left: float) -> float:
-        """The length [m] of the next step, with the distance `left` [m] to go.
+        """The length [m] of the next step; `left` [m] is the distance to the end or next reversal.
 
-        If at most two steps remain, both get half of the rest of the distance, so that the last
-        step is not tiny. Raises NoAnswer if the length is infinite, because wear no longer changes
-        the pressure.
+        If one to two steps remain, both get half of the remaining distance, so that the last step
+        is not tiny. Raises NoAnswer if the length is infinite, because wear no longer changes the
+        pressure.
         """
         size = left if self._step > 0.999 * left else min(self._step, left / 2)
         if math.isinf(size):
@@ -424,7 +434,7 @@ class _WearRunInProgress:
 def wear_linings_in_given_steps(
     interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]
 ) -> list[WearState]:
-    """Wear linings in steps that end at given distances [m], without error control.
+    """Wear linings in steps that end at the distances `stations` [m], without error control.
 
     Returns the states before the first step and after each step.
     """
@@ -437,14 +447,14 @@ def wear_linings_in_given_steps(
 
 
 def join_contact_problems_of_lining_groups(interfaces: WearInterfaces) -> WearInterface:
-    """Several groups of linings as one group, with one common contact problem.
+    """Join several groups of linings into one group, with one common contact problem.
 
-    The friction at the abutments of a group may have several cases (`Footing`): the feet slide one
-    way or the other, or stick. The joint group has a case for every combination of the cases of its
-    groups.
+    The friction at the abutments of a group may have several cases (`Footing`): each foot slides
+    one way or the other, or sticks. The joint group has a case for every combination of its groups'
+    cases.
     """
     combinations = product(*(interface.abutment_friction_cases for interface in interfaces))
-    first, *others = map(_joint_abutment_friction_case, combinations)
+    first, *others = map(_join_abutment_friction_cases, combinations)
     all_settle = all(map(attrgetter("settle"), interfaces))
     return WearInterface(
         problem=first.problem,
@@ -460,12 +470,12 @@ def join_contact_problems_of_lining_groups(interfaces: WearInterfaces) -> WearIn
 
 
 def _concatenate_attribute_of_objects(owners: Iterable[Any], name: str) -> Floats:
-    """The arrays (n,) in the attribute `name` of several objects, concatenated to one array."""
+    """Concatenate the arrays (n,) that several objects have in their attribute `name`."""
     return np.concatenate(list(map(attrgetter(name), owners)))
 
 
-def _joint_abutment_friction_case(footings: Sequence[Footing]) -> Footing:
-    """One friction case of a joint group of linings, from one friction case of each of its groups.
+def _join_abutment_friction_cases(footings: Sequence[Footing]) -> Footing:
+    """Join one friction case of each group of linings to a friction case of the joint group.
 
     The matrices of the joint contact problem are block diagonal.
     """
@@ -480,9 +490,9 @@ def _joint_abutment_friction_case(footings: Sequence[Footing]) -> Footing:
 
 
 def _is_friction_consistent_at_all_abutments(footings: Sequence[Footing], contact: Contact) -> bool:
-    """Whether the solution of a joint contact problem agrees with the friction in all its groups.
+    """Whether the solution of a joint contact problem agrees with the friction at all abutments.
 
-    `footings` has the friction case at the abutments of each group of linings.
+    `footings` holds the friction case that was assumed for each group of linings.
     """
     unknowns = slices_of_consecutive_parts(len(footing.problem.q) for footing in footings)
     motions = slices_of_consecutive_parts(len(footing.problem.h) for footing in footings)
@@ -497,8 +507,9 @@ def _find_contact_of_all_worn_linings(
 ) -> tuple[int, Bools]:
     """Solve the contact of several groups of worn linings, each group without a first guess.
 
-    Returns the number of the combination of friction cases at the abutments (`Footing`), and for
-    each unknown (n,) whether it is in contact. `depth` (n,) [m] is the worn depth.
+    Returns the position of the combination of the groups' friction cases in the order of
+    `itertools.product`, and a mask (n,) of the unknowns in contact. `depth` (n,) [m] is the worn
+    depth.
     """
     number = 0
     active_sets: list[Bools] = []
@@ -506,19 +517,19 @@ def _find_contact_of_all_worn_linings(
     for interface, part in zip(interfaces, parts, strict=True):
         assert interface.settle is not None
         own_number, active = interface.settle(depth[part])
-        # The number of a combination is that of `itertools.product`, in which the choice of the
-        # last group changes fastest, like the last digit of a number.
+        # Combinations are numbered as by `itertools.product`: the case of the last group changes
+        # fastest, like the last digit of a number.
         number = number * len(interface.abutment_friction_cases) + own_number
         active_sets.append(active)
     return number, np.concatenate(active_sets)
 
 
 class SteadyWear(NamedTuple):
-    """Steady wear, in which the pressure no longer changes: the state in which wear ends.
+    """Steady wear, the final state of a lining, in which the pressure no longer changes.
 
     Attributes
     ----------
-    footing : number of the friction case at the abutments (see `Footing`)
+    footing : position of the friction case in `WearInterface.abutment_friction_cases`
     contact : solution of the contact problem of steady wear. Its p are the contact unknowns x. Its
         gap w and its motions y are changes per sliding distance, for the wear rate p^exponent.
     """
@@ -528,11 +539,11 @@ class SteadyWear(NamedTuple):
 
 
 def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
-    """The steady wear of a group of linings, in which the pressure no longer changes.
+    """Solve the steady wear of a group of linings, in which the pressure no longer changes.
 
-    Steady wear depends on the exponent of the wear law, and not on its coefficient. NoAnswer is
-    raised if a rigid shoe would lock itself, if no pressure balances the actuation, or if a foot
-    leaves its abutment.
+    The pressure depends on the exponent of the wear law, and not on its coefficient. NoAnswer is
+    raised if a rigid shoe would lock itself, if no pressure balances the actuation, or if no
+    friction case at the abutments agrees with its solution.
     """
     failure: NoAnswer | None = None
     compliance_of_wear = np.diagonal(interface.weight) * interface.pressure
@@ -542,8 +553,8 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
         except NoAnswer as error:
             failure = failure or error
             continue
-        # In steady wear the motion by wear is far larger than the elastic motion. It alone decides
-        # in which direction a foot slides. The motion by wear is therefore scaled to
+        # After a long sliding distance the motion by wear is far larger than the elastic motion,
+        # and alone decides in which direction a foot slides. It is therefore scaled to
         # STEADY_MOTION_RATIO times the elastic motion before the friction is checked.
         elastic = float(np.abs(np.diagonal(footing.problem.A)).max())
         scale = STEADY_MOTION_RATIO * float(elastic / np.abs(compliance_of_wear).max())
@@ -555,11 +566,11 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
 def _solve_steady_wear_for_abutment_friction(
     interface: WearInterface, footing: Footing, law: WearLaw
 ) -> Contact:
-    """The steady wear of linings for given directions of friction at the abutments, `footing`.
+    """Solve the steady wear of linings under the friction case `footing` at the abutments.
 
-    For the exponent 1, steady wear is the solution of one contact problem, in which wear depth over
-    pressure takes the place of the elastic compliance. For other exponents this solution is the
-    first guess. Raises NoAnswer if there is no equilibrium.
+    For the exponent 1, steady wear is the solution of one contact problem, in which wear depth
+    divided by pressure takes the place of the elastic compliance. For other exponents this solution
+    is the first guess. Raises NoAnswer if there is no equilibrium.
     """
     _, q, B, C, h = footing.problem
     compliance = interface.weight * interface.pressure
@@ -574,7 +585,7 @@ def _solve_steady_wear_for_abutment_friction(
 def _solve_steady_power_law_wear(
     interface: WearInterface, problem: ContactProblem, exponent: float, linear: Contact
 ) -> Contact:
-    """The steady wear of linings under a wear rate p^m with m other than 1.
+    """Solve the steady wear of linings under a wear rate p^m with an exponent m other than 1.
 
     If the motions of the shoe are given, the wear rates p^m follow from a contact problem without
     equations of equilibrium. A root finder varies the motions until the pressures balance the
@@ -599,7 +610,10 @@ def _solve_steady_power_law_wear(
     motions = linear.y / top
 
     def contact_with_wear_rates_as_pressures(y: Floats) -> Contact:
-        """The contact whose p are the wear rates if the shoe moves by y per sliding distance."""
+        """The contact solution if the shoe moves by y per sliding distance; its p are wear rates.
+
+        The shoe cannot penetrate the drum, so that the lining must wear as fast as it approaches.
+        """
         return active_set.solve_contact_problem(
             ContactProblem(interface.weight, B @ y, *no_equilibria), linear.active
         )
@@ -617,7 +631,7 @@ def _solve_steady_power_law_wear(
     size = np.maximum(np.abs(guess), 1e-9 * np.abs(guess).max())
 
     def unbalanced_loads_under_motions(z: Any) -> Floats:
-        """The unbalanced part of the loads, relative to the largest, for motions z times `size`."""
+        """The imbalance of each load, relative to the largest load, for motions z times `size`."""
         return (
             C @ contact_unknowns_at_wear_rates(contact_with_wear_rates_as_pressures(z * size).p) - h
         ) / np.abs(h).max()
@@ -632,9 +646,9 @@ def _solve_steady_power_law_wear(
 
 
 def find_contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) -> Bools | None:
-    """Whether each unknown (n,) is in contact, found by a sequence of stiffer and stiffer linings.
+    """Find which unknowns (n,) are in contact, by a sequence of stiffer and stiffer linings.
 
-    Under a very soft lining the shoe acts as a rigid body, and the contact is found from any first
+    On a very soft lining the shoe acts as a rigid body, and the contact is found from any first
     guess. The contact of each lining is the first guess for the next, stiffer lining. The sequence
     ends with the lining of the given problem. The result is None if a lining of the sequence has no
     solution.
@@ -642,7 +656,7 @@ def find_contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) 
     Parameters
     ----------
     problem : contact problem of the linings
-    weight : (n, n), weighted gap per depth
+    weight : (n, n), weighted gap per compression of the added soft lining
     """
     A, q, B, C, h = problem
     compliance = float(np.abs(np.diagonal(A)).max() / np.abs(np.diagonal(weight)).max())
@@ -664,10 +678,10 @@ def contact_problem_at_given_torque(
 ) -> ContactProblem:
     """The contact problem of linings whose torque is given in place of their actuation.
 
-    Let f be the unknown factor on the actuation. The gap is then q + (f - 1) loaded, and the
-    equilibria are C x = f h. The row of C with the largest load, here row 0, gives
-    f = (C x)_0 / h_0. Put into the gap and the other rows, f becomes part of A and C. The equation
-    of the torque takes the place of row 0, with the sign of its load.
+    Let f be the unknown factor on the actuation. The unloaded gap is then q + (f - 1) loaded, and
+    the equilibria are C x = f h. The equilibrium with the largest load, say row 0 of C, gives
+    f = (C x)_0 / h_0. Inserted into the gap and the other equilibria, f adds terms to A and C. The
+    equation of the given torque, with the sign of h_0, takes the place of row 0.
 
     Parameters
     ----------
@@ -688,9 +702,9 @@ def contact_problem_at_given_torque(
 
 
 Tangent = Callable[[Floats], Floats]
-"""A function from a change (n,) of the weighted gap to the change (n,) of the contact unknowns.
+"""A linear function from a change (n,) of the weighted gap to the change (n,) of contact unknowns.
 
-It is linear and holds as long as the same unknowns stay in contact."""
+It holds as long as the same unknowns stay in contact."""
 
 
 class _WearIntegrals(NamedTuple):
@@ -715,8 +729,8 @@ class _WornContact(NamedTuple):
     ----------
     p : (n,) [Pa], pressures
     rate : (n,), wear per sliding distance, dh/ds
-    tangents : a function for each group of linings, which returns the change of the contact
-        unknowns by a change of the weighted gap
+    tangents : for each group of linings, the function from a change of the weighted gap to the
+        change of the contact unknowns
     """
 
     p: Floats
@@ -742,8 +756,9 @@ class _InterfaceContact(NamedTuple):
 class _WearStepper:
     """A solver that wears the linings of a brake step by step, for one direction of rotation.
 
-    The unknowns in contact at the last stage are the first guess for the next stage. The friction
-    case at the abutments (`Footing`) of the last stage is tried first.
+    A step has two stages, and each stage solves the contact. The unknowns in contact at a stage are
+    the first guess for the next stage, which also tries the same friction case at the abutments
+    (`Footing`) first.
 
     Parameters
     ----------
@@ -755,7 +770,8 @@ class _WearStepper:
 
     def __init__(self, interfaces: WearInterfaces, law: WearLaw, torque: float | None) -> None:
         self.law, self.held = law, torque
-        # A given torque is that of all linings together, which then have one contact problem.
+        # A given torque is the sum of the torques of all linings, so that all linings then need one
+        # common contact problem.
         self.interfaces = (
             list(interfaces)
             if torque is None
@@ -774,7 +790,8 @@ class _WearStepper:
     def _contact_problems_of_linings(self, interface: WearInterface) -> list[ContactProblem]:
         """The contact problems of a group of linings: one for each friction case at its abutments.
 
-        If the wear run keeps a given torque, the problems have this torque in place of a force.
+        If the wear run keeps a given torque, the problems prescribe this torque in place of the
+        actuation.
         """
         problems: list[ContactProblem] = list(
             map(attrgetter("problem"), interface.abutment_friction_cases)
@@ -784,7 +801,7 @@ class _WearStepper:
         return list(map(partial(contact_problem_at_given_torque, interface, self.held), problems))
 
     def state_of_unworn_linings(self) -> WearState:
-        """The state of the unworn linings under load. Raises NoAnswer without an equilibrium."""
+        """The state of the unworn linings under load. Raises NoAnswer if it has no equilibrium."""
         depth = np.zeros(len(self.area))
         pressure = self._pressure_without_first_guess(depth)
         return self._make_wear_state(0.0, depth, pressure, _WearIntegrals(0.0, 0.0, 0.0))
@@ -807,22 +824,26 @@ class _WearStepper:
         for i, (interface, part) in enumerate(zip(self.interfaces, self.parts, strict=True)):
             if interface.settle is None:
                 continue
-            # If the run keeps a given torque, the brake may have an equilibrium at this torque
-            # although it locks itself under the force of the brake file. The search under this
-            # force then fails, and the last contact, if there is one, stays the first guess.
+            # `settle` searches under the force of the brake file. If the run keeps a given torque,
+            # the brake may lock itself under this force and still have an equilibrium at the
+            # torque. The search then fails, and the contact of the stage before, if any, stays the
+            # first guess.
             with suppress(NoAnswer) if self.held is not None else nullcontext():
                 self.footing[i], self.sets[i] = interface.settle(depth[part])
         return self._solve_contact_of_all_linings(depth, 0.0).p
 
     def length_of_first_step(self, state: WearState, tolerance: float) -> float:
-        """The length [m] of a first step, short enough for the fastest change of the pressure."""
+        """The length [m] of the first step, short enough for the node with the fastest change of p.
+
+        The length is infinite if nothing wears.
+        """
         largest = state.pressure.max(initial=1.0)
         slope = float(self.law.wear_rate_and_its_slope(np.full(1, largest), 0.0)[1][0])
         if slope == 0:
             return math.inf
-        # Wear changes the pressure of a node the faster, the stiffer the node is. The smallest
-        # ratio of elastic compliance to wear per pressure and distance, among the nodes, gives the
-        # distance of the fastest change.
+        # Wear changes the pressure of a node over a sliding distance of about a/(k g). Here a is
+        # the node's elastic compliance (weighted gap per pressure), k the slope of the wear law and
+        # g the weighted gap per worn depth. The node with the shortest distance counts.
         least = math.inf
         for interface in self.interfaces:
             of_wear = np.diagonal(interface.weight) * interface.pressure
@@ -833,8 +854,8 @@ class _WearStepper:
     def state_and_error_after_step(self, state: WearState, ds: float) -> tuple[WearState, float]:
         """The state after a step of length ds [m], and the relative L2 error of its pressure."""
         footing = list(self.footing)
-        # The step has the two stages of the Runge-Kutta method. Their wear rates, weighted, give
-        # the worn depth.
+        # The two stages of the Runge-Kutta method give two wear rates, whose weighted mean gives
+        # the depth that the step wears off.
         first = self._solve_contact_of_all_linings(state.depth, GAMMA * ds)
         second = self._solve_contact_of_all_linings(
             state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds
@@ -853,11 +874,13 @@ class _WearStepper:
         pressed = second.p > 0
         same_set = ((state.pressure > 0) == pressed).all() and ((first.p > 0) == pressed).all()
         if not same_set or self.footing != footing:
-            error = max(error, self._pressure_distance_from_euler_step(state, ds, second.p))
+            error = max(
+                error, self._norm_of_pressure_difference_from_euler_step(state, ds, second.p)
+            )
         error /= self._norm_of_pressure_over_all_linings(second.p) or 1.0
 
         def integral_over_step(at_first: Floats, at_second: Floats, row: Floats) -> float:
-            """The integral over the step of row . values, from the values at the two stages."""
+            """The integral over the step of row @ values, from the values at the two stages."""
             return ds * float(row @ ((1 - GAMMA) * at_first + GAMMA * at_second))
 
         integrals = _WearIntegrals(
@@ -868,22 +891,24 @@ class _WearStepper:
         return self._make_wear_state(state.s + ds, depth, second.p, integrals), error
 
     def _pressure_change_by_worn_depth(self, tangents: Sequence[Tangent], depth: Floats) -> Floats:
-        """The change of the pressure (n,) [Pa] by a small change of the worn depth (n,) [m].
+        """The change of the pressure (n,) [Pa] by a small change of the worn depth.
 
-        `tangents` are those of each group of linings, see _WornContact.
+        `depth` (n,) [m] is the change of the worn depth. `tangents` holds a function for each group
+        of linings, see _WornContact.
         """
         changes = []
         for interface, part, tangent in zip(self.interfaces, self.parts, tangents, strict=True):
             changes.append(interface.pressure * tangent(interface.weight @ depth[part]))
         return np.concatenate(changes)
 
-    def _pressure_distance_from_euler_step(self, state: WearState, ds: float, p: Floats) -> float:
+    def _norm_of_pressure_difference_from_euler_step(
+        self, state: WearState, ds: float, p: Floats
+    ) -> float:
         """The L2 norm of the difference between p after a step and p of one implicit Euler step.
 
-        The norm measures the error of a step over which the nodes in contact change. The derivative
-        of the pressure by the worn depth cannot measure this error, because it is valid for the
-        last nodes in contact only. If a single node is in contact, equilibrium alone gives its
-        pressure, and the derivative is zero.
+        The norm measures the error of a step during which nodes come into contact or leave it. The
+        derivative of the pressure by the worn depth cannot measure this error, because it is valid
+        only for the nodes in contact at the end of the step.
 
         Parameters
         ----------
@@ -903,7 +928,10 @@ class _WearStepper:
     def _make_wear_state(
         self, s: float, depth: Floats, p: Floats, integrals: _WearIntegrals
     ) -> WearState:
-        """The state at a distance s [m] with worn depth (n,) [m], pressure p (n,) and integrals."""
+        """Make the state at a sliding distance s [m] from worn depth (n,) [m] and pressure p (n,).
+
+        `integrals` are the integrals over the sliding distance up to s.
+        """
         force = self._actuation_factor_that_balances_pressures(0, p)
         return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *integrals)
 
@@ -913,7 +941,8 @@ class _WearStepper:
         Parameters
         ----------
         depth : (n,) [m], worn depth before the wear of the stage
-        ds : distance [m] over which the stage wears the linings at its own rate, rate(p)
+        ds : distance [m] over which the stage wears the linings further, at the wear rate of the
+            pressure that it solves for; 0 for no further wear
         """
         bearings = [
             self._solve_contact_of_lining_group(i, depth[part], ds)
@@ -926,7 +955,7 @@ class _WearStepper:
         )
 
     def _actuation_factor_that_balances_pressures(self, i: int, p: Floats) -> float:
-        """The factor on the actuation that balances pressures p (n,) of the linings' group `i`.
+        """The factor on the actuation that balances pressures p (n,) [Pa] on lining group `i`.
 
         The factor is 1 unless the wear run keeps a given torque.
         """
@@ -938,16 +967,17 @@ class _WearStepper:
         return float(problem.C[main] @ (p / interface.pressure)) / float(problem.h[main])
 
     def _solve_contact_of_lining_group(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
-        """Solve the contact of the linings' group `i` at a stage of a wear step.
+        """Solve the contact of lining group `i` at a stage of a wear step.
 
         The friction cases at the abutments (`Footing`) are tried until a solution agrees with its
         case. Raises NoAnswer if no solution does. `depth` (n,) [m] is the worn depth before the
-        stage, and `ds` [m] the distance over which the stage wears the linings at its own rate.
+        stage. In the stage the linings wear further over the distance `ds` [m], at the rate of the
+        pressure that is solved for.
         """
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
         footings = self.interfaces[i].abutment_friction_cases
-        # The friction case at the abutments of the last solution is tried first.
+        # The friction case of the solution before is tried first.
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set
             try:
@@ -956,8 +986,8 @@ class _WearStepper:
                 failure = failure or error
                 continue
             force = self._actuation_factor_that_balances_pressures(i, bearing.p)
-            # The check whether the friction opposes the slide of the feet needs the solution under
-            # the actuation of the brake file. The solution is scaled to this actuation.
+            # `stands`, which checks the friction on the feet, expects a solution under the
+            # actuation of the brake file. The solution is scaled to this actuation.
             contact = bearing.contact
             if force > 0:
                 contact = replace(contact, p=contact.p / force, y=contact.y / force)
@@ -969,12 +999,12 @@ class _WearStepper:
     def _solve_contact_for_abutment_friction(
         self, i: int, depth: Floats, ds: float
     ) -> _InterfaceContact:
-        """Solve the contact of the linings' group `i` for its present abutment friction case.
+        """Solve the contact of lining group `i` for the friction case `self.footing[i]`.
 
-        Newton's method replaces the wear rate by its tangent at the last pressure. The slope of the
-        tangent acts as a compliance of the linings, and its constant part as a gap. Raises NoAnswer
-        for self-locking or no convergence. `depth` (n,) [m] is the worn depth before the stage, and
-        `ds` [m] the distance over which the stage wears the linings.
+        Newton's method replaces the wear rate by its tangent at the pressure of the iteration
+        before. The slope of the tangent acts as a compliance of the linings, and its constant part
+        as a gap. Raises NoAnswer for self-locking or no convergence. `depth` (n,) [m] is the worn
+        depth before the stage, and `ds` [m] the distance over which the stage wears the linings.
         """
         interface, problem = self.interfaces[i], self.problems[i][self.footing[i]]
         A, q, B, C, h = problem._replace(q=problem.q + interface.weight @ depth)
@@ -1003,10 +1033,10 @@ class _WearStepper:
         )
 
     def _first_guess_of_pressure(self, i: int, problem: ContactProblem) -> Floats:
-        """The pressure (n,) [Pa] from which Newton's method starts, for the linings' group `i`.
+        """The pressure (n,) [Pa] from which Newton's method starts, for lining group `i`.
 
-        It is the pressure of the linings as they are before this stage. For the exponent 1 the
-        equations are linear in the pressure and need no first guess: zero is returned.
+        It is the pressure of the linings without the wear of this stage. For the exponent 1 of the
+        wear law the equations are linear and need no first guess, so that zeros are returned.
         """
         if self.law.exponent == 1:
             return np.zeros(len(problem.q))
@@ -1018,10 +1048,10 @@ class _WearStepper:
 def wear_linings_by_explicit_euler(
     interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int
 ) -> list[WearState]:
-    """Wear linings by explicit Euler steps on the nodal pressures; returns the states.
+    """Wear linings by explicit Euler steps; returns the states before and after each step.
 
-    This common method needs very short steps, or else the pressure alternates from node to node. It
-    serves as a comparison with the implicit method.
+    This common method needs very short steps, or else the pressure alternates from node to node.
+    The implicit method is compared with it.
 
     Parameters
     ----------
@@ -1050,13 +1080,13 @@ def wear_linings_by_explicit_euler(
 def amplitude_of_node_to_node_pressure_ripple(p: Floats, margin: int = 5) -> float:
     """How much nodal pressures p (n,) alternate from node to node, relative to p (a checkerboard).
 
-    It is the norm of the fourth difference (1, -4, 6, -4, 1)/16 of p over the norm of p. The fourth
-    difference of an alternation +1, -1, +1 has the size 1, that of a smooth pressure the order of
-    the fourth power of the nodes' spacing. The nodes next to the ends of the lining and of the
-    contact do not count, `margin` of them at each end. The result is nan if no node is left.
+    It is the norm of the fourth difference (1, -4, 6, -4, 1)/16 of p, divided by the norm of p. For
+    p = +1, -1, +1, ... the fourth difference is 1. For a smooth p it is of the order of the node
+    spacing to the fourth power. At each end of the lining and of the contact, `margin` nodes are
+    left out. The result is nan if no node is left.
     """
-    # If the pressure alternates, single nodes may have no pressure. The contact therefore ends only
-    # at a node without pressure whose two neighbours have no pressure either.
+    # If the pressure alternates, single nodes may have no pressure although they lie in the
+    # contact. The contact therefore ends only where three nodes in a row have no pressure.
     open_stretches = _mask_of_true_with_true_neighbours(p <= 0, 1, beyond=True)
     use = _mask_of_true_with_true_neighbours(~open_stretches, margin, beyond=False)
     if not use.any():
@@ -1066,10 +1096,10 @@ def amplitude_of_node_to_node_pressure_ripple(p: Floats, margin: int = 5) -> flo
 
 
 def _mask_of_true_with_true_neighbours(where: Bools, margin: int, *, beyond: bool) -> Bools:
-    """The mask (n,) that is true at a place if `where` (n,) is true there and at its neighbours.
+    """The mask (n,) that is true where `where` (n,) is true for an entry and all its neighbours.
 
-    Neighbours are up to `margin` places away on either side. Places past the ends of the array
-    have the value `beyond`.
+    Neighbours are the entries up to `margin` places away on either side. Beyond the ends of the
+    array the value `beyond` is assumed.
     """
     padded = np.pad(where, margin, constant_values=beyond)
     eroded: Bools = np.lib.stride_tricks.sliding_window_view(padded, 2 * margin + 1).min(axis=1)
@@ -1087,7 +1117,7 @@ def interpolate_wear_state_at_distance(states: Sequence[WearState], s: float) ->
     t = (s - a.s) / (b.s - a.s)
 
     def interpolate_number_at_distance(x: float, y: float) -> float:
-        """The value at the distance s, between x at the earlier state and y at the later one."""
+        """Interpolate at the distance s between x of the earlier state and y of the later state."""
         return (1 - t) * x + t * y
 
     return WearState(
@@ -1106,16 +1136,16 @@ def interpolate_wear_state_at_distance(states: Sequence[WearState], s: float) ->
 def distance_after_which_values_stay_small(
     s: Sequence[float], values: Sequence[float], limit: float
 ) -> float:
-    """The distance [m] from which on the sizes of some values stay at or below a limit.
+    """The distance [m] beyond which the absolute values of a quantity stay at or below a limit.
 
-    It is interpolated between two of the given distances. It is 0 if no value is above the limit,
-    and inf if the last value is above it.
+    It is interpolated linearly between two of the given distances. It is 0 if no value is above the
+    limit, and inf if the last value is above it.
 
     Parameters
     ----------
     s : growing distances [m]
-    values : a number at each distance
-    limit : limit on the sizes of the values
+    values : the quantity at each distance
+    limit : limit on the absolute values
     """
     above = np.flatnonzero(np.abs(values) > limit)
     if not len(above):

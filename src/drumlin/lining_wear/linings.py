@@ -34,7 +34,7 @@ AnyBrake = TypeVar("AnyBrake", bound=Brake)
 
 
 class WornLining(NamedTuple):
-    """A lining of a shoe, and the positions of its contact unknowns among those of the brake.
+    """A lining of a shoe, and the positions of its unknowns among all contact unknowns of a brake.
 
     Linings that influence each other have one contact problem together, which is called an
     interface. A brake has one or more interfaces.
@@ -42,18 +42,19 @@ class WornLining(NamedTuple):
     Attributes
     ----------
     shoe : position of the shoe in the brake
-    lining : position of the lining among those of the shoe with slots between them (`Lining.arcs`)
+    lining : position of the lining in the shoe, which may have several linings with slots between
+        them (`Lining.arcs`)
     name : name of the shoe
     interface : number of the lining's interface
     part : slice of the lining's unknowns in the unknowns of all interfaces
     local : slice of the lining's unknowns in the unknowns of its interface
     theta : (n,) [rad], angles of the lining's contact unknowns; unknowns at the same angle across
         the width count once
-    forward : slice that puts these angles in the order of growing theta
-    order : degree of the interpolation of pressure and depth between the nodes
-    across : (m,) [m], distances from the mid-plane of the nodes across the width, one in plane
-        stress; the lining has n m unknowns, by angle and then by distance
-    shares : (m,) share of the width that each node across stands for; their sum is 1
+    forward : slice that puts the angles `theta` in growing order
+    order : degree of the interpolation of pressure and worn depth between the nodes
+    across : (m,) [m], distances of the nodes across the width from the mid-plane; m = 1 in plane
+        stress. The lining has n m unknowns, ordered by angle and then by distance.
+    shares : (m,) fraction of the width that each node across the width stands for; the sum is 1
     """
 
     shoe: int
@@ -71,14 +72,14 @@ class WornLining(NamedTuple):
     def own_values_over_face(self, values: Floats) -> Floats:
         """The values (n, m) of this lining by growing theta and by distance from the mid-plane.
 
-        `values` holds those of all unknowns of the setup.
+        `values` holds one value for each contact unknown of all linings of the WearSetup.
         """
         return values[self.part].reshape(len(self.theta), -1)[self.forward]
 
     def own_values_by_growing_angle(self, values: Floats) -> Floats:
         """The values (n,) of this lining, as means over the width, in the order of growing theta.
 
-        `values` holds those of all unknowns of the setup.
+        `values` holds one value for each contact unknown of all linings of the WearSetup.
         """
         return self.own_values_over_face(values) @ self.shares
 
@@ -96,7 +97,7 @@ class WearSetup(NamedTuple):
     brake : the brake
     model : name of the model that the contact problems come from, "fem", "solid" or "foundation"
     interfaces : groups of coupled linings; each group is one contact problem
-    surfaces : each lining with the place of its contact unknowns in the interfaces
+    surfaces : each lining with the positions of its contact unknowns in the interfaces
     """
 
     brake: Brake
@@ -106,7 +107,7 @@ class WearSetup(NamedTuple):
 
     @property
     def lining_stiffness_per_area(self) -> float:
-        """The stiffness K = E/t [Pa/m] of the first lining in contact: pressure over compression.
+        """The stiffness K = E/t [Pa/m] of the first worn lining: pressure divided by compression.
 
         E is the modulus through the lining's thickness t. With the wear coefficient k, 1/(k K) is
         the sliding distance over which wear changes the pressure by a factor e.
@@ -116,9 +117,10 @@ class WearSetup(NamedTuple):
 
 
 class _PlacedLining(NamedTuple):
-    """A lining of a group, before its contact unknowns have positions among those of the brake.
+    """A lining of a group, before its unknowns have positions among all contact unknowns.
 
-    `shoe` is the position of the shoe in the brake. The other attributes are those of WornLining.
+    `shoe` is the position of the shoe in the brake. The other attributes mean the same as in
+    WornLining.
     """
 
     shoe: int
@@ -132,7 +134,7 @@ class _PlacedLining(NamedTuple):
 def wear_setup_by_finite_elements(
     scene: PreparedModel, brake: Brake, *, penalty: float = math.inf
 ) -> WearSetup:
-    """The wear setup of a brake from its finite elements.
+    """The contact problems for the wear of a brake's linings, from its finite elements.
 
     Parameters
     ----------
@@ -172,9 +174,10 @@ def wear_setup_by_finite_elements(
 
 
 def _position_of_lining_at_angles(shoe: Shoe, theta: Floats) -> int:
-    """The position, among a shoe's linings with slots between them, of the one at angles `theta`.
+    """The position of a lining among the linings of its shoe, from places on this lining.
 
-    `theta` (n,) are coordinates along the surface, all of them on one lining.
+    `theta` (n,) are coordinates along the friction surface, all of them on this lining: angles
+    [rad] on a drum, lengths [m] on a plane.
     """
     starts = [start for start, _ in shoe.lining.arcs]
     return max(bisect_right(starts, float(theta.mean())) - 1, 0)
@@ -183,8 +186,8 @@ def _position_of_lining_at_angles(shoe: Shoe, theta: Floats) -> int:
 def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
     """The contact problem of a group of coupled shoes, for steps of wear.
 
-    The contact problem has a case (`Footing`) for each way in which friction may act at the
-    abutments: the feet slide one way or the other, or stick.
+    Friction at an abutment may act in several ways: the shoe's foot slides one way or the other,
+    or sticks. The result has a contact problem (`Footing`) for each of these cases.
     """
     first, *others = group.groups_with_each_direction_of_foot_friction()
     couplings = list(map(attrgetter("coupling"), group.substructures_of_shoes))
@@ -197,10 +200,11 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
         pressure=np.ones(len(gap)),
         area=np.concatenate(list(map(attrgetter("areas_of_contact_nodes"), couplings))),
         torque=group.brake.friction * group.torque_of_each_shoe_per_nodal_pressure.sum(axis=1),
-        stands=partial(_is_abutment_friction_as_assumed, first),
+        stands=partial(_are_abutment_friction_and_supports_as_assumed, first),
         others=tuple(
             Footing(
-                _contact_problem_in_newtons(way), partial(_is_abutment_friction_as_assumed, way)
+                _contact_problem_in_newtons(way),
+                partial(_are_abutment_friction_and_supports_as_assumed, way),
             )
             for way in others
         ),
@@ -211,13 +215,13 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
 def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
     """Solve the contact of worn linings without a first guess.
 
-    Returns the number of the friction case at the abutments, and for each unknown (n,) whether it
-    is in contact.
+    Returns the position in `ways` of the friction case of the solution, and a mask (n,) of the
+    unknowns in contact.
 
     Parameters
     ----------
-    ways : the group of shoes in each friction case at the abutments; the search starts from the
-        first
+    ways : the group of shoes, once for each case of friction at the abutments; the search starts
+        from the first case
     depth : worn depth (n,) [m] at the contact unknowns
 
     Raises
@@ -229,16 +233,16 @@ def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> t
     try:
         settled, contact = worn.solve_contact_and_abutment_friction()
     except NoAnswer:
-        # A search without a first guess may miss an equilibrium. A first guess comes from a
-        # sequence of linings that begins with very soft ones and becomes stiffer and stiffer.
+        # A search without a first guess may miss an equilibrium. The contact of very soft linings
+        # is easy to find. It is followed as the linings become stiffer, and gives a first guess.
         active = find_contact_set_from_soft_linings(
             worn.contact_problem_of_group, worn.mass_matrix_of_contact_nodes
         )
         if active is None:
             raise
         settled, contact = worn.solve_contact_and_abutment_friction(active)
-    # The senses of friction at the abutments and the supports that bear tell to which of the `ways`
-    # the solution belongs.
+    # A solution belongs to the case in `ways` with the same senses of friction at the abutments and
+    # the same supports in contact.
     choices = attrgetter("known_abutment_friction_directions", "bearing")
     return list(map(choices, ways)).index(choices(settled)), contact.active
 
@@ -248,8 +252,8 @@ def brake_with_added_worn_depths(
 ) -> Brake:
     """The brake with worn linings: the worn depth is added to the clearance of each lining.
 
-    `depths` holds for each worn lining, by `WornLining.shoe` and `WornLining.lining`, growing
-    angles (n,) [rad] and the worn depth (n,) [m] at these angles.
+    The keys of `depths` are the pairs (`WornLining.shoe`, `WornLining.lining`) of the worn linings.
+    The values are growing angles (n,) [rad] and the worn depth (n,) [m] at these angles.
     """
     clearances: dict[tuple[int, int], Rows] = {}
     for place, (theta, depth) in depths.items():
@@ -263,10 +267,11 @@ def brake_with_added_worn_depths(
 def brake_with_clearances_of_linings(
     brake: AnyBrake, clearances: Mapping[tuple[int, int], Rows]
 ) -> AnyBrake:
-    """The brake with other clearances of some shoes.
+    """A copy of the brake in which some shoes have new clearances.
 
-    `clearances` holds a table for each lining of such a shoe, by `WornLining.shoe` and
-    `WornLining.lining`.
+    The keys of `clearances` are the pairs (`WornLining.shoe`, `WornLining.lining`), and a shoe with
+    one of its linings in `clearances` must have all of them. The values are tables of clearance by
+    angle.
     """
     shoes = list(brake.shoes)
     for i in {shoe for shoe, _ in clearances}:
@@ -277,15 +282,19 @@ def brake_with_clearances_of_linings(
 
 
 def _contact_problem_in_newtons(group: ShoeGroup) -> ContactProblem:
-    """The contact problem of a group of shoes in newtons, in place of the group's unit of force."""
+    """The contact problem of a group of shoes with loads in newtons.
+
+    The group itself has its largest actuation force as the unit of force.
+    """
     size, problem = group.largest_actuation_force, group.contact_problem_of_group
     return problem._replace(q=size * problem.q, h=size * problem.h)
 
 
-def _is_abutment_friction_as_assumed(group: ShoeGroup, contact: Contact) -> bool:
-    """Whether a solution in newtons agrees with the friction at the abutments of a group of shoes.
+def _are_abutment_friction_and_supports_as_assumed(group: ShoeGroup, contact: Contact) -> bool:
+    """Whether a solution agrees with what was assumed at the supports of a group of shoes.
 
-    The friction agrees if it opposes the slide of each foot, or holds the foot.
+    Friction at an abutment must oppose the slide of the shoe's foot or hold the foot, and
+    one-sided supports must bear as assumed. `contact` is the solution in newtons.
     """
     unit = replace(
         contact,
@@ -298,7 +307,7 @@ def _is_abutment_friction_as_assumed(group: ShoeGroup, contact: Contact) -> bool
 def wear_setup_by_foundation_model(
     brake: Brake, *, sections: int = foundation.RING_SECTIONS, lift: Iterable[str] = ()
 ) -> WearSetup:
-    """The wear setup of a post brake from the foundation model.
+    """The contact problems for the wear of a post brake's linings, from the foundation model.
 
     Parameters
     ----------
@@ -318,8 +327,8 @@ def wear_setup_by_foundation_model(
         raise BadInput(f"foundation does not apply to this brake: {reason}")
     names = foundation.validated_names_of_effects_to_include(brake, lift)
     touching = [i for i, shoe in enumerate(brake.shoes) if actuation_moment_towards_drum(shoe) > 0]
-    # Shoes influence each other only through an elastic ring that bends under the pressure of each
-    # shoe.
+    # Shoes influence each other only if the drum is an elastic ring and the model includes how each
+    # shoe's own pressure bends it.
     meet = brake.ring is not None and "own-pressure" in names
     groups = [touching] if meet and touching else [[i] for i in touching]
     interfaces: list[WearInterface] = []
@@ -353,9 +362,10 @@ def wear_setup_by_foundation_model(
 
 
 def brake_with_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
-    """The brake with each shoe on a guide in place of its hinge, pivot or abutment.
+    """The brake with each shoe on a straight guide in place of its hinge, pivot or abutment.
 
-    The guide lies along the middle radius of the lining, or on a plane along the plane's normal.
+    On a drum the guide has the direction of the radius at the lining's middle. On a plane it has
+    the direction of the plane's normal.
     """
     changes: dict[str, object] = {}
     for i, shoe in enumerate(brake.shoes):
@@ -368,12 +378,12 @@ def brake_with_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
 def _place_linings_among_contact_unknowns(
     brake: Brake, before: Sequence[WornLining], interface: int, placed: Sequence[_PlacedLining]
 ) -> list[WornLining]:
-    """The linings of one group with the places of their contact unknowns in the wear setup.
+    """The linings of one group with the positions of their contact unknowns in the wear setup.
 
     Parameters
     ----------
     brake : the brake
-    before : linings of the earlier groups
+    before : linings of all earlier groups
     interface : position of the group in the setup
     placed : linings of the group, in the order of its contact unknowns
     """
@@ -411,7 +421,7 @@ def _make_wear_setup(
     brake : the brake
     model : name of the model, "fem", "solid" or "foundation"
     interfaces : groups of coupled linings; each group is one contact problem
-    surfaces : each lining with the place of its contact unknowns
+    surfaces : each lining with the positions of its contact unknowns
     """
     if not interfaces:
         raise NoAnswer("no contact: no shoe is turned towards the drum, so that nothing wears")

@@ -1,12 +1,13 @@
-"""Run a brake in: wear changes the pressure from the elastic one to that of the rigid-shoe law.
+"""Run a brake in: wear turns the pressure of the elastic brake into that of the rigid-shoe law.
 
 Whatever the elasticity of the brake, wear ends when every point of the lining wears as fast as the
 rigid-body motion of the shoe brings the point nearer to the drum. The pressure at a point is then
 proportional to v^(1/m), where v is the approach of the point to the drum per sliding distance, and
-m the exponent of the wear law. For m = 1 the pressure is sin(phi) on a hinged shoe, cos(phi) about
-the direction of a guided shoe, and A cos + B sin on a shoe with a pivot on a lever. The elasticity
-then influences only the worn shape of the lining. `brake_with_worn_linings` returns a brake whose
-linings have this shape as their clearance. Every model can solve this brake.
+m the exponent of the wear law. For m = 1 the pressure is proportional to sin(phi) on a hinged shoe,
+with phi from the hinge, and to cos(phi) on a guided shoe, with phi from the direction of the guide.
+On a shoe with a pivot on a lever it is A cos + B sin. The elasticity then influences only the worn
+shape of the lining. `brake_with_worn_linings` returns a brake whose linings have this shape as
+their clearance. Every model can solve this brake.
 """
 
 import math
@@ -36,7 +37,8 @@ from drumlin.response.resultants import polynomial_values_at_gauss_points
 DEFAULT_WEAR_COEFFICIENT = 1e-14
 """Wear coefficient k [1/Pa] if the user gives none: 1e-5 mm^3/(N m), the order of organic linings.
 
-Distances in units of 1/(k E/t) do not depend on k, nor do fractions of a lining's life."""
+Sliding distances in units of 1/(k E/t), with the lining's stiffness E/t, do not depend on k, nor do
+fractions of a lining's life."""
 
 WORN_OUT_FRACTION = 0.8
 """Fraction of a lining's thickness that is worn off when the lining counts as worn out.
@@ -50,11 +52,11 @@ It equals the largest error of a wear step, `archard.DEFAULT_WEAR_STEP_ERROR`.""
 
 
 class WearTarget(NamedTuple):
-    """The state in which wear ends.
+    """The final pressure and torque, to which wear tends.
 
     Attributes
     ----------
-    pressure : (n,) [Pa], pressures at all contact unknowns of the setup
+    pressure : (n,) [Pa], pressures at all contact unknowns of the WearSetup
     torque : torque of all linings [N m]
     """
 
@@ -67,9 +69,9 @@ def end_of_wear_by_rigid_shoe_law(
 ) -> WearTarget:
     """The pressure and the torque to which wear tends as the mesh is refined.
 
-    For finite elements and the exponent 1 of the wear law, the pressure is that of the rigid-shoe
-    law, which is even across the width. For the foundation model and for other exponents, the
-    result is that of `final_pressure_and_torque_of_wear_on_mesh`.
+    For finite elements and the exponent 1 of the wear law, the rigid-shoe law gives the pressure,
+    which is constant across the width. For the foundation model and for other exponents,
+    `final_pressure_and_torque_of_wear_on_mesh` gives the result.
 
     Parameters
     ----------
@@ -100,9 +102,9 @@ def end_of_wear_by_rigid_shoe_law(
 def final_pressure_and_torque_of_wear_on_mesh(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
 ) -> WearTarget:
-    """The pressure and the torque at the end of wear on the mesh, or the sectors, of a setup.
+    """The final pressure and torque of wear on the finite elements, or the sectors, of a setup.
 
-    If only a part of a lining is in contact by the rigid-shoe law, this part ends inside an
+    If by the rigid-shoe law only a part of a lining is in contact, this part usually ends inside an
     element. The pressure on the mesh then differs from the law.
 
     Parameters
@@ -129,12 +131,12 @@ def final_pressure_and_torque_of_wear_on_mesh(
 def _final_pressure_scaled_to_held_torque(
     p: Floats, total: float, torque: float | None
 ) -> WearTarget:
-    """The end of wear with the pressures p (n,) [Pa], scaled to a held torque if there is one.
+    """The end of wear with pressures p (n,) [Pa], scaled to a torque that the actuation must keep.
 
     Parameters
     ----------
     p : (n,) [Pa], pressures under the actuation of the brake file
-    total : torque [N m] of these pressures
+    total : torque [N m] of the pressures p
     torque : torque [N m] that the actuation is adjusted to keep; None for a constant actuation
     """
     return WearTarget(p, total) if torque is None else WearTarget(p * torque / total, torque)
@@ -156,8 +158,8 @@ def _lining_torque_by_rigid_shoe_law(
     start, end = lining.arcs[surface.lining]
     own = tuple(arc for arc in pressed.arcs if start <= arc[0] and arc[1] <= end)
     theta = rigid.node_places_of_pressure_along_lining((start, end), own, rigid.PRESSURE_NODES - 1)
-    # The law's pressure is replaced by parabolas through its nodal values, which the Gauss rule
-    # integrates exactly.
+    # The law's pressure is interpolated by parabolas between nodes. The Gauss rule integrates these
+    # parabolas exactly.
     _, p, weight = polynomial_values_at_gauss_points(
         theta, rigid.pressure_of_rigid_shoe_at_places(pressed, theta), 2
     )
@@ -169,9 +171,9 @@ class TargetDistance(NamedTuple):
 
     Attributes
     ----------
-    pressure : L2 norm of the difference in pressure over that of the final pressure, for the lining
-        where this ratio is largest; one element at each end of a lining does not count
-    torque : difference in torque over the final torque, positive if the state has more torque
+    pressure : L2 norm of the difference in pressure, divided by the L2 norm of the final pressure,
+        for the lining where this ratio is largest; one element at each end of a lining is left out
+    torque : difference in torque divided by the final torque, positive if the state has more torque
     """
 
     pressure: float
@@ -181,7 +183,7 @@ class TargetDistance(NamedTuple):
 def relative_difference_from_end_of_wear(
     setup: WearSetup, state: WearState, goal: WearTarget
 ) -> TargetDistance:
-    """The relative differences in pressure and torque of a state from the end of wear `goal`."""
+    """The relative differences in pressure and torque of a state from their final values `goal`."""
     return TargetDistance(
         pressure=largest_pressure_difference_of_linings(setup, state.pressure, goal.pressure),
         torque=state.torque / goal.torque - 1 if goal.torque else 0.0,
@@ -189,33 +191,34 @@ def relative_difference_from_end_of_wear(
 
 
 def largest_pressure_difference_of_linings(setup: WearSetup, p: Floats, goal: Floats) -> float:
-    """The relative L2 distance of pressures p (n,) from pressures `goal` (n,), on the worst lining.
+    """The relative L2 difference of pressures p (n,) from `goal` (n,), on the worst lining.
 
-    The distance is computed for each lining, and the largest one is returned.
+    The difference is computed for each lining, without one element at each end. The largest
+    difference is returned.
     """
     distances = []
     for surface in setup.surfaces:
-        size = _norm_of_values_over_face_without_ends(surface, goal)
-        # The distance of a lining is divided by the norm of `goal` on this lining. A lining whose
-        # `goal` is zero, because it has no contact when worn in, is skipped.
+        size = _norm_over_lining_face_without_end_elements(surface, goal)
+        # The difference of a lining is relative to the norm of `goal` on this lining. A lining that
+        # has no contact when worn in, so that `goal` is zero on it, is skipped.
         if size:
-            distances.append(_norm_of_values_over_face_without_ends(surface, p - goal) / size)
+            distances.append(_norm_over_lining_face_without_end_elements(surface, p - goal) / size)
     return max(distances, default=0.0)
 
 
-def _norm_of_values_over_face_without_ends(surface: WornLining, values: Floats) -> float:
-    """The L2 norm over theta and the width of the values of a lining, averaged over the width.
+def _norm_over_lining_face_without_end_elements(surface: WornLining, values: Floats) -> float:
+    """The L2 norm over theta of a lining's values, with the mean over the width of their squares.
 
-    One element at each end of the lining is left out. `values` holds those of all unknowns of the
-    setup.
+    One element at each end of the lining is left out. `values` holds one value for each contact
+    unknown of all linings.
     """
     rows = surface.own_values_over_face(values).T
-    norms = [norm_of_values_on_lining_without_ends(surface, row) for row in rows]
+    norms = [norm_along_lining_without_end_elements(surface, row) for row in rows]
     return math.sqrt(float(np.square(norms) @ surface.shares))
 
 
-def norm_of_values_on_lining_without_ends(surface: WornLining, values: Floats) -> float:
-    """The L2 norm over theta of values (n,) on a lining, without one element at each end."""
+def norm_along_lining_without_end_elements(surface: WornLining, values: Floats) -> float:
+    """The L2 norm over theta of values (n,) along a lining, without one element at each end."""
     inner = slice(surface.order, len(values) - surface.order)
     _, at_points, weight = polynomial_values_at_gauss_points(
         surface.angles_in_growing_order[inner], values[inner], surface.order
@@ -231,8 +234,8 @@ def make_test_for_end_of_wear(
     Parameters
     ----------
     setup : the brake with the contact problems of its linings
-    goal : end of wear on the mesh, by `final_pressure_and_torque_of_wear_on_mesh`; wear on a mesh
-        does not reach the pressure of the rigid-shoe law exactly
+    goal : end of wear on the mesh, by `final_pressure_and_torque_of_wear_on_mesh`, because wear on
+        a mesh does not reach the pressure of the rigid-shoe law exactly
     within : largest relative difference of pressure and torque from the end of wear
     """
     return lambda state: (
@@ -253,11 +256,11 @@ def wear_brake_linings_until_worn_in(
     Parameters
     ----------
     setup : the brake with the contact problems of its linings
-    law : the wear law; None for Archard's law with
-        DEFAULT_WEAR_COEFFICIENT
-    backward : setup of the same brake with the drum turning the other way, for `reverse`
-    until : function that tells whether the run ends with a given state; None to end the run when
-        pressure and torque differ by less than WEAR_SETTLED from their final values
+    law : the wear law; None for Archard's law with DEFAULT_WEAR_COEFFICIENT
+    backward : setup of the same brake with the drum turning the other way, for the option `reverse`
+    until : function of a WearState that returns whether the run ends with this state. By default
+        the run ends after `distance` or, without a distance, when pressure and torque differ by at
+        most WEAR_SETTLED from their final values.
     options : `distance`, `reverse`, `torque` and `tolerance` of `archard.wear_linings`
 
     Raises
@@ -295,7 +298,7 @@ def wear_brake_linings_until_worn_in(
 def _require_three_elements_per_lining(setup: WearSetup) -> None:
     """Raise BadInput if a lining has fewer than 3 elements.
 
-    A comparison of pressures leaves out one element at each end of a lining.
+    One element at each end of a lining is left out where pressures are compared.
     """
     for surface in setup.surfaces:
         count = (len(surface.angles_in_growing_order) - 1) // surface.order
@@ -307,18 +310,18 @@ def _require_three_elements_per_lining(setup: WearSetup) -> None:
 
 
 def sliding_distance_of_e_fold_pressure_change(setup: WearSetup, law: WearLaw) -> float:
-    """The unit of sliding distance 1/(k K) [m]; inf if the wear coefficient k is 0.
+    """The unit of sliding distance 1/(k K) [m], with the wear coefficient k; inf if k is 0.
 
-    K is the stiffness E/t of the lining. For a rigid shoe on a lining of independent springs, the
-    difference of the pressure from its final value falls by a factor e over this distance.
+    K is the stiffness E/t of the lining. For a rigid shoe on a lining of independent springs, wear
+    reduces the difference of the pressure from its final value by a factor e over this distance.
     """
     return 1 / (law.coefficient * setup.lining_stiffness_per_area) if law.coefficient else math.inf
 
 
 def brake_with_worn_linings(setup: WearSetup, state: WearState) -> Brake:
-    """The brake with worn linings: the worn depth of a state is added to their clearance.
+    """The brake with worn linings: the worn depth of a state is added to their clearances.
 
-    Raises BadInput for solid shoes, whose worn depth changes across the width.
+    Raises BadInput for the model "solid", in which the worn depth changes across the width.
     """
     if setup.model == "solid":
         raise BadInput(
@@ -342,7 +345,7 @@ def _largest_worn_depth_in_each_state(
 
 
 def require_linings_not_worn_through(setup: WearSetup, states: Sequence[WearState]) -> None:
-    """Raise NoAnswer if a lining is worn through, that is, by more than its thickness.
+    """Raise NoAnswer if a lining is worn by more than its thickness.
 
     The message names the lining that is worn through first, and the sliding distance.
     """
@@ -372,9 +375,10 @@ class LiningLife(NamedTuple):
     Attributes
     ----------
     distance : sliding distance [m] at which the first lining is worn out
-    pressure : fraction of this distance after which the pressure stays near its final value; above
-        1 the first lining is worn out before this happens
-    torque : fraction of this distance after which the torque stays near its final value
+    pressure : sliding distance after which the pressure stays near its final value, divided by
+        `distance`; above 1 if a lining is worn out earlier
+    torque : sliding distance after which the torque stays near its final value, divided by
+        `distance`
     """
 
     distance: float
@@ -392,8 +396,8 @@ def compute_life_of_linings(
 ) -> LiningLife:
     """The life of the linings in a wear run, and how much of it passes before they are worn in.
 
-    After the last state the linings are assumed to wear at the final rate. The stiffness of a
-    lining does not change with its thickness.
+    After the last state the linings are assumed to wear at the rate of the final pressure. The wear
+    run keeps the stiffness of a lining although it becomes thinner.
 
     Parameters
     ----------
@@ -401,21 +405,21 @@ def compute_life_of_linings(
     states : states of a wear run
     goal : pressure and torque to which wear tends
     law : the wear law
-    within : relative difference from the final pressure and torque that counts as near
-    part : worn depth at its deepest place, relative to its thickness, at which a lining is worn out
+    within : relative difference from the final pressure and torque up to which they count as near
+    part : largest worn depth, relative to the lining's thickness, at which a lining is worn out
     """
     s = list(map(attrgetter("s"), states))
     end = math.inf
     for surface in setup.surfaces:
         allowed = part * setup.brake.shoes[surface.shoe].lining.thickness
         deepest = _largest_worn_depth_in_each_state(surface, states)
-        # The lining is worn out within the run, or after it at the rate of the final pressure.
+        # A lining that is not worn out in the run wears on at the rate of the final pressure.
         if deepest[-1] >= allowed:
             end = min(end, float(np.interp(allowed, deepest, s)))
         elif law.coefficient > 0:
             rate = float(law.wear_rate_and_its_slope(goal.pressure[surface.part], 0.0)[0].max())
             end = min(end, s[-1] + (allowed - deepest[-1]) / rate)
-    # Pressure and torque count as worn in from where they stay within the bound.
+    # Pressure and torque count as worn in from the distance on at which they stay within the bound.
     distances = np.array(
         [relative_difference_from_end_of_wear(setup, state, goal) for state in states]
     )
@@ -428,17 +432,18 @@ def compute_life_of_linings(
 class RunChecks(NamedTuple):
     """Checks of a wear run: two balances of the worn volume, and the ripple of the pressure.
 
-    The balances are relative to the worn volume and vanish in an exact solution.
+    The two differences are relative to the worn volume and vanish in an exact solution.
 
     Attributes
     ----------
-    volume : difference between the worn volume and the integral of the wear rate over area and
-        sliding distance
-    energy : difference between the volume of the worn shape and k W/mu, with the friction energy W
-        and the wear coefficient k; None without friction and for other exponents than 1
-    ripple : largest part of the pressure that alternates from node to node, in any state after the
-        first, by `archard.amplitude_of_node_to_node_pressure_ripple`; None if the linings have too
-        few nodes
+    volume : difference between the worn volume at the end and the integral of the wear rate over
+        area and sliding distance
+    energy : difference between the worn volume and k W/mu, with the friction energy W, the wear
+        coefficient k and the friction coefficient mu. None if mu is 0 or not the same for all
+        shoes, or if the exponent of the wear law is not 1.
+    ripple : largest fraction of the pressure that alternates from node to node, by
+        `archard.amplitude_of_node_to_node_pressure_ripple`, in all states after the first; None if
+        the linings have too few nodes
     """
 
     volume: float
@@ -453,13 +458,13 @@ def compute_checks_of_wear_run(
     end = states[-1]
     area = np.concatenate(list(map(attrgetter("area"), setup.interfaces)))
     scale = end.removed or 1.0
-    # The first state is the new lining, whose pressure no wear has smoothed.
+    # The first state, the new lining, is left out: wear has not smoothed its pressure yet.
     ripples = []
     for state in states[1:]:
         for surface in setup.surfaces:
             rows = surface.own_values_over_face(state.pressure).T
             own = map(archard.amplitude_of_node_to_node_pressure_ripple, rows)
-            # A lining of few nodes has no value of the ripple.
+            # The ripple of a lining with too few nodes is nan.
             ripples += [ripple for ripple in own if not math.isnan(ripple)]
     return RunChecks(
         volume=abs(float(area @ end.depth) - end.removed) / scale,
@@ -471,7 +476,10 @@ def compute_checks_of_wear_run(
 def _imbalance_of_wear_and_friction_energy(
     setup: WearSetup, end: WearState, law: WearLaw, scale: float
 ) -> float | None:
-    """The difference between the worn volume and k W/mu with the friction energy W, see RunChecks.
+    """The relative difference between the worn volume and k W/mu, with the friction energy W.
+
+    The result is None if mu is 0 or not the same for all shoes, or if the exponent of the wear law
+    is not 1, because k W/mu is then not the worn volume.
 
     Parameters
     ----------
@@ -483,7 +491,7 @@ def _imbalance_of_wear_and_friction_energy(
     brake = setup.brake
     if brake.friction == 0 or brake.key_of_first_own_friction() or law.exponent != 1:
         return None
-    # The worn volume is the integral of the depth over the lining's face, which is an arc.
+    # The worn volume of a lining is the integral of the worn depth over its face, an arc or plane.
     volumes = []
     for surface in setup.surfaces:
         width = brake.shoes[surface.shoe].lining.width
@@ -494,7 +502,7 @@ def _imbalance_of_wear_and_friction_energy(
 
 
 def _integral_over_lining(surface: WornLining, values: Floats) -> float:
-    """The integral over theta of values (n,) at the angles of a lining in growing order."""
+    """The integral over theta of values (n,), given at the growing angles of a lining."""
     _, at_points, weight = polynomial_values_at_gauss_points(
         surface.angles_in_growing_order, values, surface.order
     )
@@ -504,7 +512,7 @@ def _integral_over_lining(surface: WornLining, values: Floats) -> float:
 def peak_nodal_pressure_of_wear_state(setup: WearSetup, state: WearState) -> float:
     """The largest nodal pressure [Pa] on all linings, without the zones at the linings' ends.
 
-    The pressure of a solid shoe is the mean over the width, as in the answer of `solve`.
+    For solid shoes it is the largest mean over the width, as in the answer of `solve`.
     """
     peaks = []
     for surface in setup.surfaces:
@@ -526,8 +534,9 @@ def wear_run_as_json_data(
 ) -> dict[str, Any]:
     """A wear run as plain data for JSON in SI units, with each lining's values by growing theta.
 
-    Depths and pressures are means over the width. For solid shoes, each state has a further entry
-    "face" with the values (n, m) for each lining at the distances "z" [m] from the mid-plane.
+    Depths and pressures are means over the width. For solid shoes, each state also has an entry
+    "face" with values (n, m) for each lining, at n angles and at the m distances "z" [m] from the
+    mid-plane.
 
     Parameters
     ----------
@@ -539,11 +548,11 @@ def wear_run_as_json_data(
     is_solid = setup.model == "solid"
 
     def values_of_each_lining(values: Floats) -> list[list[float]]:
-        """Values (n,) at the contact unknowns of all linings, as a list for each lining."""
+        """Convert values at the contact unknowns of all linings to a list for each lining."""
         return [surface.own_values_by_growing_angle(values).tolist() for surface in setup.surfaces]
 
     def values_over_face_of_each_lining(values: Floats) -> list[list[list[float]]]:
-        """Values (n m,) at the contact unknowns of all linings, as rows (n, m) for each lining."""
+        """Convert values at the contact unknowns of all linings to rows (n, m) for each lining."""
         return [surface.own_values_over_face(values).tolist() for surface in setup.surfaces]
 
     def wear_state_as_json_data(state: WearState) -> dict[str, Any]:
@@ -609,7 +618,7 @@ def report_lines_of_wear_run(
     for i in np.unique(np.rint(np.linspace(0, len(states) - 1, lines)).astype(int)):
         text.append(_table_line_of_wear_state(setup, states[i], goal, law))
     text.append(f"worn in (law): {surface.effect} {goal.torque:.6g} {surface.effect_unit}")
-    text += _line_on_mesh_error_of_wear_end(setup, goal, law)
+    text += _note_on_difference_of_wear_end_from_law(setup, goal, law)
     if law.coefficient > 0:
         spent = compute_life_of_linings(setup, states, goal, law)
         text.append(
@@ -629,7 +638,7 @@ def report_lines_of_wear_run(
 
 
 def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
-    """A line of text on brake and wear law, and the two lines that head the table of states."""
+    """A line of text on brake and wear law, and the two heading lines of the table of states."""
     brake, surface = setup.brake, setup.brake.surface
     wears = ": nothing wears"
     if law.coefficient:
@@ -650,7 +659,7 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
 def _table_line_of_wear_state(
     setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw
 ) -> str:
-    """The line of one state in the table of a wear run; `goal` is the end of wear."""
+    """The line of text for one state in the table of a wear run; `goal` is the end of wear."""
     off = relative_difference_from_end_of_wear(setup, state, goal)
     force = state.force * setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     peak = peak_nodal_pressure_of_wear_state(setup, state) * 1e-6
@@ -662,11 +671,13 @@ def _table_line_of_wear_state(
     )
 
 
-def _line_on_mesh_error_of_wear_end(setup: WearSetup, goal: WearTarget, law: WearLaw) -> list[str]:
+def _note_on_difference_of_wear_end_from_law(
+    setup: WearSetup, goal: WearTarget, law: WearLaw
+) -> list[str]:
     """A line of text on how far the end of wear on this mesh is from the rigid-shoe law.
 
-    The list is empty if the relative difference of the pressures is at most WEAR_SETTLED.
-    Parameters are those of `report_lines_of_wear_run`.
+    The list is empty if the relative difference of the pressures is at most WEAR_SETTLED. See
+    `report_lines_of_wear_run` for the parameters.
     """
     end = final_pressure_and_torque_of_wear_on_mesh(setup, law)
     factor = goal.torque / end.torque if end.torque else 1.0
@@ -681,7 +692,7 @@ def _line_on_mesh_error_of_wear_end(setup: WearSetup, goal: WearTarget, law: Wea
 
 
 def _life_fraction_text(share: float) -> str:
-    """A fraction of the linings' life in words; inf if it has not passed within the run."""
+    """A fraction of the linings' life as text; `share` is inf for the whole run and more."""
     if math.isinf(share):
         return "all of this run"
     return number_as_text(share, ".1%") if share <= 1 else f"all of it ({share:.3g} lives)"

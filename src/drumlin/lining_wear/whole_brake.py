@@ -35,7 +35,7 @@ WEARING_MODELS = ("fem", "solid", "foundation")
 
 @dataclass(frozen=True)
 class WearRun:
-    """The result of running a brake in: the states of its linings, and the state wear tends to.
+    """The result of running a brake in: the states of its linings, and the end state of wear.
 
     Parameters
     ----------
@@ -60,12 +60,12 @@ class WearRun:
 
 
 class WearSetups(NamedTuple):
-    """The wear setups of a brake for both directions of rotation.
+    """The contact problems for wear of a brake's linings, for both directions of rotation.
 
     Attributes
     ----------
-    forward : setup of the brake that turns as its file states
-    backward : setup of the brake that turns the other way; None if it never does
+    forward : setup for the drum turning as the brake file states
+    backward : setup for the drum turning the other way; None if the drum never does
     """
 
     forward: WearSetup
@@ -75,7 +75,7 @@ class WearSetups(NamedTuple):
 def require_options_of_wear_model(
     model: str, on_mesh: Mapping[str, Any], on_springs: Mapping[str, Any]
 ) -> None:
-    """Raise BadInput for a model that cannot wear linings, or for options of another model.
+    """Raise BadInput for a model that cannot compute wear, or for options of another model.
 
     Parameters
     ----------
@@ -95,10 +95,9 @@ def require_options_of_wear_model(
 
 
 def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
-    """The wear law with a coefficient and an exponent of the pressure.
+    """Make the wear law from a wear coefficient and the exponent of the pressure.
 
-    The coefficient is a number [1/Pa] or a text with a unit. For None it is
-    DEFAULT_WEAR_COEFFICIENT.
+    The coefficient is a number [1/Pa], a text with a unit, or None for DEFAULT_WEAR_COEFFICIENT.
     """
     if coefficient is None:
         return WearLaw(DEFAULT_WEAR_COEFFICIENT, exponent)
@@ -110,15 +109,15 @@ def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
 def make_wear_setups_of_brake(
     brake: Brake, model: str, *, both_ways: bool, **options: Any
 ) -> WearSetups:
-    """The wear setups of a brake, on the same mesh for both directions of rotation.
+    """Set up the wear of a brake's linings, on the same mesh for both directions of rotation.
 
     Parameters
     ----------
     brake : the brake
     model : name of the model, "fem", "solid" or "foundation"
-    both_ways : whether the drum also turns the other way
-    options : options of `prepared_model_for_analysis` for "fem" and "solid", of
-        `wear_setup_by_foundation_model` for "foundation"
+    both_ways : whether a setup is also made for the drum turning the other way
+    options : for "fem" and "solid" the options of `prepared_model_for_analysis`, for "foundation"
+        those of `wear_setup_by_foundation_model`
 
     Raises
     ------
@@ -144,11 +143,11 @@ def make_wear_setups_of_brake(
 
 
 def sliding_distance_from_option(option: str, given: float | str, unit: float) -> float:
-    """A sliding distance [m], from a number or a text.
+    """Convert the value of an option, a number or a text, to a sliding distance [m].
 
     Parameters
     ----------
-    option : name of the option in an error message
+    option : name of the option, for an error message
     given : number of metres, or a text such as "20 km"; a text without a unit is a multiple of
         `unit`
     unit : the distance 1/(k K) [m] over which wear changes the pressure by a factor e
@@ -197,7 +196,8 @@ def wear_whole_brake(
     """
     setup, backward = setups
     unit = sliding_distance_of_e_fold_pressure_change(setup, law)
-    # Options that are not given keep the defaults of `wear_brake_linings_until_worn_in`.
+    # Options that are None are left out, so that `wear_brake_linings_until_worn_in` uses its
+    # defaults.
     given = {"tolerance": tolerance, "torque": torque}
     options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     if reverse is not None:

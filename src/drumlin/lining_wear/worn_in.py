@@ -7,9 +7,10 @@ per sliding distance, the opening w' of the gap and the loads h it satisfies
 
     w' = M p + B y' >= 0,   p >= 0,   p w' = 0,   C p = h
 
-M weighs a gap over the elements (fem.substructure.interface). Friction at the abutments opposes y'.
-This module seeks the gap g between the unloaded linings and the drum with which the brake has the
-same pressure p under its load. The gap g must satisfy, for some motions y of the shoe,
+The matrix M turns nodal gaps into gaps weighted by the shape functions of the elements
+(fem.substructure.interface). Friction at the abutments opposes y'. This module seeks the gap g
+between the unloaded linings and the drum with which the brake has the same pressure p under its
+load. The gap g must satisfy, for some motions y of the shoe,
 
     w = M g + q + A p + B y >= 0,   p w = 0
 
@@ -65,21 +66,21 @@ from drumlin.response import Response
 from drumlin.response.merit import response_with_figures_of_merit
 
 LEAST_CLOSING = 0.01
-"""Relative closing of the gap below which a node does not count in keeping a lining off the drum.
+"""Gap change by a motion below which a node is ignored, relative to the lining's largest change.
 
-An unloaded worn-in lining must not lie in the drum. The shoe is moved away from the drum until this
-holds at all nodes where the motion closes the gap by more than this fraction of the largest closing
-along the lining. The other nodes are near the line through the hinge and the drum's centre. Only a
-motion a hundred times as large would keep them off the drum. A judgement; the pressure does not
-depend on it."""
+An unloaded worn-in lining must not penetrate the drum. The shoe is moved away from the drum until
+no node does, except for the ignored nodes. They lie near the line through the hinge and the drum's
+centre, where even a large motion hardly changes the gap. A judgement; the pressure does not depend
+on it."""
 
 EVEN_WEAR = 1e-3
-"""Depth of the uniform wear that is added to a worn-in lining, relative to its largest elastic gap.
+"""Largest depth of the steady wear that is added to a worn-in lining, relative to the elastic gap.
 
-The elastic gap is the opening of the gap under load that no motion of the shoe can close. The depth
-must be far above round-off, 1e-12. The part of the lining that is not in contact then stands off
-the drum, and feet on rough abutments slide as in steady wear. A depth as large as the gap makes
-soft shoes turn further than they need to. A judgement; the pressure does not depend on it."""
+The elastic gap is the largest opening of the gap under load that no motion of the shoe closes. The
+added wear lifts the part of the lining that is not in contact off the drum, and lets feet on rough
+abutments slide as in steady wear. For both it must be far above round-off, 1e-12. A value of 1
+would make soft shoes turn further than they need to. A judgement; the pressure does not depend on
+it."""
 
 
 def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
@@ -99,9 +100,9 @@ def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: An
 def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
     """The brake with the clearances of worn-in linings in place of its own clearances and misfit.
 
-    A drum that is out of round stays so: as the drum turns it wears the lining evenly, as long as
-    the whole lining stays in contact. Raises NoAnswer for a self-locking shoe. `scene` holds the
-    prepared finite elements of the brake.
+    The clearances are those of a round drum. An out-of-round drum stays so in the result: as it
+    turns, it wears the lining evenly if the whole lining stays in contact. `scene` holds the
+    prepared finite elements of the brake. Raises NoAnswer for a self-locking shoe.
     """
     setup = wear_setup_by_finite_elements(scene, brake_without_misfit(brake, drum=True))
     gaps: dict[tuple[int, int], Rows] = {}
@@ -121,9 +122,10 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
 
 
 def _contact_unknowns_of_each_shoe(surfaces: Sequence[WornLining]) -> list[slice]:
-    """The slices of the contact unknowns of each shoe in one contact problem.
+    """The slices of each shoe's contact unknowns among the unknowns of one contact problem.
 
-    The linings of a shoe move together, and their unknowns follow each other in `surfaces`.
+    A slice spans all linings of a shoe, which move together. `surfaces` are the linings of the
+    contact problem, ordered by shoe.
     """
     slices = []
     for _, own in groupby(surfaces, attrgetter("shoe")):
@@ -135,13 +137,13 @@ def _contact_unknowns_of_each_shoe(surfaces: Sequence[WornLining]) -> list[slice
 def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[slice]) -> Floats:
     """The gap (n,) [m] between the drum and the unloaded, worn-in linings of one contact problem.
 
-    The symbols are those at the head of this module.
+    The docstring of the module explains the symbols M, p, A, q, B and y.
 
     Parameters
     ----------
     interface : contact problem of the linings
-    linings : slices of the contact unknowns of linings that move independently of each other: one
-        slice for each lining, or a single slice for all linings
+    linings : slices of the contact unknowns, one for each shoe that moves independently; a single
+        slice if all shoes move together
 
     Raises
     ------
@@ -155,27 +157,28 @@ def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[sli
         end.contact.p,
     )
     A, q, B, *_ = footing.problem
-    # While the unloaded shoe rests, each foot on a rough abutment sticks. Among the friction cases
-    # at the abutments this case has the fewest rigid-body motions.
+    # While the unloaded shoe rests, each foot on a rough abutment sticks. Of all friction cases,
+    # the case in which all feet stick has the fewest rigid-body motions.
     resting = min(
         map(attrgetter("problem.B"), interface.abutment_friction_cases),
         key=lambda B: B.shape[1],
     )
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")
-    # `opened` is the opening c of the gap by the load, and approach @ y its closing by motions y.
+    # `opened` is c, by which the load opens the gap. Motions y close the gap by approach @ y.
     opened, approach = solved[:, 0], -solved[:, 1:]
-    motions = _motions_to_resting_position(interface, opened, approach)
+    motions = _motions_that_close_gap_best_and_most_evenly(interface, opened, approach)
     rest, bent = motions.nearest, opened - approach @ motions.nearest
     closing = approach @ motions.evenly
     for part in linings:
-        # The second motion closes the gap evenly. Its size is just large enough to keep the lining
-        # out of the drum at all nodes where the motion closes the gap by more than LEAST_CLOSING.
+        # The even motion is just large enough to keep the lining out of the drum. Nodes where the
+        # motion hardly changes the gap (LEAST_CLOSING) do not count.
         moves = closing[part] >= LEAST_CLOSING * closing[part].max()
         amount = float((bent[part][moves] / closing[part][moves]).max())
         own_motions = np.any(resting[part] != 0, axis=0)
         rest[own_motions] += amount * motions.evenly[own_motions]
     depth_per_pressure = EVEN_WEAR * np.abs(bent).max() / p.max()
-    # The friction of steady wear must agree with the motions of the loaded shoe, y = y0 + a y'.
+    # The friction at the abutments in steady wear must also agree with the motions y = y0 + a y' of
+    # the loaded shoe.
     rest_among_all = np.linalg.lstsq(B, resting @ rest, rcond=None)[0]
     y = rest_among_all + depth_per_pressure * end.contact.y
     if not footing.stands(replace(end.contact, y=y)):
@@ -188,20 +191,20 @@ class _RestingMotions(NamedTuple):
 
     Attributes
     ----------
-    nearest : (m,), the motion whose closing of the gap is nearest to the opening by the load
-    evenly : (m,), the motion that closes the gap most evenly
+    nearest : (m,), the motion that comes nearest to closing the gap that the load opens
+    evenly : (m,), the motion that comes nearest to closing the gap by 1 m everywhere
     """
 
     nearest: Floats
     evenly: Floats
 
 
-def _motions_to_resting_position(
+def _motions_that_close_gap_best_and_most_evenly(
     interface: WearInterface, opened: Floats, approach: Floats
 ) -> _RestingMotions:
-    """The motions of the shoes whose closing of the gap is nearest to `opened` and to 1.
+    """Two motions of the shoes: one closes the gap `opened` best, one closes the gap most evenly.
 
-    "Nearest" means the least sum of squares, weighted by the area of the nodes.
+    Both are least-squares fits, in which each node is weighted by its area.
 
     Parameters
     ----------
@@ -216,9 +219,9 @@ def _motions_to_resting_position(
 
 
 def brake_without_misfit(brake: Brake, *, drum: bool = False) -> Brake:
-    """The brake with linings that fit the drum: without misfit and clearance.
+    """The brake with linings that fit the drum exactly: without misfit and without clearance.
 
-    If `drum` is true, a drum that is out of round becomes round, too.
+    If `drum` is true, an out-of-round drum is also made round.
     """
 
     def shoe_without_misfit(shoe: Shoe) -> Shoe:
@@ -234,9 +237,10 @@ def brake_without_misfit(brake: Brake, *, drum: bool = False) -> Brake:
 def post_brake_with_worn_in_clearances(
     brake: Brake, *, sections: int = RING_SECTIONS, lift: Iterable[str] = ()
 ) -> Brake:
-    """The brake with the clearances with which the foundation model has the sine law's pressure.
+    """The brake with clearances for which the foundation model gives the pressure of the sine law.
 
-    These clearances replace all clearances and the misfit of the brake.
+    This is the pressure of worn-in linings. The clearances replace all clearances and the misfit of
+    the brake.
 
     Parameters
     ----------
@@ -253,7 +257,8 @@ def post_brake_with_worn_in_clearances(
     fitting = brake_without_misfit(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
     gaps: dict[tuple[int, int], Rows] = {}
-    # Shoes influence each other only through a ring that bends under the pressure of each shoe.
+    # Shoes influence each other only if the model includes how each shoe's own pressure bends the
+    # drum's ring.
     groups = [shoes] if "own-pressure" in names else [[i] for i in shoes]
     for group in groups:
         model = contact_problem_of_shoe_group(fitting, group, sections, names)
@@ -270,8 +275,8 @@ def post_brake_with_worn_in_clearances(
         parts = np.split(opened, np.cumsum(list(map(len, angles)))[:-1])
         for k, post in enumerate(model.posts):
             own, theta = parts[k], angles[k]
-            # The turn is the smallest for which no clearance is negative. The clearance is then 0
-            # at one sector.
+            # The shoe is turned by the smallest angle for which no clearance is negative. The
+            # clearance is then 0 at one sector.
             gap = post.closing[0] * np.max(own / post.closing[0]) - own
             of_linings = zip(
                 post.values_of_each_lining_by_growing_angle(theta),
