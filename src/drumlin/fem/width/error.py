@@ -132,8 +132,10 @@ def plane_stress_solution_on_given_hp_elements(
 
 
 class CoarseAnswers(NamedTuple):
-    """Answers of a brake on coarse elements: in plane stress, and with degree 2 across the
-    width."""
+    """Answers of a brake on coarse hp elements, without and with widths.
+
+    `plane` is the answer of plane stress, and `wide` is the answer with degree 2 across the width.
+    """
 
     plane: Response
     wide: Response
@@ -215,8 +217,7 @@ def distance_of_plane_stress_from_widths(
 def relative_distances_of_shoe_responses(
     unit: float, plane: ShoeResponse, wide: ShoeResponse
 ) -> dict[str, float]:
-    """The relative distances of torque, pressure (L2) and reaction of a shoe with and without
-    width.
+    """Relative distances of torque, pressure (L2) and reaction of a shoe without and with width.
 
     The pressure is the mean over the width. `unit` is the growth of the coordinate along the
     friction surface per unit of phi, see `ShoeFrame`.

@@ -130,8 +130,10 @@ class WidthFace(ContactLine):
 
     @cached_property
     def _widths_of_written_pressures(self) -> Floats:
-        """The weights (k,) [m] with which the written pressures sum to the integral over half a
-        width."""
+        """The weights (k,) [m] of pressures at these distances in the integral over half the width.
+
+        The distances are `_distances_of_written_pressures`.
+        """
         values = self._values_of_node_polynomials(self._distances_of_written_pressures)
         half_widths = 0.5 * self.tributary_widths_of_nodes_across_width
         return np.asarray(np.linalg.lstsq(values, half_widths)[0], dtype=float)
@@ -146,10 +148,10 @@ class WidthFace(ContactLine):
         return np.asarray(to_functions.T @ values)
 
     def pressure_at_distances_from_mid_plane(self, p: Floats, z: Floats) -> Floats:
-        """The pressure (n, k) [Pa] at the n angles of nodes and at distances z (k,) [m] from
-        mid-plane.
+        """The pressure (n, k) [Pa] at the angles of nodes and at distances z (k,) [m].
 
-        `p` (n m,) [Pa] are the pressures at the nodes of the face.
+        `p` (n m,) [Pa] are the pressures at the nodes of the face, at n angles and m distances from
+        the mid-plane. The distances z are also from the mid-plane.
         """
         by_line_node = p.reshape(-1, len(self.node_distances_from_mid_plane))
         return np.asarray(by_line_node @ self._values_of_node_polynomials(z))

@@ -107,8 +107,10 @@ class WidthFunctions:
         return tuple(found)
 
     def number_of_pieces_in_part(self, half: float) -> int:
-        """Number of pieces between the mid-plane and the side of a part of half width `half`
-        [m]."""
+        """Number of pieces of the half width from the mid-plane to the side of a part.
+
+        `half` [m] is the half width of the part.
+        """
         within = np.array(self.breaks[1:]) <= half * (1 + SAME_SIDE)
         return int(np.count_nonzero(within))
 

@@ -275,8 +275,7 @@ def section_integrals_between_circles(
 
 
 def section_integrals_of_any_shape(xy: Floats, lame: LameConstants, p: int) -> SectionIntegrals:
-    """The integrals over c elements of any shape, for displacements in the axes of the shoe's
-    frame.
+    """The integrals over c elements of any shape, for displacements in the shoe's frame.
 
     Along a row the unknowns are the displacements of its nodes; x and y of a node are neighbours.
 

@@ -364,8 +364,7 @@ def solve_level_of_section_with_width_degree(
 def _solved_level_with_errors_and_notes(
     solved: SolvedLevel, level: Level, degree: int, found: SolidErrors, warning: str
 ) -> SolvedLevel:
-    """Add to a solved level's answer its errors, a note on the degrees, and a warning if there is
-    one.
+    """Add to a solved level's answer its errors, a note on the degrees, and a warning if any.
 
     Parameters
     ----------
@@ -573,8 +572,10 @@ def smallest_width_degree_within_tolerance(
 def _error_of_degree_across_width(
     brake: Brake, degree: int, response: Response, further: list[Response]
 ) -> DegreeError:
-    """The error due to a degree across the width, from its answer and answers with higher
-    degrees."""
+    """The error due to a degree across the width, from answers with this and with higher degrees.
+
+    `response` is the answer with the degree, and `further` are answers with higher degrees.
+    """
     moved = [
         _relative_differences_from_better_response(brake, response, other) for other in further
     ]
@@ -601,8 +602,7 @@ def extrapolated_over_largest_distance(degree: int) -> float:
 def _relative_differences_from_better_response(
     brake: Brake, response: Response, true: Response
 ) -> SolidErrors:
-    """The distances of a response from a more exact response `true`, relative to the values
-    there."""
+    """The relative distances of a response from a more exact response `true`."""
     shoes = []
     for shoe, better in zip(response.shoes, true.shoes, strict=True):
         peak = better.peak_pressure or shoe.peak_pressure or 1.0

@@ -76,8 +76,7 @@ class WidthBody(ShoeSubstructure):
 
     @property
     def unknowns(self) -> int:
-        """Number of displacements of the body: of all its nodes and all functions across the
-        width."""
+        """Number of displacements of the body, for all its nodes and all functions of z."""
         return int(self.basis.unknowns)
 
 
@@ -123,8 +122,7 @@ def prepare_brake_with_widths(
     *,
     cache: Cache | None = None,
 ) -> PreparedModel:
-    """Make the prepared model of a brake with widths: condense its shoes and couple them with the
-    drum.
+    """Make the prepared model of a brake with widths: condense and couple its shoes.
 
     Shoes of one shape share one condensed body.
 
@@ -252,8 +250,7 @@ def _require_few_nodes_of_contact_face(
 
 
 def _memory_of_condensed_body(body: ShoeSubstructure) -> int:
-    """The approximate memory [bytes] of a condensed body: six matrices (n, n) for n contact
-    nodes."""
+    """The approximate memory [bytes] of a body: six matrices (n, n) for n contact nodes."""
     return 8 * 6 * len(body.line.nodes) ** 2
 
 
