@@ -42,7 +42,7 @@ class ActuatedBody(Protocol):
 
     @property
     def unit_load_vectors_by_name(self) -> LoadColumns:
-        """The load columns of the body, by name."""
+        """The load columns of the body: which columns belong to which named load."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class ShoeSubstructure:
 
     @property
     def unit_load_vectors_by_name(self) -> LoadColumns:
-        """The load columns of the body, by name."""
+        """The load columns of the body: which columns belong to which named load."""
         return self.condensed.columns
 
     @property

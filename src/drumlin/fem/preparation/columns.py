@@ -99,7 +99,7 @@ def make_hp_bodies(
     places : singular points of the pressure, for each shape of shoe
     alike : for each shoe the index of the first shoe of the same shape, see
         `cache.first_shoes_of_equal_shape`
-    cache : keeps condensed bodies; found ones are taken from it, and new ones put there
+    cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
     seconds : time of each phase [s], to which this function adds its own times
 
     Raises

@@ -234,7 +234,7 @@ class AssembledShoe:
 
     @cached_property
     def unit_load_vectors_by_name(self) -> LoadColumns:
-        """The load columns of the shoe, by name: one column for each unit load."""
+        """The load columns of the shoe: which columns belong to which named load."""
         return LoadColumns.load_columns_of_named_loads(self.loads)
 
 

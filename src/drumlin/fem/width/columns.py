@@ -48,7 +48,7 @@ class WidthUnknown(NamedTuple):
     ----------
     z : 1 for a displacement along z, 0 for a displacement in the section
     along : position along the row of nodes, counted among the row's unknowns with the same `z`
-    row : number of the row of nodes, counted from the contact
+    row : number of the row of nodes, counted from the column's first edge, towards the contact
     function : number of the function across the width, counted among the even functions for z = 0,
         and among the odd functions for z = 1
     """
@@ -102,7 +102,7 @@ class ColumnLayers(NamedTuple):
 
     Attributes
     ----------
-    p : degree of the section
+    p : degree of the hp elements
     counts : (layers,) numbers of even and of odd functions of z in each layer, from the contact on
     even, odd : for each even and each odd function of z of the shoe, the number of the first piece
         of the half width in which the function is not zero
@@ -122,7 +122,7 @@ class ColumnLayers(NamedTuple):
         layers = len(self.counts)
         if row == layers * self.p and self.back != BackEdge.FREE:
             return 0, (self.counts[-1][1] if self.back == BackEdge.GRIPPED else 0)
-        # A row between two layers has the functions of the layer that has more of them.
+        # A row between two layers has the functions of the layer that has more functions.
         near = {(row - 1) // self.p, row // self.p} if row else {0}
         return max(self.counts[layer] for layer in near if layer < layers)
 
@@ -314,7 +314,10 @@ def unknowns_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNam
 
 
 def _is_unknown_of_layer(unknown: WidthUnknown, rows: range, counts: tuple[int, int]) -> bool:
-    """Whether an unknown belongs to the elements of a layer with these rows and function counts."""
+    """Whether an unknown belongs to the elements of a layer.
+
+    The layer has the rows of nodes `rows`, and `counts` of even and of odd functions of z.
+    """
     return unknown.row in rows and unknown.function < counts[unknown.z]
 
 

@@ -141,7 +141,7 @@ class WidthFunctions:
             start, end = (-breaks[1] if own == 0 else breaks[own]), breaks[own + 1]
             here, to_unit = piece == own, 2 / (end - start)
             x = (z[here] - start) * to_unit - 1
-            # Degrees from 2 on are integrated Legendre polynomials, degree 1 is a hat.
+            # Degrees from 2 on are integrated Legendre polynomials, and degree 1 is a hat function.
             if degree >= 2:
                 values[k, here], slope = _integrated_legendre_polynomial(degree, x)
                 slopes[k, here] = slope * to_unit

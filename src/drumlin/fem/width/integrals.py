@@ -226,7 +226,7 @@ def section_integrals_between_circles(
     inner, outer : radius of the layer's face towards the contact, and radius of its other face [m]
     lame : Lame constants of the layer
     angular : angular factors of the columns
-    p : degree of the section
+    p : degree of the hp elements
     plane : on a plane the length [m] by which positions are divided; None on a drum
     """
     functions, (lam, mu) = nodal_functions_along_element_column(p), lame
@@ -283,7 +283,7 @@ def section_integrals_of_any_shape(xy: Floats, lame: LameConstants, p: int) -> S
     ----------
     xy : (c, 2, a) coordinates of each element's nodes, in the order of `ReferenceElement` [m]
     lame : Lame constants of the layer
-    p : degree of the section
+    p : degree of the hp elements
     """
     (lam, mu), reference, n = lame, reference_element_of_degree(p), p + 1
     G, areas = shape_function_gradients_and_gauss_areas(xy, p)  # (c, 2, a, q), (c, q)

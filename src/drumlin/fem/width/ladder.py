@@ -148,7 +148,11 @@ The file factors.json says to which brakes they are fitted, and what each factor
 
 
 class ErrorFactors(NamedTuple):
-    """Factors by which errors are multiplied: of pressures, and of forces (torques, reactions)."""
+    """Two factors by which errors are multiplied.
+
+    `pressure` multiplies errors of pressures, and `force` multiplies errors of torques and
+    reactions.
+    """
 
     pressure: float
     force: float
@@ -165,7 +169,7 @@ class SolidErrors(NamedTuple):
 
     @property
     def largest_pressure_error(self) -> float:
-        """The largest error of the mean pressure of a shoe."""
+        """The largest error of a shoe's pressure, which is averaged over the width."""
         return max(shoe["pressure"] for shoe in self.shoes)
 
     @property
@@ -174,7 +178,7 @@ class SolidErrors(NamedTuple):
         return Tolerance(self.largest_pressure_error, self.torque)
 
     def is_within_error_tolerance(self, tolerance: Tolerance) -> bool:
-        """Whether the errors of all mean pressures and of the torque are within a tolerance."""
+        """Whether the errors of the torque and of each shoe's pressure are within a tolerance."""
         return self.largest_pressure_error <= tolerance.pressure and self.torque <= tolerance.torque
 
     def sum_with_other_errors(self, other: "SolidErrors") -> "SolidErrors":
@@ -246,7 +250,7 @@ def solve_brake_with_widths_to_tolerance(
 ) -> Response:
     """Solve a brake with widths so that its estimated errors meet a tolerance.
 
-    The parameters and errors are those of `solve_and_keep_brake_with_widths`.
+    The parameters and the raised exceptions are those of `solve_and_keep_brake_with_widths`.
     """
     return solve_and_keep_brake_with_widths(
         brake, tolerance, must=must, penalty=penalty, cache=cache
