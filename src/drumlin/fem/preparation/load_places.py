@@ -72,7 +72,7 @@ class _LoadedArea(NamedTuple):
     nodes: Ints
     node_places: Floats
 
-    def nodal_values(self, density: Floats) -> Floats:
+    def integrals_with_shape_functions(self, density: Floats) -> Floats:
         """The integrals (N,) of a density (e, q) times each node's shape function over the area."""
         values = (density * self.areas) @ self.shapes.T
         count = self.node_places.shape[1]
@@ -143,20 +143,20 @@ def unit_loads_of_forces_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
         columns = []
         for at_place, place in zip(at_places[:forces], places, strict=False):
             columns += [at_place.forces_of_load_at_point(unit, place) for unit in np.eye(2)]
-        found[FURTHER_FORCES] = _as_columns(columns)
+        found[FURTHER_FORCES] = _nodal_forces_as_columns(columns)
     if shoe.mass is not None:
         volume = np.zeros_like(elements.areas)
         for name, own in elements.parts.items():
             volume[own] = layers[name].width
         whole = _LoadedArea(*elements[:4], basis.doflocs)
         centre = shoe.convert_points_to_shoe_frame(np.zeros(2))
-        found[FORCES_ON_MASS] = _as_columns(
+        found[FORCES_ON_MASS] = _nodal_forces_as_columns(
             _unit_loads_on_mass(whole, volume, at_places[-1], places[-1], centre)
         )
     return found
 
 
-def _as_columns(loads: list[Floats]) -> Floats:
+def _nodal_forces_as_columns(loads: list[Floats]) -> Floats:
     """One array (2 nodes, k) of nodal forces, from a list of k arrays (2, nodes)."""
     return np.array(loads).transpose(2, 1, 0).reshape(-1, len(loads))
 
@@ -187,9 +187,9 @@ def _unit_loads_at_place(
     distance = (position_along_body(body.xy) - at) * unit / (SPREAD * thickness)
     density = np.exp(-0.5 * distance**2)
     total = float((density * body.areas).sum())
-    even = body.nodal_values(density / total)
+    even = body.integrals_with_shape_functions(density / total)
     centre = body.node_places @ even
-    x, y = (body.nodal_values(density / total * own) for own in body.xy)
+    x, y = (body.integrals_with_shape_functions(density / total * own) for own in body.xy)
     couple = np.array([centre[1] * even - y, x - centre[0] * even])
     couple /= body.resultant(couple)[2]
     zero = np.zeros_like(even)
@@ -216,14 +216,14 @@ def _unit_loads_on_mass(
     centre : (2,) point about which the shoe rotates [m]
     """
     density = volume / float((volume * whole.areas).sum())
-    even = whole.nodal_values(density)
+    even = whole.integrals_with_shape_functions(density)
     arms = whole.xy - centre[:, None, None]
     zero = np.zeros_like(even)
     # A load on the uniform density has a resultant (fx, fy, moment). The wanted resultant is a
     # force that acts at `place`, the centre of mass of the brake file. The difference acts on the
     # body's cross-section at `place`.
     loads = [np.array([even, zero]), np.array([zero, even])]
-    loads.append(np.array([whole.nodal_values(density * arm) for arm in arms]))
+    loads.append(np.array([whole.integrals_with_shape_functions(density * arm) for arm in arms]))
     corrected = []
     for load, wanted in zip(loads, [*np.eye(2), place - centre], strict=True):
         fx, fy, moment = whole.resultant(load)

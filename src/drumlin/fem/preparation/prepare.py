@@ -19,9 +19,9 @@ from drumlin.fem.preparation.meshes import (
 from drumlin.fem.preparation.scene import (
     PreparedModel,
     Seconds,
+    messages_on_rigid_parts,
+    messages_on_shoes_of_equal_shape,
     reason_why_brake_is_not_modelled,
-    text_lines_on_rigid_parts,
-    text_lines_on_shoes_of_equal_shape,
 )
 
 
@@ -75,9 +75,9 @@ def make_prepared_model(
         made = make_mesh_bodies(brake, elements, kind, mesher, raised, cache, seconds)
     else:
         made = make_hp_bodies(brake, level, places, alike, cache, seconds)
-    left_out = _text_lines_on_neglected_quantities(
-        brake, len(set(alike))
-    ) + text_lines_on_rigid_parts(brake)
+    left_out = _messages_on_neglected_quantities(brake, len(set(alike))) + messages_on_rigid_parts(
+        brake
+    )
     return PreparedModel(
         brake,
         made.bodies,
@@ -90,13 +90,13 @@ def make_prepared_model(
     )
 
 
-def _text_lines_on_neglected_quantities(brake: Brake, shapes: int) -> list[str]:
+def _messages_on_neglected_quantities(brake: Brake, shapes: int) -> list[str]:
     """Messages that name what a prepared model does not contain.
 
     `shapes` is the number of different shapes of shoe in the brake.
     """
     lines = ["interior fields: recovered only for a file or a picture"]
-    lines += text_lines_on_shoes_of_equal_shape(brake, shapes)
+    lines += messages_on_shoes_of_equal_shape(brake, shapes)
     if brake.friction == 0:
         lines.append("friction: mu = 0, symmetric, without the flexibility under drag")
     return lines

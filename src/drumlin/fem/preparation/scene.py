@@ -112,7 +112,7 @@ def reason_why_brake_is_not_modelled(brake: Brake) -> str | None:
     return None
 
 
-def text_lines_on_shoes_of_equal_shape(brake: Brake, shapes: int) -> list[str]:
+def messages_on_shoes_of_equal_shape(brake: Brake, shapes: int) -> list[str]:
     """A message on the shoes that share the body of another shoe, as a list.
 
     The list is empty if all shoes have different shapes. `shapes` is the number of different
@@ -124,7 +124,7 @@ def text_lines_on_shoes_of_equal_shape(brake: Brake, shapes: int) -> list[str]:
     return [f"{count - shapes} of {count} shoes: same shape as another, condensed once"]
 
 
-def text_lines_on_rigid_parts(brake: Brake) -> list[str]:
+def messages_on_rigid_parts(brake: Brake) -> list[str]:
     """A message for each part that is rigid because the brake file gives no elastic data of it."""
     lines = []
     if brake.ring is None and not brake.surface.is_plane_and_not_drum:

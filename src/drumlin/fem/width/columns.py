@@ -78,13 +78,13 @@ class AlongRow(NamedTuple):
         return tuple(sorted((*self.left[0], *self.inside[0], *self.right[0])))
 
 
-def unknowns_along_whole_row(p: int) -> AlongRow:
+def unknown_numbers_along_row(p: int) -> AlongRow:
     """The numbers of the unknowns along a row of p + 1 nodes; x and y of a node are neighbours."""
     inside = tuple(range(2, 2 * p)), tuple(range(1, p))
     return AlongRow(((0, 1), (0,)), inside, ((2 * p, 2 * p + 1), (p,)))
 
 
-def unknowns_along_half_row(p: int, symmetry: int) -> AlongRow:
+def unknown_numbers_along_row_with_symmetry(p: int, symmetry: int) -> AlongRow:
     """The numbers of the symmetric or of the antisymmetric unknowns along a row of p + 1 nodes.
 
     `symmetry` is 0 for displacements that are symmetric about the column's middle, and 1 for
@@ -519,7 +519,7 @@ def condense_columns_of_any_shape(
     widths : integrals over the width of each layer
     stack : the layers of the columns
     """
-    plan = condensation_plan_of_column(stack, unknowns_along_whole_row(stack.p))
+    plan = condensation_plan_of_column(stack, unknown_numbers_along_row(stack.p))
     order = _unknown_order_with_contact_by_nodes(stack, plan, 2)
     columns = _condensed_stiffness_of_columns(parts, widths, plan)
     if len(order):
@@ -561,7 +561,9 @@ def condense_mirror_symmetric_columns(
     stack : the layers of the columns
     """
     plans = [
-        condensation_plan_of_column(stack, unknowns_along_half_row(stack.p, symmetry))
+        condensation_plan_of_column(
+            stack, unknown_numbers_along_row_with_symmetry(stack.p, symmetry)
+        )
         for symmetry in SYMMETRIES
     ]
     halves = [_condensed_stiffness_of_columns(parts[i], widths, plans[i]) for i in SYMMETRIES]
@@ -571,7 +573,7 @@ def condense_mirror_symmetric_columns(
         [
             _sign_of_displacement_on_mirrored_side(unknown)
             for unknown in stack.unknowns_on_left_or_right_side_of_column(
-                unknowns_along_half_row(stack.p, 0).left
+                unknown_numbers_along_row_with_symmetry(stack.p, 0).left
             )
         ]
     )
@@ -653,7 +655,7 @@ def column_with_back_held_beside_grip(
     right : whether the grip lies on the column's right side; otherwise it lies on its left side
     """
     last = len(stack.counts) * stack.p
-    side = unknowns_along_half_row(stack.p, 0).left
+    side = unknown_numbers_along_row_with_symmetry(stack.p, 0).left
     held = [
         u.row == last and u.z == 0 for u in stack.unknowns_on_left_or_right_side_of_column(side)
     ]

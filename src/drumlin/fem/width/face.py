@@ -129,7 +129,7 @@ class WidthFace(ContactLine):
         return np.append((ends[:-1, None] + np.diff(ends)[:, None] * steps).ravel(), ends[-1])
 
     @cached_property
-    def _widths_of_written_pressures(self) -> Floats:
+    def _integration_weights_of_written_pressures(self) -> Floats:
         """The weights (k,) [m] of pressures at these distances in the integral over half the width.
 
         The distances are `_distances_of_written_pressures`.
@@ -165,7 +165,7 @@ class WidthFace(ContactLine):
         z = self._distances_of_written_pressures
         half = self.pressure_at_distances_from_mid_plane(p, z)
         # The pressure is symmetric about the mid-plane.
-        both, own = np.concatenate([-z[:0:-1], z]), self._widths_of_written_pressures
+        both, own = np.concatenate([-z[:0:-1], z]), self._integration_weights_of_written_pressures
         widths = np.concatenate([own[:0:-1], [2 * own[0]], own[1:]])
         return PressureOverWidth(both, np.hstack([half[:, :0:-1], half]), widths)
 

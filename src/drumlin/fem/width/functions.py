@@ -232,7 +232,7 @@ def half_widths_of_parts(shoe: Shoe) -> dict[str, float]:
     }
 
 
-def has_several_widths(shoe: Shoe) -> bool:
+def has_parts_of_different_widths(shoe: Shoe) -> bool:
     """Whether some parts of a shoe are wider than others."""
     halves = half_widths_of_parts(shoe).values()
     return max(halves) > min(halves) * (1 + SAME_SIDE)

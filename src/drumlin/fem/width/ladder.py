@@ -64,7 +64,7 @@ from drumlin.fem.width.error import (
     plane_stress_solution_on_coarse_division,
     relative_distances_of_shoe_responses,
 )
-from drumlin.fem.width.functions import has_several_widths
+from drumlin.fem.width.functions import has_parts_of_different_widths
 from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
     MakeFunctions,
@@ -289,18 +289,18 @@ def solve_and_keep_brake_with_widths(
     share = Tolerance(SECTION_SHARE * tolerance.pressure, SECTION_SHARE * tolerance.torque)
     cache = cache or Cache()
     answer = partial(solve_prepared_model, penalty=penalty)
-    climb = climb_levels_to_tolerance(brake, share, answer, cache)
+    climb = solve_levels_up_to_tolerance(brake, share, answer, cache)
     plane, factors = climb.response, ErrorFactors(1.0, 1.0)
     largest_degree = LARGEST_STATED_DEGREE
-    if has_several_widths_on_any_shoe(brake):
+    if has_shoe_with_parts_of_different_widths(brake):
         factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
         asked = Tolerance(share.pressure / factors.pressure, share.torque / factors.force)
         levels = LEVELS[: MOST_SECTION_LEVELS + 1] if must else LEVELS[:MOST_SECTION_LEVELS]
-        climb = climb_levels_to_tolerance(brake, asked, answer, cache, levels, plane)
+        climb = solve_levels_up_to_tolerance(brake, asked, answer, cache, levels, plane)
         if not must:
             largest_degree = MOST_DEGREE
     section = coarsest_level_within_tolerance(brake, climb, share, factors)
-    compared = section_to_compare_width_degrees(brake, plane, penalty=penalty, cache=cache)
+    compared = hp_elements_to_compare_width_degrees(brake, plane, penalty=penalty, cache=cache)
     left = Tolerance(
         max(tolerance.pressure - section.error.largest_pressure_error, share.pressure),
         max(tolerance.torque - section.error.torque, share.torque),
@@ -395,7 +395,7 @@ def _solved_level_with_errors_and_notes(
     return SolvedLevel(solved.scene, stated)
 
 
-def climb_levels_to_tolerance(
+def solve_levels_up_to_tolerance(
     brake: Brake,
     tolerance: Tolerance,
     answer: ResponseFunction,
@@ -471,9 +471,9 @@ def coarsest_level_within_tolerance(
     return next(within, sections[-1])
 
 
-def has_several_widths_on_any_shoe(brake: Brake) -> bool:
+def has_shoe_with_parts_of_different_widths(brake: Brake) -> bool:
     """Whether any shoe of the brake has parts that are wider than others."""
-    return any(has_several_widths(shoe) for shoe in brake.shoes)
+    return any(has_parts_of_different_widths(shoe) for shoe in brake.shoes)
 
 
 def _message_on_unreached_error_tolerance(
@@ -487,7 +487,7 @@ def _message_on_unreached_error_tolerance(
     )
 
 
-def section_to_compare_width_degrees(
+def hp_elements_to_compare_width_degrees(
     brake: Brake, plane: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> ComparedSection:
     """The hp elements of the shoes on which degrees across the width are compared.
@@ -510,7 +510,7 @@ def section_to_compare_width_degrees(
         if the brake has no answer on the first level: in plane stress for shoes of one width,
         otherwise with widths
     """
-    if not has_several_widths_on_any_shoe(brake):
+    if not has_shoe_with_parts_of_different_widths(brake):
         coarse = plane_stress_solution_on_coarse_division(
             brake, plane, penalty=penalty, cache=cache
         )
@@ -540,7 +540,7 @@ def smallest_width_degree_within_tolerance(
     brake : the brake
     plane : answer of plane stress
     section : hp elements of the shoes on which degrees are compared, see
-        `section_to_compare_width_degrees`
+        `hp_elements_to_compare_width_degrees`
     tolerance : relative errors that the degree across the width may make
     degrees : degrees that are tried, in this order
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
@@ -587,13 +587,13 @@ def _error_of_degree_across_width(
     for own in zip(*(each.shoes for each in moved), strict=True):
         shoes.append({name: max(each[name] for each in own) for name in QUANTITIES})
     largest = SolidErrors(max(each.torque for each in moved), tuple(shoes))
-    falls = extrapolated_over_largest_distance(degree)
+    falls = error_divided_by_distance_to_next_degrees(degree)
     factors = ErrorFactors(falls * SOLID_FACTORS.pressure, falls * SOLID_FACTORS.force)
     error = largest.errors_times_factors(factors)
     return DegreeError(degree, error, response)
 
 
-def extrapolated_over_largest_distance(degree: int) -> float:
+def error_divided_by_distance_to_next_degrees(degree: int) -> float:
     """The factor that turns the largest distance of a degree from the next ones into its error.
 
     The distance is that of the answers with `degree` and with LOOKED_AHEAD next degrees. The error

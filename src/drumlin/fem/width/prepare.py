@@ -29,8 +29,8 @@ from drumlin.fem.preparation.scene import (
     PreparedModel,
     Seconds,
     add_elapsed_time,
-    text_lines_on_rigid_parts,
-    text_lines_on_shoes_of_equal_shape,
+    messages_on_rigid_parts,
+    messages_on_shoes_of_equal_shape,
 )
 from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled as plane_why_not
 from drumlin.fem.width.columns import BackEdge
@@ -231,8 +231,8 @@ def prepare_divided_brake_with_widths(
     left_out = (
         INTERIOR,
         OTHER_HALF,
-        *text_lines_on_shoes_of_equal_shape(brake, len(made)),
-        *text_lines_on_rigid_parts(brake),
+        *messages_on_shoes_of_equal_shape(brake, len(made)),
+        *messages_on_rigid_parts(brake),
     )
     return PreparedModel(brake, bodies, None, seconds, left_out, model="solid", divisions=divisions)
 

@@ -32,7 +32,7 @@ from drumlin.fem.width.columns import (
     assembled_stiffness_of_columns,
     condensation_plan_of_column,
     displacements_inside_elements,
-    unknowns_along_whole_row,
+    unknown_numbers_along_row,
     unknowns_of_column,
 )
 from drumlin.fem.width.functions import (
@@ -207,7 +207,7 @@ class WidthUnknowns:
         at = self._numbers_of_displacements(nodes[line.row], line.function, line.component, line.z)
         return at, loads
 
-    def _held_unknowns(self) -> Bools:
+    def _which_unknowns_are_held(self) -> Bools:
         """True for each unknown (unknowns,) that is zero while the shoe's frame is held."""
         div, nodes = self.division, self.grid.sets["hinge"]
         held = np.zeros(self.grid.N * self.unknowns_per_node, dtype=bool)
@@ -249,7 +249,7 @@ class WidthUnknowns:
         stack = self.layers.layers_of_element_column_from_index(
             p, first, contact=False, back=BackEdge.FREE
         )
-        along = unknowns_along_whole_row(p)
+        along = unknown_numbers_along_row(p)
         plan, names = condensation_plan_of_column(stack, along), unknowns_of_column(stack, along)
         found = []
         for start in range(0, number.shape[1] - 1, p):
@@ -298,11 +298,11 @@ class WidthUnknowns:
 
         Raises NoAnswer for a singular stiffness.
         """
-        held = self._held_unknowns()
+        held = self._which_unknowns_are_held()
         forces = np.where(held[:, None], 0.0, forces)
         columns = self.columns_from_hinge_to_far_end()
         u = np.zeros(forces.shape)
-        for line in reversed(self._factors_of_lines(columns, held, forces.copy())):
+        for line in reversed(self._cholesky_factors_of_node_lines(columns, held, forces.copy())):
             rest = line.forces - line.below.T @ u[line.later]
             u[line.own] = dtrsm(1.0, line.L, rest, lower=1, trans_a=1)
         for column in columns:
@@ -320,7 +320,7 @@ class WidthUnknowns:
                     u[column.within[k]] = inside[0]
         return u
 
-    def _factors_of_lines(
+    def _cholesky_factors_of_node_lines(
         self, columns: list[_Column], held: Bools, forces: Floats
     ) -> list[_LineFactor]:
         """The Cholesky factors of all lines of nodes between columns, from the hinge on.
@@ -357,13 +357,16 @@ class WidthUnknowns:
             D[np.ix_(at, at)] += K[:line, :line]
             to_next = np.zeros((len(own), len(right)))
             to_next[at] = K[:line, line:]
-            factor = _factor_of_line(own, right, D, to_next, forces)
+            factor = _cholesky_factor_of_node_line(own, right, D, to_next, forces)
             forces[right] -= factor.below @ factor.forces
             found.append(factor)
             earlier, S = right, K[line:, line:] - factor.below @ factor.below.T
         S += np.diag(held[earlier].astype(float))
         none = np.zeros((len(earlier), 0))
-        return [*found, _factor_of_line(earlier, np.zeros(0, dtype=int), S, none, forces)]
+        return [
+            *found,
+            _cholesky_factor_of_node_line(earlier, np.zeros(0, dtype=int), S, none, forces),
+        ]
 
 
 def _cholesky_factor(K: Floats) -> Floats:
@@ -374,7 +377,7 @@ def _cholesky_factor(K: Floats) -> Floats:
     return np.asarray(L)
 
 
-def _factor_of_line(
+def _cholesky_factor_of_node_line(
     own: Ints, later: Ints, D: Floats, to_next: Floats, forces: Floats
 ) -> _LineFactor:
     """The part of the Cholesky factor that belongs to a line of nodes.

@@ -46,7 +46,7 @@ from drumlin.fem.width.columns import (
     column_with_back_held_beside_grip,
     condense_columns_of_any_shape,
     condense_mirror_symmetric_columns,
-    unknowns_along_half_row,
+    unknown_numbers_along_row_with_symmetry,
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
@@ -104,7 +104,7 @@ class WidthLayers(NamedTuple):
             div.degree, div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
         )
         line = stack.unknowns_on_left_or_right_side_of_column(
-            unknowns_along_half_row(div.degree, 0).left
+            unknown_numbers_along_row_with_symmetry(div.degree, 0).left
         )
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
         return BodyLine(z, component, row, function)
