@@ -61,8 +61,8 @@ class ShoeSubstructure:
     line : the contact line, with the n contact nodes
     coupling : the matrices that couple the contact line with the drum or the plane
     condensed : the statically condensed body
-    load_centre : (2,) point at which the unit loads of the actuation act: force x, force y, couple
-        [m]
+    load_centre : (2,) point [m] at which unit force x, unit force y and unit couple of the
+        actuation act
     rotation_mode : (2n,) displacement of the contact nodes per radian of a rotation about the pin
         [m]
     closure_by_pressure, closure_by_friction : (n, n) weighted gap closure N u due to unit nodal

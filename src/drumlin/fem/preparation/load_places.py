@@ -73,7 +73,10 @@ class _LoadedArea(NamedTuple):
     node_places: Floats
 
     def integrals_with_shape_functions(self, density: Floats) -> Floats:
-        """The integrals (N,) of a density (e, q) times each node's shape function over the area."""
+        """The integrals (N,) over the area of each node's shape function times a density (e, q).
+
+        The density is given at the quadrature points of the elements.
+        """
         values = (density * self.areas) @ self.shapes.T
         count = self.node_places.shape[1]
         found = np.bincount(self.nodes.ravel(), values.ravel(), minlength=count)
@@ -168,7 +171,10 @@ def _unit_loads_at_place(
     radius: float,
     place: Floats,
 ) -> _UnitLoadsAtPlace:
-    """The unit loads on a body's cross-section at a point `place` (2,) [m] in the shoe's frame."""
+    """The unit loads on a body's cross-section at a point `place` (2,) [m] in the shoe's frame.
+
+    The loads are spread along the body as described for SPREAD.
+    """
     along = layers["shoe"].along
 
     def position_along_body(xy: Floats) -> Floats:

@@ -217,8 +217,8 @@ class AssembledShoe:
     K : (2 nodes, 2 nodes) sparse stiffness without boundary conditions [N/m]
     constraints : the multi-point constraints, which tie the nodes of the hinge's face to the frame
     loads : unit loads (unknowns, k) by their name, on the unknowns that the constraints leave
-    load_centre : (2,) point at which the unit loads of the actuation act: force x, force y and
-        couple [m]
+    load_centre : (2,) point [m] at which unit force x, unit force y and unit couple of the
+        actuation act
     of_file : the mesh that was read from a file, with notes on how it was adapted; None without a
         file
     """

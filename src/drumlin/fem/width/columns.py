@@ -427,9 +427,9 @@ class AssembledColumns(NamedTuple):
 
     Attributes
     ----------
-    kept : (c, k, k) stiffness on the unknowns that the columns keep
-    coupling : (c, r, k) stiffness of eliminated by kept unknowns
-    rest : (c, r, r) stiffness on the unknowns on edges of elements, which the columns eliminate
+    kept : (c, k, k) stiffness for the k unknowns that a column keeps
+    coupling : (c, r, k) stiffness that couples eliminated (rows) with kept unknowns (columns)
+    rest : (c, r, r) stiffness for the r unknowns on edges of elements that a column eliminates
     """
 
     kept: Floats
@@ -440,7 +440,7 @@ class AssembledColumns(NamedTuple):
 def assembled_stiffness_of_columns(
     parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], plan: ColumnPlan
 ) -> AssembledColumns:
-    """The stiffness of columns on all unknowns on the boundaries of their elements.
+    """The stiffness of columns of elements for the unknowns on the boundaries of the elements.
 
     The unknowns inside the elements are eliminated.
 

@@ -120,7 +120,7 @@ class WidthFace(ContactLine):
 
     @cached_property
     def _distances_of_written_pressures(self) -> Floats:
-        """The distances (k,) [m] from the mid-plane at which a file has the pressure."""
+        """The distances (k,) [m] from the mid-plane at which pressures are written to a file."""
         ends = np.array(self.functions.breaks)
         ends = ends[: self.functions.number_of_pieces_in_part(self.half) + 1]
         if len(ends) == 1:

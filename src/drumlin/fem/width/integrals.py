@@ -60,7 +60,7 @@ class SectionIntegrals(NamedTuple):
 
     Attributes
     ----------
-    plane : (c, A, A, n, n) energy of the strains in the section [Pa]
+    plane : (c, A, A, n, n) Int lambda tr eps_a tr eps_b + 2 mu eps_a : eps_b dA [Pa]
     shear : (c, A, A, n, n) Int mu psi_a . psi_b dA [N]
     coupled : (c, A, B, n, n) Int lambda tr eps_a psi_b dA [N/m]
     sheared : (c, A, B, n, n) Int mu psi_a . grad psi_b dA [N/m]

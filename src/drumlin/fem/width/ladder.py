@@ -113,12 +113,15 @@ SECTION_SHARE = 0.5
 The error due to the degree across the width may take the rest of the tolerance.
 """
 LOOKED_AHEAD = 2
-"""Number of next degrees across the width with which a degree is compared for its error.
+"""Number of higher degrees across the width whose answers give the error of a degree.
 
-Two next degrees are an even and an odd one.
+Of the two next higher degrees one is even and the other odd.
 """
 LARGEST_STATED_DEGREE = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD
-"""Largest degree across the width that has LOOKED_AHEAD next degrees, and so a stated error."""
+"""Largest degree across the width whose error can be stated.
+
+The error follows from answers with the LOOKED_AHEAD next higher degrees, which must be allowed.
+"""
 
 
 class SolidFactors(NamedTuple):
@@ -594,10 +597,11 @@ def _error_of_degree_across_width(
 
 
 def error_divided_by_distance_to_next_degrees(degree: int) -> float:
-    """The factor that turns the largest distance of a degree from the next ones into its error.
+    """The error of a degree across the width, divided by its distance from higher degrees.
 
-    The distance is that of the answers with `degree` and with LOOKED_AHEAD next degrees. The error
-    falls as the power SLOWEST_FALL of the degree.
+    The distance is the larger of the distances between the answer with `degree` and the answers
+    with the LOOKED_AHEAD next higher degrees. The error is assumed to fall as the degree to the
+    power -SLOWEST_FALL.
     """
     left = (degree / (degree + LOOKED_AHEAD)) ** SLOWEST_FALL
     return 1 / (1 - left)

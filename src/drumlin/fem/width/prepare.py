@@ -72,7 +72,7 @@ class NodesOverWidth(NamedTuple):
 
 
 class WidthBody(ShoeSubstructure):
-    """A shoe with a width as a condensed body: its displacements are functions across the width."""
+    """The condensed body of a shoe whose displacements are polynomials across its width."""
 
     @property
     def unknowns(self) -> int:
