@@ -371,8 +371,8 @@ def _flat_positions_of_element_stiffness_block(
     swapped = ((r[..., 0] == 1) & (c[..., 0] == 0))[..., None]
     r, c = np.where(swapped, c, r), np.where(swapped, r, c)
     of, by = r[..., 0], c[..., 0]
-    # Three parts of the entries follow one another: two displacements in the section, one
-    # displacement in the section with one along z, and two displacements along z.
+    # The entries have three parts: they couple two displacements in the section, then one in the
+    # section with one along z, then two displacements along z.
     lengths = sizes * n * functions
     start = np.array([0, lengths[0] ** 2, lengths[0] ** 2 + lengths[0] * lengths[1]])[of + by]
     along_both = r[..., 1] * sizes[by] + c[..., 1]
@@ -598,9 +598,10 @@ def condense_mirror_symmetric_columns(
 
 
 def _sign_of_displacement_on_mirrored_side(unknown: WidthUnknown) -> float:
-    """The sign by which a column's right side repeats its left side's symmetric displacement.
+    """The sign of a displacement on a column's right side relative to its left side.
 
-    It is -1 for displacements around the drum, and +1 for all others.
+    The displacements are symmetric about the column's middle: those around the drum have opposite
+    signs (-1) on the two sides, and all others have equal signs (+1).
     """
     return -1.0 if unknown.z == 0 and unknown.along == 1 else 1.0
 

@@ -139,7 +139,7 @@ class WidthFace(ContactLine):
         return np.asarray(np.linalg.lstsq(values, half_widths)[0], dtype=float)
 
     def _values_of_node_polynomials(self, z: Floats) -> Floats:
-        """The values (m, k) of the polynomials zeta of the m nodes at distances z (k,) [m]."""
+        """Values (m, k) at distances z (k,) [m] of m polynomials, each 1 at one of the m nodes."""
         own = self.functions.even_functions_across_width[
             : self.functions.numbers_of_even_and_odd_functions(self.half)[0]
         ]
