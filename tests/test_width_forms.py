@@ -16,7 +16,7 @@ from drumlin.fem.width.columns import (
     BackEdge,
     column_layers_of_shoe,
     condense_columns_of_any_shape,
-    unknowns_along_whole_row,
+    unknown_numbers_along_row,
 )
 from drumlin.fem.width.functions import WidthFunctions, integrals_over_width_of_part
 from drumlin.fem.width.integrals import LameConstants, section_integrals_of_any_shape
@@ -55,7 +55,7 @@ def test_a_ring_under_outer_pressure_moves_as_lame_says(q):
         radial = size / E * ((1 - nu) * at + (1 + nu) * a**2 / at)
         return radial * (math.sin(angle) if unknown.along % 2 else math.cos(angle))
 
-    row = unknowns_along_whole_row(p)
+    row = unknown_numbers_along_row(p)
     left = stack.unknowns_on_left_or_right_side_of_column(row.left)
     right = stack.unknowns_on_left_or_right_side_of_column(row.right)
     # The unknowns of the contact stand node by node, x and y of a function together.

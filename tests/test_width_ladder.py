@@ -20,12 +20,12 @@ from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.ladder import (
     SOLID_FACTORS,
     ErrorFactors,
-    climb_levels_to_tolerance,
     coarsest_level_within_tolerance,
-    section_to_compare_width_degrees,
+    hp_elements_to_compare_width_degrees,
     smallest_width_degree_within_tolerance,
     solve_brake_with_widths_to_tolerance,
     solve_level_of_section_with_width_degree,
+    solve_levels_up_to_tolerance,
 )
 from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin_studies.solid_error import (
@@ -88,7 +88,7 @@ def test_with_several_widths_stated_errors_are_above_the_true_ones(brake, kind, 
 def test_beside_a_web_the_width_has_its_part_in_the_error():
     brake, level = DRAWN["free"](2000), LEVELS[0]
     plane = solve(brake)
-    section = section_to_compare_width_degrees(brake, plane)
+    section = hp_elements_to_compare_width_degrees(brake, plane)
     points = singular_points_of_all_linings(
         brake, plane, error=level.pressure_error_by_column_ratio
     )
@@ -154,7 +154,7 @@ def test_divisions_follow_the_contact_that_the_width_has_found():
 def test_the_error_of_the_section_beside_a_web_covers_that_of_a_higher_degree():
     brake, loose = DRAWN["built"](3111), Tolerance(0.1, 0.1)
     plane, answer = solve(brake), partial(solve_prepared_model, penalty=PENALTY)
-    climb = climb_levels_to_tolerance(brake, loose, answer, Cache(), LEVELS[:2], plane)
+    climb = solve_levels_up_to_tolerance(brake, loose, answer, Cache(), LEVELS[:2], plane)
     factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
     section = coarsest_level_within_tolerance(brake, climb, loose, factors)
     first, second = (

@@ -26,7 +26,7 @@ from drumlin.fem.width.columns import (
     column_layers_of_shoe,
     condensation_plan_of_column,
     displacements_inside_elements,
-    unknowns_along_whole_row,
+    unknown_numbers_along_row,
     unknowns_of_column,
 )
 from drumlin.fem.width.functions import (
@@ -141,7 +141,7 @@ def test_the_patch_test_holds_inside_a_column(p, q):
     lame, halves = LameConstants(1.3, 0.7), (1.1, 1.1)
     functions = WidthFunctions((0.0, 0.4, 1.1), q)
     stack = column_layers_of_shoe(functions, halves, p, contact=False, back=BackEdge.FREE)
-    along = unknowns_along_whole_row(p)
+    along = unknown_numbers_along_row(p)
     plan, names = condensation_plan_of_column(stack, along), unknowns_of_column(stack, along)
     x, y = np.meshgrid(np.linspace(0, 2, p + 1), np.linspace(0, 1, 2 * p + 1))
     points = np.array([x + 0.1 * np.sin(3 * y) * (x + 1), y + 0.2 * (1 - y) * np.cos(2 * x)])

@@ -16,7 +16,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import distance_of_plane_stress_from_widths
 from drumlin.fem.width.ladder import (
-    has_several_widths_on_any_shoe,
+    has_shoe_with_parts_of_different_widths,
     solve_level_of_section_with_width_degree,
 )
 
@@ -178,7 +178,7 @@ def rows_of_plane_stress_limits(
     rows = []
     for variation in VARIATIONS:
         for name, brake in brakes.items():
-            if variation.needs_web and not has_several_widths_on_any_shoe(brake):
+            if variation.needs_web and not has_shoe_with_parts_of_different_widths(brake):
                 continue
             say(f"{variation.name}: {name}")
             for value in variation.values[::every]:

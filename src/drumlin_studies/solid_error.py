@@ -43,7 +43,7 @@ from drumlin.fem.width.functions import (
     WidthFunctions,
     breaks_across_half_width_of_shoe,
     half_widths_of_parts,
-    has_several_widths,
+    has_parts_of_different_widths,
 )
 from drumlin.fem.width.ladder import (
     solve_brake_with_widths_to_tolerance,
@@ -268,7 +268,7 @@ def rows_of_width_errors_of_random_brakes(
         except (BadInput, NoAnswer) as error:
             yield str(error)
             continue
-        if any(map(has_several_widths, brake.shoes)) == (kind == "one"):
+        if any(map(has_parts_of_different_widths, brake.shoes)) == (kind == "one"):
             continue
         found = stated_and_true_width_errors_or_why_none(brake, tolerance, level)
         yield found if isinstance(found, SolidErrorRow) else f"{brake.title}: {found}"

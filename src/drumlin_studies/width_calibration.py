@@ -32,11 +32,11 @@ from drumlin.fem.width.ladder import (
     MOST_SECTION_LEVELS,
     ErrorFactors,
     SolidFactors,
-    climb_levels_to_tolerance,
     coarsest_level_within_tolerance,
-    extrapolated_over_largest_distance,
-    section_to_compare_width_degrees,
+    error_divided_by_distance_to_next_degrees,
+    hp_elements_to_compare_width_degrees,
     solve_level_of_section_with_width_degree,
+    solve_levels_up_to_tolerance,
 )
 from drumlin.fem.width.prepare import (
     MakeFunctions,
@@ -177,7 +177,7 @@ def observe_errors_of_width_degrees(brake: Brake, plane: Response) -> list[Width
     response by plane stress.
     """
     cache = Cache()
-    section = section_to_compare_width_degrees(brake, plane, cache=cache)
+    section = hp_elements_to_compare_width_degrees(brake, plane, cache=cache)
 
     def answer(across: int | MakeFunctions) -> Response:
         """The response with the degree, or the function maker, `across` for the width."""
@@ -195,7 +195,7 @@ def observe_errors_of_width_degrees(brake: Brake, plane: Response) -> list[Width
             for further in range(degree + 1, degree + LOOKED_AHEAD + 1)
         ]
         true = distance_of_plane_stress_from_widths(brake, answers[degree], truth).brake
-        factor = extrapolated_over_largest_distance(degree)
+        factor = error_divided_by_distance_to_next_degrees(degree)
         for name in LEAST_FITTED:
             estimate = factor * max(distance[name] for distance in ahead)
             rows.append(WidthRow("", 0, "width", degree, name, estimate, true[name], unsure[name]))
@@ -211,7 +211,7 @@ def observe_error_of_section_mesh(brake: Brake, plane: Response) -> list[WidthRo
     """
     levels, loose = LEVELS[:MOST_SECTION_LEVELS], Tolerance(1.0, 1.0)
     cache = Cache()
-    climb = climb_levels_to_tolerance(brake, loose, solve_prepared_model, cache, levels, plane)
+    climb = solve_levels_up_to_tolerance(brake, loose, solve_prepared_model, cache, levels, plane)
     section = coarsest_level_within_tolerance(brake, climb, loose, ErrorFactors(1.0, 1.0))
     first, second = (
         solve_level_of_section_with_width_degree(

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drumlin.brake.brake import Brake
-from drumlin.fem.width.ladder import has_several_widths_on_any_shoe
+from drumlin.fem.width.ladder import has_shoe_with_parts_of_different_widths
 from drumlin.report.figures import STYLE
 from drumlin.report.palette import BLUE, GRADES, INK
 from drumlin_studies.plane_stress_limits import LIMIT_QUANTITIES, LIMITS, VARIATIONS
@@ -30,7 +30,7 @@ def marked_values(brakes: Mapping[str, Brake]) -> dict[str, dict[str, float]]:
     for variation in VARIATIONS:
         own = {}
         for name, brake in brakes.items():
-            if not variation.needs_web or has_several_widths_on_any_shoe(brake):
+            if not variation.needs_web or has_shoe_with_parts_of_different_widths(brake):
                 own[name] = variation.value(brake)
         found[variation.name] = own
     return found

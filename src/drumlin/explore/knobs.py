@@ -17,7 +17,7 @@ from drumlin.brake import vary
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam, Lining
 from drumlin.brake.drive import Drive
-from drumlin.fem.width.functions import has_several_widths
+from drumlin.fem.width.functions import has_parts_of_different_widths
 from drumlin.fem.width.prepare import reason_against_width_model
 from drumlin.models import applicable_models
 
@@ -153,7 +153,7 @@ def element_models_of_page(brake: Brake) -> tuple[str, ...]:
     several widths take seconds, and the page would lag behind its sliders.
     """
     refused = reason_against_width_model(brake) is not None
-    if refused or any(has_several_widths(shoe) for shoe in brake.shoes):
+    if refused or any(has_parts_of_different_widths(shoe) for shoe in brake.shoes):
         return ("fem",)
     return ("fem", "solid")
 

@@ -31,45 +31,50 @@ from drumlin.fem.substructure.loads import ACTUATION, FURTHER_FORCES, HEAT, Load
 
 
 class ActuatedBody(Protocol):
-    """The type of a body on which a unit actuation acts: force x, force y and couple.
+    """The type of a body on which unit loads of an actuation act: force x, force y and couple.
 
-    The couple acts about a centre (2,) [m] in the shoe's frame.
+    The forces act at a centre (2,) [m] in the shoe's frame, about which the couple acts.
     """
 
     @property
     def load_centre(self) -> Floats:
-        """The centre (2,) [m] of the unit actuations in the shoe's frame."""
+        """The point (2,) [m] in the shoe's frame at which the unit loads of the actuation act."""
 
     @property
     def unit_load_vectors_by_name(self) -> LoadColumns:
-        """The load columns of the body, by name."""
+        """The load columns of the body: which columns belong to which named load."""
 
 
 @dataclass(frozen=True)
 class ShoeSubstructure:
-    """One shoe with its lining as a condensed body, in its own frame (angle phi from the hinge).
+    """One shoe with its lining as a condensed body, coupled with the drum or the plane.
 
-    The flexibility is that of the body whose frame is held. The frame is the rigid part of the
-    shoe. Three kinds of forces act on the body: the nodal forces -N^T of the pressure at the n
-    contact nodes, the nodal forces T^T of its friction, and the l unit loads. An array about
-    friction is None in a brake with mu = 0.
+    All vectors are in the frame of the shoe. The condensed body is supported at its frame, the face
+    that the hinge holds. The matrices N and T (see `Coupling`) turn displacements u of the n
+    contact nodes into weighted gap closure N u and weighted slip T u. The forces on the contact
+    nodes are -N^T p due to nodal pressures p and T^T t due to friction per area t; l unit loads act
+    as well. The arrays for friction are None in a brake with mu = 0.
 
     Attributes
     ----------
-    mesh, basis : the division of the body and its nodes
-    line : the contact line
-    coupling : the matrices that couple contact line and counterface
+    mesh, basis : the elements of the body, and its nodes
+    line : the contact line, with the n contact nodes
+    coupling : the matrices that couple the contact line with the drum or the plane
     condensed : the statically condensed body
-    load_centre : (2,) point that the unit actuations (force x, force y, couple) act about [m]
-    rotation_mode : (2n,) contact displacement per radian of a rotation about the pin [m]
-    closure_by_pressure, closure_by_friction : (n, n) compliance blocks, N times the contact
-        displacement, by which the weighted gap closes
-    closure_by_load : (n, l) closure of the weighted gap due to the unit loads
-    load_motion_by_friction : (l, n) displacements of the unit loads' points due to friction
-    load_motion_by_load : (l, l) displacements of the unit loads' points due to the unit loads
-    reaction_to_pressure, reaction_to_friction : (3, n) force x, force y and moment that hold the
-        frame
-    reaction_to_load : (3, l) force x, force y and moment that hold the frame under the unit loads
+    load_centre : (2,) point [m] at which unit force x, unit force y and unit couple of the
+        actuation act
+    rotation_mode : (2n,) displacement of the contact nodes per radian of a rotation about the pin
+        [m]
+    closure_by_pressure, closure_by_friction : (n, n) weighted gap closure N u due to unit nodal
+        pressures, and due to unit nodal friction
+    closure_by_load : (n, l) weighted gap closure N u due to the unit loads
+    load_motion_by_friction : (l, n) displacement that does work with each unit load, due to unit
+        nodal friction
+    load_motion_by_load : (l, l) displacement that does work with each unit load, due to the unit
+        loads
+    reaction_to_pressure, reaction_to_friction : (3, n) support reaction on the frame (force x,
+        force y, moment about the pin) to unit nodal pressures, and to unit nodal friction
+    reaction_to_load : (3, l) support reaction on the frame to the unit loads
     of_file : the mesh that was read from a file, and how it was adapted; None without a file
     """
 
@@ -92,7 +97,7 @@ class ShoeSubstructure:
 
     @property
     def unit_load_vectors_by_name(self) -> LoadColumns:
-        """The load columns of the body, by name."""
+        """The load columns of the body: which columns belong to which named load."""
         return self.condensed.columns
 
     @property
@@ -102,25 +107,25 @@ class ShoeSubstructure:
 
     @cached_property
     def gap_closure_and_slip_by_turn_about_pin(self) -> tuple[Floats, Floats]:
-        """Weighted gap closure N u and slip T u (n, 1) [m^3] by a turn of the shoe about its pin.
+        """Weighted gap closure N u and slip T u (n, 1) [m^3] as the shoe rotates about its pin.
 
-        The turn is one radian.
+        The rotation is one radian.
         """
         mode = self.rotation_mode[:, None]
         return self.coupling.N @ mode, self.coupling.T @ mode
 
     @cached_property
     def resultants_of_contact_node_forces(self) -> Floats:
-        """Resultants (2, 3, n) of the nodal forces N^T and T^T, per nodal pressure.
+        """Resultants (2, 3, n) of the nodal forces N^T p and T^T p due to each unit nodal pressure.
 
-        Each is force x, force y and the moment about the drum's centre.
+        A resultant has force x, force y and the moment about the drum's centre.
         """
         x, y = self.line.xy
         count = self.line.xy.shape[1]
         zeros = np.zeros(count)
         ones = np.ones(count)
-        # The work of the nodal forces on a unit translation or a unit turn is their resultant force
-        # or moment.
+        # The work of the nodal forces on a unit translation is their resultant force, and the work
+        # on a unit rotation is their moment.
         modes = np.array([[ones, zeros], [zeros, ones], [-y, x]])
         modes = modes.transpose(0, 2, 1).reshape(3, -1)
         return np.array([modes @ self.coupling.N.T, modes @ self.coupling.T.T])
@@ -129,8 +134,9 @@ class ShoeSubstructure:
 class DividedBody(NamedTuple):
     """The finite elements of a shoe's body, as a `ShoeSubstructure` keeps them.
 
-    `mesh` and `basis` are the division and its nodes, and `line` is the contact line. `of_file` is
-    the mesh that was read from a file, and how it was adapted.
+    `mesh` has the elements, `basis` the nodes, and `line` is the contact line. `of_file` is the
+    mesh that was read from a file, with notes on how it was adapted; it is None for all other
+    bodies.
     """
 
     mesh: Any
@@ -140,11 +146,11 @@ class DividedBody(NamedTuple):
 
 
 class BodyNodes(NamedTuple):
-    """The nodes of a body and the actuation on them, in the shoe's frame.
+    """The nodes of a body and the nodal forces of its actuation, in the shoe's frame.
 
-    `xy` (2, nodes) [m] are the points of the nodes. `load` (2, nodes) [1] is the force on each node
-    per newton of the actuation. It is zero if the actuation acts on the rigid frame of the shoe and
-    not on the body.
+    `xy` (2, nodes) [m] are the coordinates of the nodes. `load` (2, nodes) [1] is the force on each
+    node per newton of the actuation force. It is zero if the actuation acts on the rigid frame of
+    the shoe instead of the elastic body.
     """
 
     xy: Floats
@@ -152,7 +158,7 @@ class BodyNodes(NamedTuple):
 
 
 def couple_shoe_with_drum_or_plane(line: ContactLine, shoe: Shoe) -> Coupling:
-    """The matrices that couple a shoe's contact line with the drum or the plane."""
+    """The weak coupling of a shoe's contact line with the drum or the plane."""
     directions = (
         plane_normals_and_tangents
         if shoe.flat
@@ -170,21 +176,22 @@ def make_shoe_substructure(
     *,
     friction: bool,
 ) -> ShoeSubstructure:
-    """Make the substructure of a shoe: its condensed body, coupled along the contact line.
+    """Make a shoe's substructure: couple its condensed body with the drum or the plane.
 
     Parameters
     ----------
     kind : class of the substructure that is made
     shoe : the shoe
-    division : the division of its body
-    condensed : its condensed body
-    centre : (2,) centre of the unit actuations [m]
+    division : the elements, nodes and contact line of the shoe's body
+    condensed : the condensed body of the shoe
+    centre : (2,) point at which the unit loads of the actuation act [m]
     friction : whether the brake has friction
     """
     line = division.line
     n = len(line.nodes)
     coupling = couple_shoe_with_drum_or_plane(line, shoe)
-    # The columns of the matrices that are made from Y stand for the same loads as those of Y.
+    # The columns of Y, and of all matrices that follow from Y, stand for pressures, unit loads and
+    # friction, in this order.
     Y = _half_flexibility_of_contact_nodes(condensed, coupling, friction=friction)
     first_friction = n + condensed.columns.number_of_load_columns
     pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
@@ -192,8 +199,9 @@ def make_shoe_substructure(
     reaction = condensed.L_fc @ Y
 
     reaction_to_load = reaction[:, loaded] - condensed.load_on_frame
-    # Free strains are in equilibrium with themselves, and the frame alone holds the body in a
-    # statically determinate way: heat calls for no reaction. What is computed is round-off.
+    # The nodal forces of free thermal strains have no resultant, and the frame alone supports the
+    # body in a statically determinate way. So heat causes no reaction, and the computed one is
+    # round-off.
     if HEAT in condensed.columns.column_slice_of_each_load:
         reaction_to_load[:, condensed.columns.column_slice_of_each_load[HEAT]] = 0.0
     x, y = line.xy - shoe.pin_in_shoe_frame[:, None]
@@ -220,16 +228,16 @@ def make_shoe_substructure(
 def _half_flexibility_of_contact_nodes(
     condensed: CondensedBody, coupling: Coupling, *, friction: bool
 ) -> Floats:
-    """The half flexibility Y: the loads on the contact nodes over the Cholesky factor.
+    """The half flexibility Y = L^-1 G of loads G on the contact nodes, with the Cholesky factor L.
 
-    The columns of Y stand for the n pressures, then the unit loads, then the n tractions of
-    friction.
+    The columns of Y stand for the n nodal pressures, then the l unit loads, then the n nodal values
+    of friction. Y^T Y is the flexibility of the body at these loads.
 
     Parameters
     ----------
     condensed : the condensed body of the shoe
-    coupling : its coupling with the drum or the plane
-    friction : whether the brake has friction; without it the last columns are left out
+    coupling : the shoe's coupling with the drum or the plane
+    friction : whether the brake has friction; without friction Y lacks the last n columns
     """
     forces = [-coupling.N.T, condensed.load_on_contact]
     if friction:
@@ -238,10 +246,11 @@ def _half_flexibility_of_contact_nodes(
 
 
 def free_strains_of_heated_layers(shoe: Shoe, radius: float) -> Strains:
-    """The free strains of the heated layers of a shoe in its own frame, by the names of its layers.
+    """The free thermal strains of each heated layer of a shoe, as functions of points.
 
-    `radius` [m] is the radius of the drum. The strains depend on the depth behind the friction
-    surface. The body has the layers "table", if it has a flange, and "shoe".
+    The result has a function from points to strains by the name of each heated layer, in the shoe's
+    frame. `radius` [m] is the radius of the drum. The strains depend on the depth behind the
+    friction surface. A body has the layer "shoe", and the layer "table" if it has a flange.
     """
     strains = {}
     for heated in heated_layers_of_shoe(shoe):
@@ -254,15 +263,15 @@ def free_strains_of_heated_layers(shoe: Shoe, radius: float) -> Strains:
 def _free_strains_at_points(
     shoe: Shoe, radius: float, heated: HeatedLayer, points: Floats
 ) -> Floats:
-    """The free strains (2, ...) of a heated layer of a shoe at points (2, ...) [m]."""
+    """The free thermal strains (2, ...) of a heated layer of a shoe at points (2, ...) [m]."""
     return np.asarray(heated.free_strains_at_depths(shoe.off(points, radius)))
 
 
 def loads_of_shoe_besides_actuation(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
-    """The nodal forces (2 nodes, l) of all unit loads of a shoe besides its actuation, by name.
+    """The nodal forces (2 nodes, l) of all unit loads of a shoe except its actuation, by name.
 
-    They are the load of a heated shoe and the unit loads of further forces and of forces on its
-    mass. A shoe without such loads has none.
+    The unit loads are the load of free thermal strains, unit forces at the points of further
+    forces, and unit loads on the shoe's mass. Loads that the shoe lacks are left out.
 
     Parameters
     ----------
@@ -278,11 +287,11 @@ def loads_of_shoe_besides_actuation(basis: Any, shoe: Shoe, radius: float) -> di
 
 
 def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
-    """The factors (l,) of a body's load columns under an actuation force [N] and further loads.
+    """The factors (l,) of a body's load columns under an actuation force [N] and all other loads.
 
     A load column is the load vector of a unit load. The load on the body is the sum of all columns
     times their factors. Contact, reactions, fields and refinement take the loads of a shoe from
-    this function. The heat of the shoe does not depend on the force; its factor is one.
+    this function. The thermal load does not depend on the force, and its factor is one.
     """
     factors, _ = load_factors_and_pin_moment_per_newton(body, shoe)
     acting = abs(force) * factors
@@ -295,10 +304,11 @@ def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: fl
 
 
 def load_factors_of_further_loads(body: ActuatedBody, shoe: Shoe) -> Floats:
-    """The factors (l,) of a body's load columns under the loads besides its actuation.
+    """The factors (l,) of a body's load columns under further forces and forces on the shoe's mass.
 
-    The loads act at their own places if the body has load columns for them. Else the body is rigid,
-    or its model has no such columns, and the loads act where the actuation acts.
+    If the body has load columns for these loads, the loads act at their own places. Otherwise the
+    body is rigid, or its model has no such columns, and the resultant of the loads acts where the
+    actuation acts.
     """
     columns = body.unit_load_vectors_by_name
     if not has_loads_at_their_places(columns):
@@ -309,9 +319,10 @@ def load_factors_of_further_loads(body: ActuatedBody, shoe: Shoe) -> Floats:
 def load_factors_of_force_at_point(
     body: ActuatedBody, shoe: Shoe, index: int, force: ForceAtPoint
 ) -> Floats:
-    """The factors (l,) of a body's load columns under the further force with a number `index`.
+    """The factors (l,) of a body's load columns under one of the further forces on a shoe.
 
-    `force` is the force with its point in the frame of the brake.
+    `force` is the force and its point in the frame of the brake. `index` is the number of the force
+    among the further forces of the shoe, counted from 0.
     """
     columns = body.unit_load_vectors_by_name
     at_place = columns.column_slice_of_each_load.get(FURTHER_FORCES)
@@ -346,16 +357,16 @@ def load_factors_of_resultant(body: ActuatedBody, shoe: Shoe, resultant: Floats)
 
 
 def moment_of_further_loads_about_pin(shoe: Shoe) -> float:
-    """Moment [N m] about the pin, in the sense of the shoe's frame, of loads besides actuation."""
+    """Moment [N m] about the pin of all loads except the actuation, in the shoe's frame."""
     return shoe.frame.sense * shoe.moment_of_further_loads_about_point(shoe.pin)
 
 
 def load_factors_and_pin_moment_per_newton(body: ActuatedBody, shoe: Shoe) -> tuple[Floats, float]:
     """The factors (l,) of a body's load columns under its actuation, and the moment about the pin.
 
-    Both are per newton of the actuation force and in the shoe's frame; the moment [m] is thus a
-    lever arm. A negative force counts as one newton in the opposite direction. Columns of other
-    loads have the factor zero.
+    Both are for an actuation force of 1 N and in the shoe's frame; the moment [m] is thus a lever
+    arm. If the actuation force of the shoe is negative, the 1 N acts in the opposite direction.
+    Columns of other loads have the factor zero.
     """
     own, moment = actuation_force_and_moments_per_newton(body.load_centre, shoe)
     return body.unit_load_vectors_by_name.factors_of_all_load_columns({ACTUATION: own}), moment
@@ -366,8 +377,9 @@ def load_factors_of_push_on_shoe(
 ) -> Floats:
     """The factors (l,) of a body's load columns under the push of a one-sided support.
 
-    A push at the loaded end acts on the load columns as the actuation does. The factors are 0 for a
-    push nearer to the held end: it acts on the rigid frame there.
+    A support that is nearer to the loaded end than to the hinge pushes at the loaded end, as the
+    actuation does. A support that is nearer to the hinge pushes on the rigid frame, and all factors
+    are 0.
 
     Parameters
     ----------
@@ -386,10 +398,10 @@ def load_factors_of_push_on_shoe(
 def actuation_force_and_moments_per_newton(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
     """Force x, force y and couple (3,) of a shoe's actuation, and its moment about the pin.
 
-    The couple [m] acts about the `centre` (2,) [m] in the shoe's frame. All values are per newton
-    of the actuation force.
+    The couple [m] is the moment of the force about `centre` (2,) [m] in the shoe's frame. All
+    values are per newton of the actuation force.
     """
-    # A negative force acts against the direction of the file.
+    # A negative force acts against the direction that the brake file gives.
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.unit_vector_of_force
     fx, fy = shoe.frame.convert_to_shoe_frame(direction).tolist()
     x, y = shoe.convert_points_to_shoe_frame(shoe.actuation.point.xy).tolist()
@@ -407,11 +419,11 @@ def support_reaction_of_shoe(
 
     Parameters
     ----------
-    body : the substructure
+    body : the substructure of the shoe
     p : (n,) pressure at the contact nodes [Pa]
-    dragging : (n,) pressures that `drag` turns into friction [Pa], see
+    dragging : (n,) pressures [Pa] whose product with `drag` is the friction per area, see
         `GroupState.dragging_pressures_of_shoe`
-    drag : friction coefficient mu times the sense s of sliding
+    drag : friction coefficient mu times the sense s = +-1 of sliding
     load : (l,) factors of the load columns
     """
     reaction = body.reaction_to_pressure @ p + body.reaction_to_load @ load

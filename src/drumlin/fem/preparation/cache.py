@@ -1,4 +1,4 @@
-"""A cache of condensed bodies, and the part of a brake on which each body depends."""
+"""A cache of condensed bodies, and keys with the data of a brake on which each body depends."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
@@ -47,7 +47,7 @@ def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
             arcs.append(grip)
     mesh: tuple[object, ...] | None = None
     if shoe.mesh is not None:
-        # A mesh in the brake's frame is another shape for each position of the shoe.
+        # If the mesh of a file is in the brake's frame, shoes at other positions have other shapes.
         frame = shoe.mesh_frame == "shoe" or shoe.frame
         mesh = (shoe.mesh, shoe.mesh_unit, frame, shoe.groups)
     # Lengths and angles are rounded, because round-off would make equal shapes different.
@@ -68,7 +68,7 @@ def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
 def first_shoes_of_equal_shape(brake: Brake) -> tuple[int, ...]:
     """For each shoe of a brake, the index of the first shoe that has the same shape.
 
-    Both share one condensed body. A shoe of a new shape has its own index.
+    Shoes of the same shape share one condensed body. The first shoe of a shape has its own index.
     """
     shapes = [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes]
     return tuple(map(shapes.index, shapes))
@@ -77,9 +77,10 @@ def first_shoes_of_equal_shape(brake: Brake) -> tuple[int, ...]:
 class Cache:
     """A store of the condensed bodies that were used last, for later prepared models.
 
-    A body depends on its key alone. `room` [bytes] limits the memory of all bodies together. Beyond
-    it the cache drops the body that was used longest ago; it never drops the body that was asked
-    for last. functools.lru_cache does not serve, since it counts entries and not bytes.
+    A body depends on its key alone. `room` [bytes] limits the memory of all bodies together. If
+    they need more, the cache drops the body that was used longest ago; it never drops the body that
+    was used last. functools.lru_cache cannot be used instead, since it counts entries and not
+    bytes.
     """
 
     def __init__(self, room: int = CACHE_BYTES) -> None:
@@ -136,8 +137,9 @@ def brake_without_loads_and_clearances(brake: Brake) -> Brake:
 def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
     """A copy of a shoe without the data on which its condensed body does not depend.
 
-    These are the force with its direction and, in most shoes, its point, the sizes of all further
-    loads, the clearance, the misfit and the friction; see `brake_without_loads_and_clearances`.
+    The removed data are the size and direction of the actuation force, in most shoes its point, the
+    sizes of all other loads, the clearance, the misfit and the friction. See
+    `brake_without_loads_and_clearances`.
     """
     actuation: dict[str, Any] = {"force": 1.0, "direction": 0.0}
     # A beam ends at the point of its force, and a guide has its pin there.

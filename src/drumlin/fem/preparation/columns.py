@@ -1,4 +1,4 @@
-"""Bodies in hp elements: each parametric shoe divided into columns of elements, and condensed."""
+"""Bodies of hp elements: divide each parametric shoe into columns of elements and condense it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -49,9 +49,9 @@ from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 MOST_CONTACT_NODES = 3000
 """Largest number of contact nodes in one contact problem; a brake with more is refused.
 
-On a rigid drum each shoe is a problem of its own, and an elastic ring couples the nodes of all
-shoes. The dense matrices of the contact have twice as many rows, and beyond the limit they take
-gigabytes.
+On a rigid drum each shoe is a problem of its own. An elastic ring couples the nodes of all shoes.
+The dense matrices of a contact problem have two rows for each node, and with more nodes they take
+gigabytes of memory.
 """
 PointsByShape = Mapping[int, Sequence[SingularPoint]]
 """The singular points of the pressure for each shape of shoe.
@@ -66,11 +66,11 @@ class _DivisionRule(NamedTuple):
     Attributes
     ----------
     shoe : the first shoe of the shape
-    level : degree and grading of the elements
+    level : degree of the elements, and their sizes at singular points
     points : singular points of the pressure on the lining
-    tip : whether elements become small towards the loaded end of the shoe
-    powers : exponents of the pressure at both ends of the lining, where it is a power of the
-        distance; 0 if the elements do not depend on them
+    tip : whether elements become small towards the loaded end of the shoe's body
+    powers : exponents with which the pressure is a power of the distance from the lining's start
+        and from its end; 0 if the elements do not depend on them
     division : the division that follows from all other attributes
     """
 
@@ -90,17 +90,17 @@ def make_hp_bodies(
     cache: Cache,
     seconds: Seconds,
 ) -> DividedBodies:
-    """Make the condensed bodies of a brake in hp elements; shoes of one shape share one body.
+    """Make the condensed bodies of a brake from hp elements; shoes of one shape share one body.
 
     Parameters
     ----------
     brake : the brake
-    level : degree and grading of the elements
+    level : degree of the elements, and their sizes at singular points
     places : singular points of the pressure, for each shape of shoe
     alike : for each shoe the index of the first shoe of the same shape, see
         `cache.first_shoes_of_equal_shape`
-    cache : keeps condensed bodies; found ones are taken from it, and new ones put there
-    seconds : time of each phase [s], which this function adds to
+    cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
+    seconds : time of each phase [s], to which this function adds its own times
 
     Raises
     ------
@@ -119,7 +119,7 @@ def make_hp_bodies(
     }
     bodies = tuple(made[i] for i in alike)
 
-    # The ring gets elements as small as the smallest of the linings.
+    # The smallest elements of the ring are as small as the smallest elements of the linings.
     singular_layer_size = min(rule.division.singular_layer_size for rule in rules.values())
     ring = None
     ring_under = partial(
@@ -146,7 +146,8 @@ def _require_few_contact_nodes(
     brake: Brake, rules: Mapping[int, _DivisionRule], alike: Sequence[int]
 ) -> None:
     """Raise NoAnswer if a contact problem has more than MOST_CONTACT_NODES contact nodes."""
-    # A ring couples the contact nodes of all shoes; on a rigid drum each shoe stands alone.
+    # An elastic ring couples the contact nodes of all shoes. On a rigid drum each shoe is a contact
+    # problem of its own.
     together = sum if brake.ring is not None else max
     nodes = together(rules[i].division.contact_nodes for i in alike)
     if nodes > MOST_CONTACT_NODES:
@@ -161,8 +162,8 @@ def _rule_that_divides_shoes_of_one_shape(
     """The rule that divides the shoes of one shape, whose first shoe has the index `i`."""
     shoe = brake.shoes[i]
     points = places.get(i, ())
-    # A cam touches the loaded end of the shoe and holds it. The displacement of this end then
-    # matters, and the elements become small towards it.
+    # A cam touches the loaded ends of the shoes, so that the cam's forces depend on the
+    # displacements of these ends. The elements become small towards the ends to compute them.
     tip = brake.actuation is not None and brake.actuation.is_cam
     powers = _smallest_pressure_exponents_at_lining_ends(brake, alike, i, points)
     level = _level_for_loads_at_places(shoe, brake.size, level)
@@ -173,7 +174,7 @@ def _rule_that_divides_shoes_of_one_shape(
 
 
 def _level_for_loads_at_places(shoe: Shoe, radius: float, level: Level) -> Level:
-    """The level, with element columns as narrow as the body is thick if forces act on the body.
+    """The level, with element columns no wider than the body is thick if forces act on the body.
 
     A force at a place of the body is spread over about the body's thickness, which wider columns
     would not resolve.
@@ -191,7 +192,7 @@ def _level_for_loads_at_places(shoe: Shoe, radius: float, level: Level) -> Level
 def _cached_or_newly_condensed_body(
     brake: Brake, rule: _DivisionRule, cache: Cache, seconds: Seconds
 ) -> ShoeSubstructure:
-    """The condensed body of the shoes of one shape, from the cache or made now."""
+    """The condensed body of the shoes of one shape, from the cache or newly made."""
     shoe, division = rule.shoe, rule.division
     friction = brake.friction > 0
     key = (
@@ -227,14 +228,15 @@ def _smallest_pressure_exponents_at_lining_ends(
 ) -> tuple[float, float]:
     """The smallest exponents of the pressure at the start and the end of the linings of one shape.
 
-    Near a corner of the lining the pressure p is a power of the distance to the corner. Both
-    exponents are 0 if no contact is as short as LONGEST_CORNER_CONTACT, since corners of longer
-    contacts do not count. Both are also 0 on an elastic ring. `first` is the index of the first
-    shoe of the shape, and `points` are its singular points.
+    Near a corner of the lining the pressure p is a power of the distance to the corner. The shoes
+    of one shape may have different exponents, of which the smallest is taken. If all contacts are
+    longer than LONGEST_CORNER_CONTACT or the drum has an elastic ring, the elements do not depend
+    on the exponents, and both are returned as 0. `first` is the index of the first shoe of the
+    shape, and `points` are the singular points of its pressure.
     """
-    # An exponent would make columns at the corner very narrow, and those of the ring as well.
-    # Columns of the width w lose some 1e-16 (R/w)^2 of the forces of a ring of radius R, because
-    # the ring bends as a whole: 1e-4 at the width of a corner's columns.
+    # An exponent would make the columns of the lining and of the ring at the corner very narrow.
+    # Since the ring bends as a whole, round-off in columns of width w changes the forces of a ring
+    # of radius R by a fraction of about 1e-16 (R/w)^2: by 1e-4 at the width of columns at a corner.
     if brake.ring is not None and brake.ring.section is not None:
         return 0.0, 0.0
     ends = [point.length for point in points if point.kind == Singularity.END]
@@ -251,10 +253,10 @@ def _smallest_pressure_exponents_at_lining_ends(
 
 
 def _hp_element_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
-    """The nodes that the body of a changed shoe has if it is divided by the rule of its shape.
+    """The nodes of a changed shoe's body, divided by the rule by which the present shoe is divided.
 
     The singular points keep their distance from the lining's start. The columns of a straight beam
-    under the lining keep their place on the drum, although the frame of the shoe turns with its
+    under the lining stay where they are on the drum, although the frame of the shoe turns with its
     hinge.
     """
     shoe = rule.shoe
@@ -282,6 +284,7 @@ def _nodes_of_changed_shoe_divided_as_before(
 ) -> BodyNodes:
     """The nodes that the body of shoe `i` would have if the shoe were changed to `shoe`.
 
-    The changed shoe is divided by the rule of the shape of shoe `i`; see `PreparedModel`.
+    The changed shoe is divided by the rule by which shoe `i` is divided. `nodes_by_shape` has a
+    function from a changed shoe to its nodes, by the index of the first shoe of each shape.
     """
     return nodes_by_shape[alike[i]](shoe)

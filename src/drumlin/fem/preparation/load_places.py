@@ -1,14 +1,14 @@
-"""Forces at places of an elastic shoe, and forces on its mass, as load columns of its body.
+"""Forces at points of an elastic shoe, and forces on its mass, as load columns of its body.
 
-A force acts on the section of the body at the point of the force. It is spread evenly over the
-thickness of the body there, and along the body by the normal distribution with a standard deviation
-of SPREAD times the thickness. A traction that grows linearly from the centre of this area adds the
-couple by which the force acts at its own point, as on the end face on which the actuation acts. A
-point beyond an end of the body counts as one at this end.
+A force at a point acts on the cross-section of the body there. It is spread uniformly over the
+body's thickness, and along the body by the normal distribution with a standard deviation of SPREAD
+times the thickness. A traction that grows linearly from the centre of this area adds a couple, so
+that the resultant acts at the point of the force, as on the end face on which the actuation acts.
+If the point lies beyond an end of the body, the cross-section at this end is loaded.
 
-The mass of a shoe has one density in lining, backing and body. Weight and centrifugal force act on
-it everywhere. The centre of mass in the brake file may be another point than that of this mass. The
-difference of the resultants then acts on the section at the centre of mass.
+Lining, backing and body of a shoe have one common density. Weight and centrifugal force act on this
+mass everywhere. The centre of mass in the brake file may differ from the centre of this mass. The
+resultant that is then missing acts on the cross-section at the centre of mass of the file.
 """
 
 from collections.abc import Mapping
@@ -24,16 +24,16 @@ from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.loads import FORCES_ON_MASS, FURTHER_FORCES, LoadColumns
 
 SPREAD = 0.5
-"""Standard deviation of the length over which a force is spread, relative to the body's thickness.
+"""Standard deviation of the distribution of a force along the body, relative to its thickness.
 
 Two thirds of the force then act within one thickness of the body. A body bends by the resultant of
-a force alone, and farther than about one thickness from the force it does not matter how the force
-is spread (Saint-Venant's principle). A smaller value needs smaller elements and raises the pressure
-of the lining in front of the force; a larger value makes the place of the force less sharp. The
+a force alone: at more than about one thickness from the force it does not matter how the force is
+spread (Saint-Venant's principle). A smaller value needs smaller elements and raises the lining's
+pressure opposite the force; with a larger value the force is smeared over more of the body. The
 value is a judgement.
 """
 BODY_PARTS = ("table", "shoe")
-"""Names of the layers that make up the body of a shoe, on which forces at places act."""
+"""Names of the layers of a shoe's body, on which forces at points of the shoe act."""
 
 
 LOADS_AT_PLACES = (FURTHER_FORCES, FORCES_ON_MASS)
@@ -43,8 +43,8 @@ LOADS_AT_PLACES = (FURTHER_FORCES, FORCES_ON_MASS)
 def places_of_loads_on_body(shoe: Shoe) -> Floats:
     """The points (k, 2) [m] at which an elastic shoe is loaded, in the shoe's own frame.
 
-    They are the points of its further forces, then the centre of its mass, if it has one. A rigid
-    shoe has no such points: only the resultant of its forces matters.
+    They are the points of its further forces, and last its centre of mass if it has a mass. A rigid
+    shoe has no such points, because only the resultant of its forces matters.
     """
     if shoe.body is None or shoe.has_loads_at_actuation:
         return np.zeros((0, 2))
@@ -55,15 +55,15 @@ def places_of_loads_on_body(shoe: Shoe) -> Floats:
 
 
 class _LoadedArea(NamedTuple):
-    """The elements of a body on which forces act, at their quadrature points.
+    """The quadrature points of the elements of a body on which forces act.
 
     Attributes
     ----------
     xy : (2, e, q) quadrature points [m]
     shapes : (a, q) shape functions
-    areas : (e, q) areas that the points stand for [m^2]
-    nodes : (e, a) numbers of the nodes
-    node_places : (2, N) places of all nodes of the mesh [m]
+    areas : (e, q) area of the element that each point stands for [m^2]
+    nodes : (e, a) numbers of the nodes of each element
+    node_places : (2, N) coordinates of all nodes of the mesh [m]
     """
 
     xy: Floats
@@ -72,8 +72,11 @@ class _LoadedArea(NamedTuple):
     nodes: Ints
     node_places: Floats
 
-    def nodal_values(self, density: Floats) -> Floats:
-        """The nodal values (N,) that do the work of a density (e, q) at the quadrature points."""
+    def integrals_with_shape_functions(self, density: Floats) -> Floats:
+        """The integrals (N,) over the area of each node's shape function times a density (e, q).
+
+        The density is given at the quadrature points of the elements.
+        """
         values = (density * self.areas) @ self.shapes.T
         count = self.node_places.shape[1]
         found = np.bincount(self.nodes.ravel(), values.ravel(), minlength=count)
@@ -86,24 +89,24 @@ class _LoadedArea(NamedTuple):
 
 
 class _UnitLoadsAtPlace(NamedTuple):
-    """Unit loads on the section of a body at a place, as nodal forces on all nodes.
+    """Unit loads on a cross-section of a body, as forces on all nodes.
 
-    `forces` (3, 2, N) are those of force x, force y and couple, and `centre` (2,) [m] is the point
-    about which the couple acts.
+    `forces` (3, 2, N) are the nodal forces of unit force x, unit force y and unit couple, and
+    `centre` (2,) [m] is the point at which the unit forces act.
     """
 
     forces: Floats
     centre: Floats
 
     def forces_of_load_at_point(self, force: Floats, point: Floats, couple: float = 0.0) -> Floats:
-        """Nodal forces (2, N) of a force (2,) at a point (2,) [m], with a further couple."""
+        """Nodal forces (2, N) of a force (2,) [N] at a point (2,) [m] and a couple [N m]."""
         x, y = point - self.centre
         factors = [*force, x * force[1] - y * force[0] + couple]
         return np.einsum("l,lcn->cn", factors, self.forces)
 
 
 def unit_loads_of_forces_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
-    """The nodal forces (2 nodes, l) of unit loads at places of a shoe, by the name of the load.
+    """The nodal forces (2 nodes, l) of unit loads at points of a shoe and on its mass, by name.
 
     Parameters
     ----------
@@ -114,11 +117,11 @@ def unit_loads_of_forces_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
     Returns
     -------
     FURTHER_FORCES : unit force x and unit force y at the point of each further force
-    FORCES_ON_MASS : unit acceleration x, unit acceleration y and unit square of the angular speed,
-        each on a mass of 1 kg, in the axes of the shoe's frame
+    FORCES_ON_MASS : forces on a mass of 1 kg by unit acceleration x, unit acceleration y and unit
+        square of the angular speed, in the axes of the shoe's frame
 
-    A shoe without such loads or without a body has none of these names, nor has a mesh file without
-    elements of a body.
+    The result is empty for a shoe without such loads, for a shoe without a body, and for a mesh
+    file without elements of a body.
     """
     places = places_of_loads_on_body(shoe)
     if not len(places):
@@ -143,21 +146,21 @@ def unit_loads_of_forces_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
         columns = []
         for at_place, place in zip(at_places[:forces], places, strict=False):
             columns += [at_place.forces_of_load_at_point(unit, place) for unit in np.eye(2)]
-        found[FURTHER_FORCES] = _as_columns(columns)
+        found[FURTHER_FORCES] = _nodal_forces_as_columns(columns)
     if shoe.mass is not None:
         volume = np.zeros_like(elements.areas)
         for name, own in elements.parts.items():
             volume[own] = layers[name].width
         whole = _LoadedArea(*elements[:4], basis.doflocs)
         centre = shoe.convert_points_to_shoe_frame(np.zeros(2))
-        found[FORCES_ON_MASS] = _as_columns(
+        found[FORCES_ON_MASS] = _nodal_forces_as_columns(
             _unit_loads_on_mass(whole, volume, at_places[-1], places[-1], centre)
         )
     return found
 
 
-def _as_columns(loads: list[Floats]) -> Floats:
-    """Nodal forces (2 nodes, k) from a list of k nodal forces (2, nodes)."""
+def _nodal_forces_as_columns(loads: list[Floats]) -> Floats:
+    """One array (2 nodes, k) of nodal forces, from a list of k arrays (2, nodes)."""
     return np.array(loads).transpose(2, 1, 0).reshape(-1, len(loads))
 
 
@@ -168,7 +171,10 @@ def _unit_loads_at_place(
     radius: float,
     place: Floats,
 ) -> _UnitLoadsAtPlace:
-    """The unit loads on the section of a body at a place (2,) [m] in the shoe's frame."""
+    """The unit loads on a body's cross-section at a point `place` (2,) [m] in the shoe's frame.
+
+    The loads are spread along the body as described for SPREAD.
+    """
     along = layers["shoe"].along
 
     def position_along_body(xy: Floats) -> Floats:
@@ -187,9 +193,9 @@ def _unit_loads_at_place(
     distance = (position_along_body(body.xy) - at) * unit / (SPREAD * thickness)
     density = np.exp(-0.5 * distance**2)
     total = float((density * body.areas).sum())
-    even = body.nodal_values(density / total)
+    even = body.integrals_with_shape_functions(density / total)
     centre = body.node_places @ even
-    x, y = (body.nodal_values(density / total * own) for own in body.xy)
+    x, y = (body.integrals_with_shape_functions(density / total * own) for own in body.xy)
     couple = np.array([centre[1] * even - y, x - centre[0] * even])
     couple /= body.resultant(couple)[2]
     zero = np.zeros_like(even)
@@ -203,23 +209,27 @@ def _unit_loads_on_mass(
     place: Floats,
     centre: Floats,
 ) -> list[Floats]:
-    """The nodal forces (2, N) on a mass of 1 kg of two unit accelerations and of unit rotation.
+    """The nodal forces (2, N) on 1 kg by unit acceleration x, unit acceleration y and rotation.
+
+    The rotation has the angular speed of 1 rad/s.
 
     Parameters
     ----------
     whole : all elements of the shoe
-    volume : (e, q) volume of each element per area in the plane [m]
-    at_place : the unit loads on the section at the centre of mass of the brake file
-    place : (2,) this centre of mass [m]
+    volume : (e, q) width of the shoe's parts at the quadrature points: volume per area [m]
+    at_place : the unit loads on the body's cross-section at the centre of mass of the brake file
+    place : (2,) the centre of mass of the brake file [m]
     centre : (2,) point about which the shoe rotates [m]
     """
     density = volume / float((volume * whole.areas).sum())
-    even = whole.nodal_values(density)
+    even = whole.integrals_with_shape_functions(density)
     arms = whole.xy - centre[:, None, None]
     zero = np.zeros_like(even)
-    # The loads of one density have these resultants; those of the file act at `place`.
+    # A load on the uniform density has a resultant (fx, fy, moment). The wanted resultant is a
+    # force that acts at `place`, the centre of mass of the brake file. The difference acts on the
+    # body's cross-section at `place`.
     loads = [np.array([even, zero]), np.array([zero, even])]
-    loads.append(np.array([whole.nodal_values(density * arm) for arm in arms]))
+    loads.append(np.array([whole.integrals_with_shape_functions(density * arm) for arm in arms]))
     corrected = []
     for load, wanted in zip(loads, [*np.eye(2), place - centre], strict=True):
         fx, fy, moment = whole.resultant(load)
@@ -230,7 +240,7 @@ def _unit_loads_on_mass(
 
 
 def factors_of_forces_and_mass(shoe: Shoe) -> dict[str, Floats]:
-    """The factors of the `unit_loads_of_forces_and_mass` under the loads of a shoe, by name."""
+    """The factors of the loads of `unit_loads_of_forces_and_mass` under a shoe's loads, by name."""
     found = {}
     forces = shoe.further_forces_at_points
     if forces:
@@ -244,5 +254,5 @@ def factors_of_forces_and_mass(shoe: Shoe) -> dict[str, Floats]:
 
 
 def has_loads_at_their_places(columns: LoadColumns) -> bool:
-    """Whether a body has load columns for forces at their places, or for forces on its mass."""
+    """Whether a body has load columns for forces at points of the shoe, or on its mass."""
     return any(name in columns.column_slice_of_each_load for name in LOADS_AT_PLACES)

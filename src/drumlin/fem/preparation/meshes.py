@@ -1,4 +1,4 @@
-"""Bodies on meshes: a parametric mesh of each shoe, or the mesh of its file, condensed."""
+"""Condensed bodies on meshes: each shoe has a parametric mesh or the mesh of a file."""
 
 import itertools
 from collections.abc import Callable
@@ -62,10 +62,10 @@ from drumlin.response.response import edge_zone_angle_in_shoe_frame
 ELEMENTS = 80
 """Default number of elements of a mesh along a lining.
 
-On most brakes the error of the pressure p in L2 is then about 0.2 %, and the error of the torque
-0.001 %. On 22 random brakes, half the number made the median error of p twice as large, and that of
-the torque three times. Twice the number made them 0.7 and 0.5 times as large, at four times the
-work.
+With this number the error of the pressure p in L2 is about 0.2 % on most brakes, and the error of
+the torque 0.001 %. On 22 random brakes, half the number made the median error of p twice as large,
+and the median error of the torque three times as large. Twice the number multiplied these errors by
+0.7 and by 0.5 and took four times the work.
 """
 MOST_LINING_ELEMENTS = 4000
 """Largest number of elements of a mesh along a lining; larger numbers are refused.
@@ -74,36 +74,39 @@ The dense matrices of a contact with this number of elements fill 2 GB.
 """
 
 Mesher = Callable[[Shoe, float], Any]
-"""The type of a function that makes the mesh of a shoe.
+"""The type of a function that makes the mesh of a shoe, in the frame of the shoe.
 
-Its arguments are the shoe and the drum's radius [m]. The mesh is in the frame of the shoe.
+The arguments of the function are the shoe and the drum's radius [m].
 """
 
 
 MOST_RAISED_NODES = 150_000
-"""Largest number of nodes of a shoe at a raised degree.
+"""Largest number of nodes of a shoe whose mesh gets elements of a higher degree than in the file.
 
-A solve with this number takes a minute. The degree of a larger mesh is not raised so far.
+A solve with this number takes a minute. A degree that needs more nodes is refused.
 """
 
 
 SHAPE_DEGREE = 5
-"""Degree of the polynomials that give the nodes of split elements their places.
+"""Degree of the polynomials that map elements when they are split, and so place the new nodes.
 
-Sides on the drum of a third of its radius then follow the drum to 1e-7 of the radius, which is far
-less than a lining's compression. A higher degree takes longer and changes nothing.
+Element sides on the drum that are a third of the drum's radius long then follow the drum to 1e-7 of
+the radius, which is far less than the lining is compressed. A higher degree takes longer and
+changes nothing.
 """
 
 
 class RaisedDegree(NamedTuple):
-    """The degree of the displacements on the mesh of a file, and how its elements are split.
+    """The degree of the displacements on a mesh from a file, and how the mesh's elements are split.
 
     Attributes
     ----------
-    degree : the degree; None for the degree of the mesh itself
-    smooth : whether straight sides on curved lines become arcs, see `mesh.smooth_outline`
-    level : sizes of the elements at singular points; None leaves all elements whole
-    points : singular points of the pressure on each shoe; empty for shoes of the shape of another
+    degree : the degree; None for the degree that the mesh has in the file
+    smooth : whether straight sides of elements on curved lines become arcs, see
+        `mesh.smooth_outline`
+    level : sizes of the elements at singular points; None if no element is split
+    points : singular points of the pressure on each shoe; none for a shoe that has the same shape
+        as an earlier shoe
     """
 
     degree: int | None = None
@@ -113,7 +116,7 @@ class RaisedDegree(NamedTuple):
 
 
 OWN_DEGREE = RaisedDegree()
-"""The degree of the mesh itself, on whole elements."""
+"""The degree that the mesh has in its file, without splitting of elements."""
 
 
 def make_mesh_bodies(
@@ -130,25 +133,26 @@ def make_mesh_bodies(
     Parameters
     ----------
     brake : the brake
-    elements : number of elements along each parametric lining, and of an elastic ring along each
-        lining
+    elements : number of elements along each lining with a parametric mesh, and number of elements
+        of an elastic ring along each lining
     kind : kind of the elements, "quad2", "quad1", "tri2" or "tri1"
     mesher : function that makes the mesh of a shoe without a file, in place of
         `parametric_mesh_of_shoe`; its bodies are not taken from the cache
-    raised : degree of the displacements on the meshes of files
-    cache : keeps condensed bodies; found ones are taken from it, and new ones put there
+    raised : degree of the displacements on meshes from files, and how their elements are split
+    cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
     seconds : time of each phase [s], which this function adds to
 
     Raises
     ------
     BadInput
-        for a number of elements out of range, and for a mesh file that cannot serve
+        if the number of elements is out of range, or if a mesh file cannot be used
     """
     if not 1 <= elements <= MOST_LINING_ELEMENTS:
         raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_LINING_ELEMENTS}")
     cache = cache if mesher is None else Cache()
     mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
-    # Shoes of one shape share a body within the brake, and equal bodies are shared between brakes.
+    # Shoes of one shape share a body within the brake. The cache shares equal bodies between
+    # brakes.
     setting = (elements, kind, raised)
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
     for i, shoe in enumerate(brake.shoes):
@@ -182,8 +186,8 @@ def _mesh_nodes_of_changed_shoe(
 ) -> BodyNodes:
     """The nodes that the meshed body of shoe `i` would have if the shoe were changed to `shoe`.
 
-    The changed shoe is meshed by the same rule; see `PreparedModel`. The mesh of a file stays the
-    same in the frame of the shoe.
+    The changed shoe is meshed with the same number and kind of elements. A mesh from a file stays
+    the same in the frame of the shoe.
     """
     if shoe.mesh is None:
         mesh = mesher(shoe, radius)
@@ -208,13 +212,15 @@ class AssembledShoe:
 
     Attributes
     ----------
-    mesh, basis : the mesh and its scalar basis
+    mesh, basis : the mesh, and its scalar basis of nodes and shape functions
     line : the contact line
-    K : (2 nodes, 2 nodes) stiffness, without boundary conditions [N/m]
-    constraints : the multi-point constraints of hinge and loaded end
+    K : (2 nodes, 2 nodes) sparse stiffness without boundary conditions [N/m]
+    constraints : the multi-point constraints, which tie the nodes of the hinge's face to the frame
     loads : unit loads (unknowns, k) by their name, on the unknowns that the constraints leave
-    load_centre : (2,) point about which the couple of the unit actuations acts [m]
-    of_file : the mesh that was read from a file, and how it was adapted; None without a file
+    load_centre : (2,) point [m] at which unit force x, unit force y and unit couple of the
+        actuation act
+    of_file : the mesh that was read from a file, with notes on how it was adapted; None without a
+        file
     """
 
     mesh: Any
@@ -228,22 +234,22 @@ class AssembledShoe:
 
     @cached_property
     def unit_load_vectors_by_name(self) -> LoadColumns:
-        """The load columns of the shoe, by name: one column for each unit load."""
+        """The load columns of the shoe: which columns belong to which named load."""
         return LoadColumns.load_columns_of_named_loads(self.loads)
 
 
 def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
-    """The contact line of a shoe on a mesh.
+    """The contact line of a shoe with a mesh.
 
-    `facets` are the numbers of the element sides on the friction surface, in the scalar basis of
-    the mesh. `radius` is the radius of the drum [m].
+    `basis` is the scalar basis of the mesh. `facets` are the numbers of the element sides on the
+    friction surface, and `radius` is the radius of the drum [m].
     """
     middle = sum(shoe.arc) / 2
     unit = radius if shoe.flat else None
     line = make_contact_line_of_lining(
         basis, facets, middle, unit, edge_zone_angle_in_shoe_frame(shoe, radius)
     )
-    # A lining ends where the next edge does not begin with the last node of the edge before.
+    # A lining ends at an edge whose last node is not the first node of the next edge.
     first, last = line.pieces[0], line.pieces[-1]
     return replace(line, further_linings=tuple(first[1:][first[1:] != last[:-1]].tolist()))
 
@@ -264,18 +270,19 @@ def mesh_and_assemble_shoe(
     shoe : the shoe
     mesher : function that makes the mesh of a shoe without a file
     seconds : time of each phase [s], which this function adds to
-    raised : degree of the displacements on the mesh of a file
-    cache : keeps the meshes of files
+    raised : degree of the displacements on a mesh from a file, and how its elements are split
+    cache : cache of meshes that were read from files
 
     Raises
     ------
     BadInput
-        for a mesh file that cannot serve
+        if a mesh file cannot be used
     """
     with add_elapsed_time(seconds, "mesh"):
         of_file = read_mesh_file_of_shoe(brake, shoe, cache or Cache())
         mesh = mesher(shoe, brake.size) if of_file is None else of_file.mesh
-        # A parametric mesh has its own degree, and as many elements as it was asked for.
+        # The degree of a parametric mesh is never raised, and its elements are never split: their
+        # kind and number were chosen when it was made.
         degree = OWN_DEGREE if of_file is None else raised
         basis = _basis_of_raised_degree(mesh, degree, shoe, brake.size)
         mesh = basis.mesh
@@ -292,8 +299,8 @@ def mesh_and_assemble_shoe(
             )
             actuated = constraints.matrix.T @ unit_loads
         else:
-            # The force acts on the rigid frame: the rigid shoe itself, or the grip that holds the
-            # back of the body.
+            # The actuation force acts on the rigid frame: on the rigid shoe itself, or on the grip
+            # that holds the back of the body.
             load_centre = pin
             actuated = np.zeros((constraints.matrix.shape[1], FRAME))
             actuated[-FRAME:] = np.eye(FRAME)
@@ -305,10 +312,11 @@ def mesh_and_assemble_shoe(
 
 
 def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float) -> Any:
-    """The basis of a degree on the mesh of a shoe, whose elements may be split.
+    """The basis of nodes and shape functions on the mesh of a shoe, with `raised` applied to it.
 
-    `radius` is the radius of the drum [m], on a plane the length of the pad. Raises NoAnswer if the
-    basis has too many nodes.
+    The degree of the displacements may be raised and elements may be split. `radius` is the radius
+    of the drum [m], on a plane the length of the pad. Raises NoAnswer if the basis has too many
+    nodes.
     """
     if raised.degree is None:
         return nodal_basis_of_mesh(mesh)
@@ -327,7 +335,7 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
         return basis
     shape = nodal_basis_of_shoe_mesh(mesh, SHAPE_DEGREE, shoe, radius)
     finest = _longest_sides_at_singular_points(mesh, raised, shoe, radius)
-    # A triangle of degree p has some p^2 / 2 nodes of its own.
+    # A mesh of triangles of degree p has about p^2 / 2 nodes for each triangle.
     most = 2 * MOST_RAISED_NODES // raised.degree**2
     parts = splitting.split_mesh_towards_points(shape, finest, most)
     if parts is None:
@@ -338,10 +346,10 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
 def _longest_sides_at_singular_points(
     mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float
 ) -> Any:
-    """The singular points of a shoe on the mesh of a file, and the longest sides there.
+    """The singular points of a shoe with a mesh from a file, and the longest element sides there.
 
-    They are the corners of the mesh and the singular points of the pressure. The result is a
-    `splitting.FinestSides`. The parameters are those of `_basis_of_raised_degree`.
+    Singular points are the corners of the mesh and the singular points of the pressure. The result
+    is a `splitting.FinestSides`. The parameters are those of `_basis_of_raised_degree`.
     """
     # The modules load scikit-fem, which takes long.
     from drumlin.fem.mesh.smooth_outline import singular_corners_of_mesh  # noqa: PLC0415
@@ -370,7 +378,7 @@ def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMesh |
     """
     if shoe.mesh is None:
         return None
-    # The module loads meshio, which takes 0.1 s. It is imported only if a mesh file is read.
+    # The imported module loads meshio, which takes 0.1 s. So it is imported only here.
     from drumlin.fem.mesh.file import read_shoe_mesh_with_notes  # noqa: PLC0415
 
     key = (shoe_without_loads_and_clearances(shoe), brake.size, digest_of_mesh_file_of_shoe(shoe))
@@ -382,7 +390,7 @@ def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMesh |
 
 def _memory_of_mesh(read: ShoeMesh) -> int:
     """The approximate memory [bytes] of a mesh that was read from a file."""
-    # Nodes, elements and sides are some 60 numbers for each node.
+    # Coordinates, elements and sides are some 60 numbers of 8 bytes for each node.
     return 500 * int(read.mesh.doflocs.shape[1])
 
 
@@ -413,7 +421,7 @@ def _mesh_condense_and_couple_shoe(
 
 
 def materials_and_widths_of_shoe_parts(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:
-    """Material and width [m] of each part of a shoe: lining, backing and the plates of its body."""
+    """Material and width [m] of a shoe's lining, backing and body plates, by the part's name."""
     parts: dict[str, tuple[AnyMaterial, float]] = {
         "lining": (shoe.lining.material, shoe.lining.width)
     }

@@ -1,4 +1,4 @@
-"""The function that makes the prepared model of a brake: bodies divided, condensed and coupled."""
+"""The prepared model of a brake: its bodies are divided into elements, condensed and coupled."""
 
 from collections.abc import Sequence
 
@@ -19,9 +19,9 @@ from drumlin.fem.preparation.meshes import (
 from drumlin.fem.preparation.scene import (
     PreparedModel,
     Seconds,
+    messages_on_rigid_parts,
+    messages_on_shoes_of_equal_shape,
     reason_why_brake_is_not_modelled,
-    text_lines_on_rigid_parts,
-    text_lines_on_shoes_of_equal_shape,
 )
 
 
@@ -44,25 +44,26 @@ def make_prepared_model(
     Parameters
     ----------
     brake : the brake
-    level : degree and grading of hp elements; with None every shoe is meshed
-    places : singular points of the pressure for each shape of shoe, for hp elements
+    level : degree of hp elements, and their sizes at singular points; if None, every shoe is meshed
+    places : singular points of the pressure for each shape of shoe; they matter for hp elements
+        only
     alike : for each shoe the index of the first shoe of the same shape, see
-        `cache.first_shoes_of_equal_shape`; if it is empty, this function finds the indices
-    elements : number of elements along each parametric lining of a mesh
-    kind : kind of a mesh, "quad2", "quad1", "tri2" or "tri1"
+        `cache.first_shoes_of_equal_shape`; if it is empty, the indices are computed here
+    elements : number of elements along each lining with a parametric mesh
+    kind : kind of the elements of a parametric mesh, "quad2", "quad1", "tri2" or "tri1"
     mesher : function that makes the mesh of a shoe without a file, in place of
         `parametric_mesh_of_shoe`; `elements` then divides an elastic ring only, and no body is
         taken from the cache
-    raised : degree of the displacements on the meshes of files
-    cache : keeps condensed bodies; found ones are taken from it, and new ones put there
+    raised : degree of the displacements on meshes from files, and how their elements are split
+    cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
 
     Raises
     ------
     BadInput
-        for a brake that finite elements do not cover, a number of elements out of range, and a
-        mesh file that cannot serve
+        if the finite elements do not apply to the brake, if the number of elements is out of range,
+        or if a mesh file cannot be used
     NoAnswer
-        for a level with more contact nodes than are allowed, and for a singular stiffness
+        if a contact problem has more nodes than are allowed, or if a stiffness is singular
     """
     reason = reason_why_brake_is_not_modelled(brake)
     if reason is not None:
@@ -74,9 +75,9 @@ def make_prepared_model(
         made = make_mesh_bodies(brake, elements, kind, mesher, raised, cache, seconds)
     else:
         made = make_hp_bodies(brake, level, places, alike, cache, seconds)
-    left_out = _text_lines_on_neglected_quantities(
-        brake, len(set(alike))
-    ) + text_lines_on_rigid_parts(brake)
+    left_out = _messages_on_neglected_quantities(brake, len(set(alike))) + messages_on_rigid_parts(
+        brake
+    )
     return PreparedModel(
         brake,
         made.bodies,
@@ -89,13 +90,13 @@ def make_prepared_model(
     )
 
 
-def _text_lines_on_neglected_quantities(brake: Brake, shapes: int) -> list[str]:
-    """Lines of text that name the quantities which a prepared model does not contain.
+def _messages_on_neglected_quantities(brake: Brake, shapes: int) -> list[str]:
+    """Messages that name what a prepared model does not contain.
 
     `shapes` is the number of different shapes of shoe in the brake.
     """
     lines = ["interior fields: recovered only for a file or a picture"]
-    lines += text_lines_on_shoes_of_equal_shape(brake, shapes)
+    lines += messages_on_shoes_of_equal_shape(brake, shapes)
     if brake.friction == 0:
         lines.append("friction: mu = 0, symmetric, without the flexibility under drag")
     return lines

@@ -1,4 +1,4 @@
-"""The prepared model of a brake: its condensed bodies, and the effects that they neglect."""
+"""The prepared model of a brake: its condensed bodies, and messages on what they neglect."""
 
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -32,10 +32,11 @@ def add_elapsed_time(seconds: Seconds, phase: str) -> Iterator[None]:
 class DividedBodies(NamedTuple):
     """The condensed bodies of a brake: one for each shoe, and one for the drum's ring.
 
-    The function `nodes_of_changed_shoe` divides a changed shoe by the rule by which these bodies
-    were divided. The function `ring_under_lines` divides the ring under other contact lines in the
-    same way; see `PreparedModel`. `divisions` are the divisions into hp elements by the position of
-    the first shoe of each shape, empty for meshes.
+    The function `nodes_of_changed_shoe` divides a changed shoe into elements by the rule by which
+    these bodies were divided. The function `ring_under_lines` divides the ring, in the same way,
+    for other contact lines of the shoes. Both are explained in `PreparedModel`. `divisions` are the
+    divisions into hp elements, by the index of the first shoe of each shape; it is empty for
+    meshes.
     """
 
     bodies: tuple[ShoeSubstructure, ...]
@@ -47,7 +48,7 @@ class DividedBodies(NamedTuple):
 
 @dataclass(frozen=True)
 class PreparedModel:
-    """The prepared model of a brake: a substructure for each shoe, and one for its ring.
+    """The prepared model of a brake: a substructure for each shoe, and one for the drum's ring.
 
     Attributes
     ----------
@@ -55,15 +56,15 @@ class PreparedModel:
     bodies : the substructure of each shoe; shoes of one shape share one substructure
     ring : the substructure of the drum's ring; None for a rigid drum
     seconds : time of each phase of the preparation [s]
-    left_out : a line of text for each part of the model that is neglected or not computed
-    apart : whether the shoes deform the ring independently, each as if it pressed alone
-    model : name of the model whose bodies these are, "fem" or "solid"
-    nodes_of_changed_shoe : function of (i, shoe) that returns the nodes of the body that shoe i
-        would have as another shoe, divided by the same rule; None if the bodies cannot be divided
-        anew
-    ring_under_lines : function of other contact lines that returns the ring under these lines; None
-        if the bodies cannot be divided anew
-    divisions : division into hp elements by the position of the first shoe of each shape; empty for
+    left_out : messages: one for each effect or part that the model neglects or does not compute
+    apart : whether each shoe deforms the elastic ring as if no other shoe pressed on the ring
+    model : name of the model whose bodies these are: "fem" (plane stress) or "solid" (with widths)
+    nodes_of_changed_shoe : function of an index i and a changed shoe that returns the nodes of the
+        body that shoe i would have after the change, divided by the same rule; None if the bodies
+        cannot be divided anew
+    ring_under_lines : function of other contact lines of the shoes that returns the substructure of
+        the ring under these lines; None if the bodies cannot be divided anew
+    divisions : division into hp elements by the index of the first shoe of each shape; empty for
         meshes
     """
 
@@ -80,7 +81,7 @@ class PreparedModel:
 
     @cached_property
     def cache_keys_of_shoe_shapes(self) -> list[tuple[object, ...]]:
-        """The key of each shoe's shape, equal for shoes that share a body; `shape_key_of_shoe`."""
+        """The `shape_key_of_shoe` of each shoe; shoes that share a body have equal keys."""
         return [shape_key_of_shoe(self.brake, shoe) for shoe in self.brake.shoes]
 
     @cached_property
@@ -111,11 +112,11 @@ def reason_why_brake_is_not_modelled(brake: Brake) -> str | None:
     return None
 
 
-def text_lines_on_shoes_of_equal_shape(brake: Brake, shapes: int) -> list[str]:
-    """A line of text on the shoes that share the body of another shoe.
+def messages_on_shoes_of_equal_shape(brake: Brake, shapes: int) -> list[str]:
+    """A message on the shoes that share the body of another shoe, as a list.
 
-    The list is empty if all shoes have different shapes. `shapes` is the number
-    of different shapes.
+    The list is empty if all shoes have different shapes. `shapes` is the number of different
+    shapes.
     """
     count = len(brake.shoes)
     if shapes == count:
@@ -123,8 +124,8 @@ def text_lines_on_shoes_of_equal_shape(brake: Brake, shapes: int) -> list[str]:
     return [f"{count - shapes} of {count} shoes: same shape as another, condensed once"]
 
 
-def text_lines_on_rigid_parts(brake: Brake) -> list[str]:
-    """A line of text for each part that is rigid because the brake's file gives no elastic part."""
+def messages_on_rigid_parts(brake: Brake) -> list[str]:
+    """A message for each part that is rigid because the brake file gives no elastic data of it."""
     lines = []
     if brake.ring is None and not brake.surface.is_plane_and_not_drum:
         lines.append("drum: rigid, no [drum.ring] in the brake")

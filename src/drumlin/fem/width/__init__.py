@@ -6,10 +6,11 @@ displacements are sums of products of the section's shape functions psi_a and fu
     u_x, u_y = sum psi_a(x, y) e_k(z),   e_k even,
     u_z      = sum psi_a(x, y) o_k(z),   o_k odd.
 
-All polynomials of z up to a degree q give the model of degree q. The degree q = 0 with the
-constants of plane stress is plane stress itself. The input is a divided shoe and a degree. The
-results are the substructures of the shoe, which enter contact, equilibrium and response like those
-of plane stress, the error of plane stress, and the correction of plane stress for the widths
-(hierarchic plate models: Szabo & Babuska, Introduction to Finite Element Analysis, ch. 13; Duester,
-Broeker & Rank 2001).
+All polynomials of z up to a degree q give the model of degree q. The model of degree q = 0 with the
+elastic constants of plane stress is plane stress itself. Models of a higher degree follow from a
+shoe that is divided into hp elements. The package computes the substructures of the shoe, which
+enter contact, equilibrium and response like those of plane stress. It also estimates the error of
+plane stress, and corrects answers of plane stress for the widths of the shoes (hierarchic plate
+models: Szabo & Babuska, Introduction to Finite Element Analysis, ch. 13; Duester, Broeker & Rank
+2001).
 """

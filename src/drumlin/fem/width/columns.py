@@ -1,12 +1,14 @@
 """Columns of hp elements times functions across the width, condensed to substructures.
 
-A column is a stack of elements from the contact inwards. The nodes on its left and its right side
-form the left and the right line. A substructure has the unknowns [left line | contact | right line]
-of `hp.columns`. At each row of nodes a line has the displacements x and y for every even function
-of z, and the displacement z for every odd function. In a row the functions that only wider parts
-have come first. So the unknowns of a narrower body, which continues beyond the lining, are the last
-ones of the line. At the contact x and y of all even functions stand together node by node. u_z is
-free of forces there and belongs to the lines.
+A column is a stack of elements from the contact through the thickness of the shoe. The nodes on its
+left side and on its right side form its left and its right line. A row of nodes runs along the arc,
+from the left line to the right line. The unknowns of a substructure are [left line | contact |
+right line], as in `hp.columns`. At each row a line has the displacements x and y for every even
+function of z, and the displacement z for every odd function. In a row, functions of z that are zero
+on the narrower parts come first. So the unknowns of a narrow body, which continues beyond the
+lining, are the last unknowns of the line. In the unknowns of the contact, x and y of all even
+functions of a node stand together. The contact exerts no force along z, so that u_z of the contact
+nodes is an unknown of the lines.
 """
 
 from collections.abc import Sequence
@@ -29,7 +31,10 @@ from drumlin.fem.width.integrals import (
 
 
 class BackEdge(IntEnum):
-    """How the innermost edge of a column moves: freely, along z only (in a grip), or not at all."""
+    """How the column's edge farthest from the contact moves.
+
+    It moves freely, along z only (in a grip), or not at all (bonded to a rigid part).
+    """
 
     FREE = 0
     GRIPPED = 1
@@ -42,10 +47,10 @@ class WidthUnknown(NamedTuple):
     Attributes
     ----------
     z : 1 for a displacement along z, 0 for a displacement in the section
-    along : number along the row of nodes, among the unknowns with the same `z`
-    row : row of nodes, counted from the contact inwards
-    function : number of the function across the width, among the even (z = 0) or the odd ones (z =
-        1)
+    along : position along the row of nodes, counted among the row's unknowns with the same `z`
+    row : number of the row of nodes, counted from the column's first edge, towards the contact
+    function : number of the function across the width, counted among the even functions for z = 0,
+        and among the odd functions for z = 1
     """
 
     z: int
@@ -55,11 +60,12 @@ class WidthUnknown(NamedTuple):
 
 
 class AlongRow(NamedTuple):
-    """The numbers of the unknowns along one row of nodes of a column.
+    """The numbers of the unknowns along one row of nodes of a column, for one function of z.
 
-    The row has three parts: the left side, the inside and the right side. Each part has the numbers
-    of its displacements in the section and the numbers of its displacements along z. A half column,
-    for symmetric or antisymmetric displacements, has no right side.
+    The row consists of the node on the left side, the nodes inside and the node on the right side.
+    Each of these parts has two tuples: the numbers of the displacements in the section, and the
+    numbers of the displacements along z. If only the symmetric or only the antisymmetric
+    displacements of a column are unknowns, there is no right side.
     """
 
     left: tuple[tuple[int, ...], tuple[int, ...]]
@@ -68,21 +74,21 @@ class AlongRow(NamedTuple):
 
     @property
     def contact_unknowns_along_row(self) -> tuple[int, ...]:
-        """Numbers of all displacements in the section, in the order of the contact's unknowns."""
+        """Numbers of the row's displacements in the section, from the left to the right."""
         return tuple(sorted((*self.left[0], *self.inside[0], *self.right[0])))
 
 
-def unknowns_along_whole_row(p: int) -> AlongRow:
-    """The unknowns along a row of p + 1 nodes of a column, x and y of a node together."""
+def unknown_numbers_along_row(p: int) -> AlongRow:
+    """The numbers of the unknowns along a row of p + 1 nodes; x and y of a node are neighbours."""
     inside = tuple(range(2, 2 * p)), tuple(range(1, p))
     return AlongRow(((0, 1), (0,)), inside, ((2 * p, 2 * p + 1), (p,)))
 
 
-def unknowns_along_half_row(p: int, symmetry: int) -> AlongRow:
-    """The unknowns along a row of p + 1 nodes for displacements of one symmetry.
+def unknown_numbers_along_row_with_symmetry(p: int, symmetry: int) -> AlongRow:
+    """The numbers of the symmetric or of the antisymmetric unknowns along a row of p + 1 nodes.
 
     `symmetry` is 0 for displacements that are symmetric about the column's middle, and 1 for
-    antisymmetric ones.
+    antisymmetric displacements.
     """
     inside = (
         tuple(range(2, p + 1)),
@@ -96,12 +102,12 @@ class ColumnLayers(NamedTuple):
 
     Attributes
     ----------
-    p : degree of the section
-    counts : (layers,) numbers of even and of odd functions of each layer, from the contact inwards
-    even, odd : number of the first piece of the width of each even and each odd function of the
-        shoe
-    contact : whether the outermost edge is in contact
-    back : how the innermost edge moves
+    p : degree of the hp elements
+    counts : (layers,) numbers of even and of odd functions of z in each layer, from the contact on
+    even, odd : for each even and each odd function of z of the shoe, the number of the first piece
+        of the half width in which the function is not zero
+    contact : whether the column's first edge is in contact
+    back : how the edge farthest from the contact moves
     """
 
     p: int
@@ -112,18 +118,19 @@ class ColumnLayers(NamedTuple):
     back: BackEdge
 
     def function_counts_of_node_row(self, row: int) -> tuple[int, int]:
-        """Numbers of even and of odd functions across the width at a row of nodes."""
+        """Numbers of even and of odd functions of z that have unknowns at a row of nodes."""
         layers = len(self.counts)
         if row == layers * self.p and self.back != BackEdge.FREE:
             return 0, (self.counts[-1][1] if self.back == BackEdge.GRIPPED else 0)
-        # A row between two layers has the functions of the layer that has more of them.
+        # A row between two layers has the functions of the layer that has more functions.
         near = {(row - 1) // self.p, row // self.p} if row else {0}
         return max(self.counts[layer] for layer in near if layer < layers)
 
     def kind_and_function_of_row_unknowns(self, row: int) -> list[tuple[int, int]]:
-        """The kind and the function of each displacement of a row, those of wide parts first.
+        """The pairs (kind, number of the function of z) of the unknowns at a row of nodes.
 
-        The kind is 1 for displacements along z and 0 for displacements in the section.
+        The kind is 1 for displacements along z and 0 for displacements in the section. Functions
+        that are zero on the narrower parts come first.
         """
         even, odd = self.function_counts_of_node_row(row)
         found = []
@@ -135,7 +142,10 @@ class ColumnLayers(NamedTuple):
     def row_unknowns_without_contact(
         self, row: int, along: tuple[tuple[int, ...], tuple[int, ...]]
     ) -> list[WidthUnknown]:
-        """The unknowns of a row of nodes with the numbers `along` it without those of contact."""
+        """The unknowns at a row of nodes that do not belong to the contact.
+
+        `along` are the numbers along the row of displacements in the section, and of those along z.
+        """
         found = []
         for z, function in self.kind_and_function_of_row_unknowns(row):
             if not (self.contact and row == 0 and z == 0):
@@ -145,9 +155,9 @@ class ColumnLayers(NamedTuple):
     def unknowns_on_left_or_right_side_of_column(
         self, along: tuple[tuple[int, ...], tuple[int, ...]]
     ) -> list[WidthUnknown]:
-        """The unknowns of the left or the right line of a column, from the contact inwards.
+        """The unknowns on the left or the right side of a column, row by row from the contact on.
 
-        `along` are the numbers of this side in each row.
+        `along` are the numbers of this side's unknowns along each row: in the section, and along z.
         """
         rows = range(len(self.counts) * self.p + 1)
         return [
@@ -155,7 +165,7 @@ class ColumnLayers(NamedTuple):
         ]
 
     def unknowns_of_contact_nodes(self, along: AlongRow) -> list[WidthUnknown]:
-        """The unknowns of the contact, by their number along the row and then by function."""
+        """The unknowns of the contact, sorted by number along the row and then by function of z."""
         if not self.contact:
             return []
         functions = range(self.counts[0][0])
@@ -167,15 +177,15 @@ class ColumnLayers(NamedTuple):
 def column_layers_of_shoe(
     functions: WidthFunctions, halves: Sequence[float], p: int, *, contact: bool, back: BackEdge
 ) -> ColumnLayers:
-    """The stack of given layers of a shoe with functions across its width.
+    """The layers of a column of elements, from the half widths of its layers.
 
     Parameters
     ----------
-    functions : functions across the width
-    halves : half width of each layer (l,) [m], from the contact inwards
-    p : degree of the section
-    contact : whether the outermost edge is in contact
-    back : how the innermost edge moves
+    functions : functions across the width of the shoe
+    halves : (l,) half width of each layer [m], from the contact on
+    p : degree of the hp elements
+    contact : whether the column's first edge is in contact
+    back : how the edge farthest from the contact moves
     """
     return ColumnLayers(
         p,
@@ -188,7 +198,10 @@ def column_layers_of_shoe(
 
 
 UnknownRun = tuple[slice, slice]
-"""Two slices of the same unknowns: in the stiffness of a condensed element, and of its column."""
+"""Two slices of the same unknowns: in an element's stiffness, and in its column's stiffness.
+
+The unknowns inside the element are already eliminated from its stiffness.
+"""
 
 
 class LayerPlan(NamedTuple):
@@ -196,10 +209,11 @@ class LayerPlan(NamedTuple):
 
     Attributes
     ----------
-    outer, mixed, inner : positions, in the values of `_stiffness_entries_of_elements`, of three
-        blocks of an element's stiffness: boundary unknowns, inner by boundary unknowns, and inner
-        unknowns
-    kept, rest : runs of boundary unknowns that the column keeps, and of those that it eliminates
+    outer, mixed, inner : positions of three blocks of an element's stiffness in the result of
+        `_stiffness_entries_of_elements`: boundary by boundary unknowns, inner by boundary unknowns,
+        and inner by inner unknowns
+    kept, rest : runs of the boundary unknowns that the column keeps, and of the boundary unknowns
+        that it eliminates
     """
 
     outer: Ints
@@ -210,10 +224,10 @@ class LayerPlan(NamedTuple):
 
 
 class ColumnPlan(NamedTuple):
-    """How a column is condensed: the plan of each layer, and numbers of unknowns.
+    """How a column is condensed: the plan of each layer, and three counts of unknowns.
 
-    `kept` and `rest` are the numbers of kept and of eliminated unknowns, and
-    `line` that of a side line.
+    `kept` and `rest` are the counts of the unknowns that the column keeps and eliminates, and
+    `line` is the count of the unknowns on its left side.
     """
 
     layers: tuple[LayerPlan, ...]
@@ -224,9 +238,9 @@ class ColumnPlan(NamedTuple):
 
 @cache
 def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnPlan:
-    """The plan that condenses columns of a stack of layers.
+    """The plan by which columns with these layers are condensed.
 
-    `along` are the unknowns along each row of nodes.
+    `along` are the numbers of the unknowns along each row of nodes.
     """
     names = unknowns_of_column(stack, along)
     kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (names.kept, names.rest))
@@ -258,10 +272,10 @@ class ColumnUnknownNames(NamedTuple):
 
     Attributes
     ----------
-    kept : unknowns that the column keeps: left line, contact, right line
-    rest : unknowns on the edges of its elements that the column eliminates
-    boundary : unknowns on the boundary of the element of each layer, kept ones and others
-    within : unknowns inside the element of each layer, which are eliminated first
+    kept : unknowns that the column keeps: of its left side, its contact and its right side
+    rest : unknowns on edges of elements inside the column, which the column eliminates
+    boundary : unknowns on the boundary of each layer's element, from `kept` and from `rest`
+    within : unknowns inside each layer's element, which are eliminated first
     """
 
     kept: list[WidthUnknown]
@@ -271,9 +285,9 @@ class ColumnUnknownNames(NamedTuple):
 
 
 def unknowns_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNames:
-    """The unknowns of a column of a stack of layers.
+    """The unknowns of a column with these layers, sorted by what its condensation does with them.
 
-    `along` are the unknowns along each row of nodes.
+    `along` are the numbers of the unknowns along each row of nodes.
     """
     p, last = stack.p, len(stack.counts)
     kept = [
@@ -281,8 +295,8 @@ def unknowns_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNam
         *stack.unknowns_of_contact_nodes(along),
         *stack.unknowns_on_left_or_right_side_of_column(along.right),
     ]
-    # The column keeps its two lines and its contact. It eliminates the inner nodes on the edges of
-    # its layers.
+    # The column keeps the unknowns on its two sides and on its contact. It eliminates the other
+    # nodes on the edges between its layers.
     edges = [stack.row_unknowns_without_contact(k * p, along.inside) for k in range(last + 1)]
     boundary, within = [], []
     for k, counts in enumerate(stack.counts):
@@ -300,16 +314,20 @@ def unknowns_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNam
 
 
 def _is_unknown_of_layer(unknown: WidthUnknown, rows: range, counts: tuple[int, int]) -> bool:
-    """Whether an unknown belongs to the elements of a layer with these rows and function counts."""
+    """Whether an unknown belongs to the elements of a layer.
+
+    The layer has the rows of nodes `rows`, and `counts` of even and of odd functions of z.
+    """
     return unknown.row in rows and unknown.function < counts[unknown.z]
 
 
 def _runs_of_consecutive_unknowns(
     mine: list[WidthUnknown], numbers: dict[WidthUnknown, int]
 ) -> tuple[UnknownRun, ...]:
-    """The runs of unknowns that follow one another both in `mine` and by their `numbers`.
+    """The runs of unknowns that are consecutive both in the list `mine` and by their `numbers`.
 
-    A run is a slice in `mine` and a slice of numbers; unknowns without a number are left out.
+    A run is a slice of `mine` and the equal slice of the numbers. Unknowns without a number are
+    left out.
     """
     found: list[list[int]] = []
     for k, unknown in enumerate(mine):
@@ -331,28 +349,30 @@ def _flat_positions_of_element_stiffness_block(
     p: int,
     first: int,
 ) -> Ints:
-    """Positions (rows, columns) of a block of an element's stiffness among the flat entries.
+    """Where a block of an element's stiffness stands in its flat list of entries.
+
+    The positions (rows, columns) are those in the result of `_stiffness_entries_of_elements`.
 
     Parameters
     ----------
     rows, columns : unknowns of the block
-    along : the unknowns along a row of nodes
-    counts : numbers of even and of odd functions of the layer
-    p : degree of the section
-    first : the first row of nodes of the layer
+    along : numbers of the unknowns along a row of nodes
+    counts : numbers of even and of odd functions of z in the layer
+    p : degree of the hp elements
+    first : number of the layer's first row of nodes
     """
     parts = along.left, along.inside, along.right
     sizes = np.array([sum(len(part[z]) for part in parts) for z in (0, 1)])
     n, functions = p + 1, np.array(counts)
     r = np.array(rows, dtype=int).reshape(-1, 4)[:, None]
     c = np.array(columns, dtype=int).reshape(-1, 4)[None]
-    # The values have a block of displacements in the section by those along z. Entries of the
-    # transposed block are found in it with row and column swapped.
+    # The entries contain the block of displacements in the section by displacements along z, and
+    # not its transpose. An entry of the transpose is found with row and column swapped.
     swapped = ((r[..., 0] == 1) & (c[..., 0] == 0))[..., None]
     r, c = np.where(swapped, c, r), np.where(swapped, r, c)
     of, by = r[..., 0], c[..., 0]
-    # The values have three parts, one behind the other: products of two displacements in the
-    # section, products of one in the section and one along z, and products of two along z.
+    # The entries have three parts: they couple two displacements in the section, then one in the
+    # section with one along z, then two displacements along z.
     lengths = sizes * n * functions
     start = np.array([0, lengths[0] ** 2, lengths[0] ** 2 + lengths[0] * lengths[1]])[of + by]
     along_both = r[..., 1] * sizes[by] + c[..., 1]
@@ -363,15 +383,16 @@ def _flat_positions_of_element_stiffness_block(
 
 
 def _stiffness_entries_of_elements(section: SectionIntegrals, width: WidthIntegrals) -> Floats:
-    """The entries of the stiffness of elements, in one row (c, values) for each element.
+    """The entries of the stiffness of c elements, as a flat row for each element (c, entries).
 
-    The entries of u_x and u_y by themselves come first, then those by u_z, then those of u_z by
-    itself. Each of the three parts has the indices (along, along, row, row, function, function).
+    The entries that couple two of u_x and u_y come first, then the entries that couple u_x or u_y
+    with u_z, then the entries of u_z alone. Each of the three parts is flattened from the axes
+    (along, along, row, row, function, function).
 
     Parameters
     ----------
-    section : integrals over the section
-    width : integrals over the width
+    section : integrals over the section of the c elements
+    width : integrals over the width of the elements' layer
     """
     count = len(section.plane)
     parts = [
@@ -389,7 +410,7 @@ def _stiffness_entries_of_elements(section: SectionIntegrals, width: WidthIntegr
 
 
 def _sum_of_section_times_width_integrals(section: list[Floats], width: list[Floats]) -> Floats:
-    """The sum of two products, each of an integral over the section and one over the width."""
+    """Section integrals times width integrals, summed over the two pairs of such integrals."""
     if width[0].size == 0:
         return np.zeros((len(section[0]), 0))
     over = np.array([own.ravel() for own in width])
@@ -400,13 +421,15 @@ def _sum_of_section_times_width_integrals(section: list[Floats], width: list[Flo
 
 
 class AssembledColumns(NamedTuple):
-    """The stiffness of c columns on the boundaries of their elements, in three blocks.
+    """The stiffness of c columns, before unknowns on edges of their elements are eliminated.
+
+    The unknowns inside the elements are already eliminated.
 
     Attributes
     ----------
-    kept : (c, k, k) block of the unknowns that the columns keep
-    coupling : (c, r, k) block of eliminated by kept unknowns
-    rest : (c, r, r) block of the unknowns on edges of elements that the columns eliminate
+    kept : (c, k, k) stiffness for the k unknowns that a column keeps
+    coupling : (c, r, k) stiffness that couples eliminated (rows) with kept unknowns (columns)
+    rest : (c, r, r) stiffness for the r unknowns on edges of elements that a column eliminates
     """
 
     kept: Floats
@@ -417,15 +440,15 @@ class AssembledColumns(NamedTuple):
 def assembled_stiffness_of_columns(
     parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], plan: ColumnPlan
 ) -> AssembledColumns:
-    """The stiffness of columns on the boundaries of their elements.
+    """The stiffness of columns of elements for the unknowns on the boundaries of the elements.
 
-    The unknowns inside elements are eliminated.
+    The unknowns inside the elements are eliminated.
 
     Parameters
     ----------
-    parts : integrals over the section of the elements of each layer
+    parts : integrals over the section of each layer's elements
     widths : integrals over the width of each layer
-    plan : the plan of the columns
+    plan : the plan by which the columns are condensed
     """
     count = len(parts[0].plane)
     K = np.zeros((count, plan.kept, plan.kept))
@@ -455,8 +478,8 @@ def displacements_inside_elements(
     Parameters
     ----------
     part : integrals over the section of the elements
-    width : integrals over their width
-    layer : the plan of their layer
+    width : integrals over the width of the elements' layer
+    layer : how the elements of the layer are condensed
     boundary : (c, b, m) displacements of the b unknowns on the boundaries of the elements
     """
     values = _stiffness_entries_of_elements(part, width)
@@ -488,15 +511,15 @@ def _add_element_blocks_to_columns(
 def condense_columns_of_any_shape(
     parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], stack: ColumnLayers
 ) -> list[ColumnSubstructure]:
-    """Condensed columns of elements of any shape, from integrals on the unknowns of all nodes.
+    """Condense columns of elements of any shape to the nodes on their two sides and their contact.
 
     Parameters
     ----------
-    parts : integrals over the section of the elements of each layer
+    parts : integrals over the section of each layer's elements, on the unknowns of all nodes
     widths : integrals over the width of each layer
     stack : the layers of the columns
     """
-    plan = condensation_plan_of_column(stack, unknowns_along_whole_row(stack.p))
+    plan = condensation_plan_of_column(stack, unknown_numbers_along_row(stack.p))
     order = _unknown_order_with_contact_by_nodes(stack, plan, 2)
     columns = _condensed_stiffness_of_columns(parts, widths, plan)
     if len(order):
@@ -505,9 +528,10 @@ def condense_columns_of_any_shape(
 
 
 def _unknown_order_with_contact_by_nodes(stack: ColumnLayers, plan: ColumnPlan, sides: int) -> Ints:
-    """The order (n,) of a column's unknowns that keeps x and y of a contact node together.
+    """The order (n,) of a column's unknowns in which x and y of a contact node are neighbours.
 
-    The order is empty without contact. `sides` is 2 for a whole column and 1 for a half.
+    The order is empty without contact. `sides` is 2 for all unknowns of a column, and 1 for its
+    symmetric or antisymmetric unknowns, which have no right side.
     """
     if not stack.contact:
         return np.zeros(0, dtype=int)
@@ -524,10 +548,10 @@ def condense_mirror_symmetric_columns(
     widths: Sequence[WidthIntegrals],
     stack: ColumnLayers,
 ) -> list[ColumnSubstructure]:
-    """Condensed columns that are their own mirror images, from integrals of both symmetries.
+    """Condense columns that are their own mirror images to their two sides and their contact.
 
     Symmetric and antisymmetric displacements about the middle of a column do no work on each other,
-    so that each half is condensed alone.
+    so that the stiffness of each symmetry is condensed alone.
 
     Parameters
     ----------
@@ -537,7 +561,9 @@ def condense_mirror_symmetric_columns(
     stack : the layers of the columns
     """
     plans = [
-        condensation_plan_of_column(stack, unknowns_along_half_row(stack.p, symmetry))
+        condensation_plan_of_column(
+            stack, unknown_numbers_along_row_with_symmetry(stack.p, symmetry)
+        )
         for symmetry in SYMMETRIES
     ]
     halves = [_condensed_stiffness_of_columns(parts[i], widths, plans[i]) for i in SYMMETRIES]
@@ -547,14 +573,15 @@ def condense_mirror_symmetric_columns(
         [
             _sign_of_displacement_on_mirrored_side(unknown)
             for unknown in stack.unknowns_on_left_or_right_side_of_column(
-                unknowns_along_half_row(stack.p, 0).left
+                unknown_numbers_along_row_with_symmetry(stack.p, 0).left
             )
         ]
     )
     n = 2 * (stack.p + 1) * stack.counts[0][0] if stack.contact else 0
     left, right = slice(line), slice(line + n, None)
-    # Displacements of the left line alone are half symmetric and half antisymmetric. So the sum of
-    # both stiffnesses belongs to one side, and their difference couples the two sides.
+    # A displacement of the left side alone is the sum of a symmetric and an antisymmetric
+    # displacement of half its size. So the sum of the symmetric and the antisymmetric stiffness is
+    # the stiffness of one side, and their difference couples the two sides.
     (S, A), count = own, len(halves[0])
     whole = np.empty((count, 2 * line + n, 2 * line + n))
     np.add(S[:, :, :line], A[:, :, :line], out=whole[:, left, left])
@@ -571,9 +598,10 @@ def condense_mirror_symmetric_columns(
 
 
 def _sign_of_displacement_on_mirrored_side(unknown: WidthUnknown) -> float:
-    """The sign by which a symmetric displacement on the left line is repeated on the right line.
+    """The sign of a displacement on a column's right side relative to its left side.
 
-    It is -1 for displacements around the drum, and +1 for all others.
+    The displacements are symmetric about the column's middle: those around the drum have opposite
+    signs (-1) on the two sides, and all others have equal signs (+1).
     """
     return -1.0 if unknown.z == 0 and unknown.along == 1 else 1.0
 
@@ -581,19 +609,22 @@ def _sign_of_displacement_on_mirrored_side(unknown: WidthUnknown) -> float:
 def _write_contact_stiffness_of_mirrored_columns(
     halves: list[Floats], stack: ColumnLayers, mirror: Floats, whole: Floats
 ) -> None:
-    """Write the contact's rows and columns of the stiffness of mirrored columns into `whole`.
+    """Write the rows and columns of the contact's unknowns into the stiffness matrices `whole`.
 
     Parameters
     ----------
-    halves : stiffness (c, kept, kept) of the symmetric and of the antisymmetric displacements
+    halves : stiffness (c, kept, kept) on the symmetric unknowns, and on the antisymmetric unknowns
     stack : the layers of the columns
-    mirror : (line,) signs of the right line's unknowns in symmetric displacements
-    whole : (c, n, n) stiffness of the whole columns, which is changed in place
+    mirror : (line,) sign of each displacement on the right side relative to the left side, in
+        symmetric displacements
+    whole : (c, n, n) stiffness of the columns on the unknowns of both sides and of the contact,
+        which is changed in place
     """
     functions, count = nodal_functions_along_element_column(stack.p), stack.counts[0][0]
     line = len(mirror)
-    # `place` is the symmetric or antisymmetric unknown to which x or y of a contact node belongs,
-    # for each function across the width, with x and y together.
+    # `place` has the number of the symmetric (or antisymmetric) unknown to which each displacement
+    # of the contact nodes belongs. At each node and function of z the displacements x and y follow
+    # one another.
     place = functions.place.reshape(-1, 1, 2) * count + np.arange(count)[:, None]
     place = line + place.ravel()
     signs = [np.repeat(sign.reshape(-1, 1, 2), count, axis=1).ravel() for sign in functions.sign]
@@ -614,16 +645,18 @@ def _write_contact_stiffness_of_mirrored_columns(
 def column_with_back_held_beside_grip(
     piece: ColumnSubstructure, stack: ColumnLayers, *, right: bool
 ) -> ColumnSubstructure:
-    """A column beside a grip, with the innermost nodes of one of its sides free along z only.
+    """A column beside a grip, with the node that it shares with the grip free along z only.
+
+    This node is the one farthest from the contact on the side towards the grip.
 
     Parameters
     ----------
-    piece : the column, of a stack with a free back
+    piece : the column, whose edge farthest from the contact is free
     stack : the layers of the column
-    right : whether the grip begins at the right line; otherwise it ends at the left line
+    right : whether the grip lies on the column's right side; otherwise it lies on its left side
     """
     last = len(stack.counts) * stack.p
-    side = unknowns_along_half_row(stack.p, 0).left
+    side = unknown_numbers_along_row_with_symmetry(stack.p, 0).left
     held = [
         u.row == last and u.z == 0 for u in stack.unknowns_on_left_or_right_side_of_column(side)
     ]

@@ -1,9 +1,10 @@
 """The correction of an answer of plane stress for the widths of the shoes, off by default.
 
-Two answers on one coarse division of the section, that of degree 2 across the width and that of
-plane stress, differ by the effect of the widths. The difference of their torques, forces and
-pressures is added to the answer of plane stress on a fine division. On equal divisions the
-corrected answer is the answer of degree 2. The remaining error is a share of the correction.
+A brake is solved twice on the same coarse hp elements of the section: with degree 2 across the
+width, and in plane stress. The two answers differ by the effect of the widths. The differences of
+their torques, forces and pressures are added to the answer of plane stress on fine elements. If the
+fine elements were the coarse ones, the corrected answer would be the answer with degree 2. The
+error that remains is stated as a fraction of the correction.
 """
 
 from collections.abc import Mapping
@@ -40,13 +41,15 @@ from drumlin.response.resultants import LiningWithoutEndZones, contact_arcs_from
 REMAINING_SHARE: Mapping[str, float] = {"torque": 0.4, "pressure": 0.8, "reaction": 0.5}
 """Error that remains after the correction for the widths, as a fraction of the correction.
 
-The fraction holds for 95 % of the brakes for the torque, for 93 % for the mean pressure (L2 norm)
-and for 95 % for the reactions. The brakes were 95 random ones of one and of several widths. The
-command was `python -m drumlin_studies.width_error 1000 1099`, whose truth is degree 5 across the
-width. Only errors of plane stress above 0.1 % were counted. The median fractions are 0.07, 0.21 and
-0.08; the largest are 1.6, 1.9 and 1.4. Where contraction and the bending of a table cancel in the
-torque, its correction is small, and its remaining error may exceed the fraction. Larger values
-state errors that few brakes have, and smaller values are exceeded more often.
+The true remaining error is at most this fraction on 95 % of the brakes for the torque, on 93 % for
+the mean pressure (L2 norm) and on 95 % for the reactions. The brakes were 95 random ones; the parts
+of some shoes had one width, and the parts of others several widths. The command was `python -m
+drumlin_studies.width_error 1000 1099`, whose reference has degree 5 across the width. Only brakes
+on which the error of plane stress exceeded 0.1 % were counted. The median fractions are 0.07, 0.21
+and 0.08; the largest are 1.6, 1.9 and 1.4. Where the effects of lateral contraction and of the
+bending of a table on the torque cancel, the correction of the torque is small, and the remaining
+error may exceed the fraction. Larger values state larger errors than most brakes have, and smaller
+values are exceeded more often.
 """
 CORRECTED_FORCES = (
     "torque",
@@ -64,13 +67,13 @@ def correct_response_for_shoe_widths(
 ) -> Response:
     """The answer of plane stress, corrected for the widths of the shoes.
 
-    The corrected response states the error that remains, a note on the correction, and the balance
-    of its pressures p(theta) with its reactions.
+    The corrected response contains the estimate of the error that remains, a note on the
+    correction, and the imbalance between its pressures p(theta) and its reactions.
 
     Parameters
     ----------
     brake : the brake
-    response : answer of plane stress, whose contact grades the coarse division
+    response : answer of plane stress; the coarse elements are small at the ends of its contact
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
 
@@ -79,7 +82,7 @@ def correct_response_for_shoe_widths(
     BadInput
         where the model of the width does not apply to the brake
     NoAnswer
-        where a coarse answer is missing, or a shoe loses its contact
+        where a brake has no answer on the coarse elements, or a shoe loses its contact
     """
     require_brake_that_width_model_applies_to(brake)
     try:
@@ -119,16 +122,17 @@ def require_brake_that_width_model_applies_to(brake: Brake) -> None:
 def shoe_response_corrected_for_widths(
     brake: Brake, index: int, fine: ShoeResponse, answers: CoarseAnswers
 ) -> ShoeResponse:
-    """The response of a shoe by plane stress, plus the difference of the coarse answers.
+    """The response of a shoe in plane stress, plus the difference of the two coarse answers.
 
-    Peak pressure and arcs in contact are those of the corrected pressure.
+    The peak pressure and the arcs in contact follow from the corrected pressure.
 
     Parameters
     ----------
     brake : the brake
     index : position of the shoe in the brake
-    fine : response of the shoe by plane stress
-    answers : the coarse answers
+    fine : response of the shoe in plane stress on fine elements
+    answers : answers of the brake on coarse elements, in plane stress and with degree 2 across the
+        width
     """
     plane, wide = answers.plane.shoes[index], answers.wide.shoes[index]
     values: dict[str, Any] = {}
@@ -137,12 +141,13 @@ def shoe_response_corrected_for_widths(
         if all(term is not None for term in terms):
             own, without, with_widths = terms
             values[name] = own + (with_widths - without)
-    # The first and the last angle may differ by round-off from those of the coarse answers.
+    # Round-off may put the first or the last angle slightly outside the angles of the coarse
+    # answers.
     theta = np.clip(fine.theta, plane.theta[0], plane.theta[-1])
     difference = pressure_of_shoe_zero_outside_contact(
         wide, theta
     ) - pressure_of_shoe_zero_outside_contact(plane, theta)
-    # Where only one of the answers is in contact, the sum may be a little below zero.
+    # Where only one of the coarse answers is in contact, the sum may be slightly negative.
     pressure = np.maximum(fine.pressure + difference, 0.0)
     zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
     return replace(
@@ -157,8 +162,8 @@ def shoe_response_corrected_for_widths(
 def pressure_of_shoe_zero_outside_contact(shoe: ShoeResponse, theta: Floats) -> Floats:
     """The pressure [Pa] of a shoe at angles theta (n,) [rad]; 0 outside its arcs in contact.
 
-    In the element in which the contact ends, the polynomial of the pressure oscillates about zero
-    beyond the end.
+    In an element in which the contact ends, the pressure is a polynomial that oscillates about zero
+    beyond the end; these values are replaced by 0.
     """
     in_contact = np.zeros(theta.shape, dtype=bool)
     for start, end in shoe.contact_arcs:
@@ -167,7 +172,7 @@ def pressure_of_shoe_zero_outside_contact(shoe: ShoeResponse, theta: Floats) -> 
 
 
 def estimated_error_after_width_correction(change: ModelError) -> ModelError:
-    """The estimated error after the correction, from the relative sizes of the correction."""
+    """The estimated error after the correction: the relative correction times REMAINING_SHARE."""
     shoes = []
     for shoe in change.shoes:
         shoes.append({name: REMAINING_SHARE[name] * size for name, size in shoe.items()})
@@ -176,7 +181,7 @@ def estimated_error_after_width_correction(change: ModelError) -> ModelError:
 
 
 def note_on_correction_for_shoe_widths(change: ModelError, corrected: Response) -> str:
-    """The note of a corrected response: sizes of the correction, and the balance that is left."""
+    """The note of a corrected response: how large the correction and the imbalance are."""
     torque, pressure, reaction = (
         number_as_text(change.brake[name], ".2%") for name in ("torque", "pressure", "reaction")
     )

@@ -1,11 +1,12 @@
-"""The error of plane stress: the distance of its answer from that of shoes with their widths.
+"""The error of plane stress: how far its answer is from the answer of shoes with their widths.
 
-The estimate is the distance of two answers on one coarse division of the section: the answer of
-degree 2 across the width, and the answer of plane stress. The division is graded to the contact
-that plane stress has found. The discretisation error of the coarse division is in both answers and
-cancels. Where the coarse division does not show the contact, the first level of a solve takes its
-place. Degree 1 across the width does not show the error, since u_x and u_y are then constant over
-the width of a shoe whose parts have one width.
+For the estimate a brake is solved twice on the same coarse hp elements of the section: with degree
+2 across the width, and in plane stress. The error is the distance of the two answers. The elements
+are small at the ends of the contact that a solve in plane stress has found before. The
+discretisation error of the coarse elements is in both answers and cancels. If the coarse elements
+do not resolve the contact, the elements of the first level of a solve replace them. Degree 1 across
+the width would not show the error, since u_x and u_y are then constant over the width of a shoe
+whose parts have one width.
 """
 
 import math
@@ -42,28 +43,30 @@ from drumlin.response.response import (
 WIDTH_LEVEL = replace(
     LEVEL_RULE.refinement_level_with_number(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0
 )
-"""Division of the section on which the error of plane stress is estimated.
+"""Coarse level of hp elements on which the error of plane stress is estimated.
 
-By the rule of the levels it is one level coarser than the first level of a solve. The rule would
-let the sizes of elements at corners exceed the thickness of the parts. Here these sizes are the
-thickness.
+Its degree and its other sizes are those of the rule of the levels for one level below the first
+level of a solve. By the rule the elements at corners and interfaces would be larger than the parts
+are thick. The sizes of these elements are set to the thickness here.
 """
 WIDTH_DEGREE = 2
-"""Degree across the width of the answer from which the error of plane stress is estimated."""
+"""Degree across the width of the answer with which plane stress is compared for its error."""
 COARSE_ENOUGH = 0.1
-"""Relative error (L2) of the pressure by plane stress above which a coarse section is replaced.
+"""Relative error (L2) of the pressure above which the coarse elements are too coarse.
 
-The first level of a solve then takes the place of the coarse section. Contacts that are short
-beside the lining's thickness lie on one to three nodes of the coarse section, and their pressure is
-off by 0.5 or more. All other contacts are off by 0.05 at most.
+The error is the distance between the pressures in plane stress on the coarse elements and on a fine
+level. Above the limit the elements of the first level of a solve replace the coarse elements.
+Contacts that are short compared with the lining's thickness cover one to three nodes of the coarse
+elements, and the error of their pressure is 0.5 or more. For all other contacts the error is at
+most 0.05.
 """
 
 
 class CoarseSection(NamedTuple):
-    """The division of a brake's section on which degrees across the width are compared.
+    """The coarse hp elements of a brake's shoes, and the answer of plane stress on them, `plane`.
 
-    `divisions` are the divisions into hp elements by the position of the first shoe of each shape,
-    and `plane` is the answer of plane stress on them.
+    `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
+    shoe of each shape. Degrees across the width are compared on these elements.
     """
 
     divisions: Mapping[int, ShoeDivision]
@@ -73,15 +76,15 @@ class CoarseSection(NamedTuple):
 def plane_stress_solution_on_coarse_division(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> CoarseSection:
-    """The coarse section of a brake, with the answer of plane stress on it.
+    """The coarse hp elements of a brake, with the answer of plane stress on them.
 
-    Where the coarse section misses the contact, the first level of a solve takes its place. The
-    parameters are those of `estimate_error_of_plane_stress`.
+    If the coarse elements do not resolve the contact, they are the elements of the first level of a
+    solve. The parameters are those of `estimate_error_of_plane_stress`.
 
     Raises
     ------
     NoAnswer
-        where plane stress has no answer on the first level
+        if plane stress has no answer on the first level
     """
     answered = partial(
         plane_stress_solution_on_given_hp_elements, brake, response, penalty=penalty, cache=cache
@@ -104,20 +107,20 @@ def plane_stress_solution_on_given_hp_elements(
     penalty: float = PENALTY,
     cache: Cache | None = None,
 ) -> CoarseSection:
-    """The section of a brake by a level, with the answer of plane stress on it.
+    """The hp elements of a brake on a given level, with the answer of plane stress on them.
 
     Parameters
     ----------
     brake : the brake
-    response : answer of plane stress, whose contact grades the section
-    level : degree and grading of the hp elements
+    response : an earlier answer of plane stress; the elements are small at the ends of its contact
+    level : degree of the hp elements, and their sizes at singular points
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
 
     Raises
     ------
     NoAnswer
-        where plane stress has no answer on the level
+        if plane stress has no answer on the level
     """
     alike, level = first_shoes_of_equal_shape(brake), level_for_narrow_shoes(brake, level)
     points = singular_points_of_all_linings(
@@ -129,7 +132,10 @@ def plane_stress_solution_on_given_hp_elements(
 
 
 class CoarseAnswers(NamedTuple):
-    """Two answers on the coarse section of a brake: of plane stress, and of degree 2 in width."""
+    """Answers of a brake on coarse hp elements, without and with widths.
+
+    `plane` is the answer of plane stress, and `wide` is the answer with degree 2 across the width.
+    """
 
     plane: Response
     wide: Response
@@ -138,14 +144,14 @@ class CoarseAnswers(NamedTuple):
 def coarse_solutions_with_and_without_widths(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> CoarseAnswers:
-    """The answers of plane stress and of the model of the width on a coarse section of a brake.
+    """The answers of a brake in plane stress and with widths, both on the same coarse hp elements.
 
     The parameters are those of `estimate_error_of_plane_stress`.
 
     Raises
     ------
     NoAnswer
-        where one of the answers is missing
+        if the brake has no answer in plane stress, or none with widths
     """
     brake = brake_with_loads_at_actuation(brake)
     try:
@@ -164,12 +170,12 @@ def coarse_solutions_with_and_without_widths(
 def estimate_error_of_plane_stress(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> ModelError:
-    """The estimated error of plane stress, from two answers on a coarse division of the section.
+    """The estimated error of plane stress, from answers with and without widths on coarse elements.
 
     Parameters
     ----------
     brake : the brake
-    response : answer of plane stress, whose contact grades the coarse division
+    response : answer of plane stress; the coarse elements are small at the ends of its contact
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     """
@@ -188,13 +194,13 @@ def estimate_error_of_plane_stress(
 def distance_of_plane_stress_from_widths(
     brake: Brake, plane: Response, wide: Response
 ) -> ModelError:
-    """The relative distance of the answer of plane stress from that of shoes with their widths.
+    """The relative distance of the answer of plane stress from the answer with widths.
 
     Parameters
     ----------
     brake : the brake
     plane : the answer of plane stress
-    wide : the answer with the widths, to whose values the distances are relative
+    wide : the answer with widths; the distances are relative to its values
     """
     pairs = zip(plane.shoes, wide.shoes, strict=True)
     shoes = [relative_distances_of_shoe_responses(brake.unit, *pair) for pair in pairs]
@@ -211,10 +217,10 @@ def distance_of_plane_stress_from_widths(
 def relative_distances_of_shoe_responses(
     unit: float, plane: ShoeResponse, wide: ShoeResponse
 ) -> dict[str, float]:
-    """The relative distances of torque, mean pressure (L2) and reaction of one shoe.
+    """Relative distances of torque, pressure (L2) and reaction of a shoe without and with width.
 
-    The mean pressure is the mean over the width. `unit` is the coordinate of the surface per unit
-    of phi, see `ShoeFrame`.
+    The pressure is the mean over the width. `unit` is the growth of the coordinate along the
+    friction surface per unit of phi, see `ShoeFrame`.
     """
     zone = length_of_uncompared_edge_zone(float(wide.theta[-1] - wide.theta[0]), unit)
     moved = math.dist(plane.hinge_reaction, wide.hinge_reaction)

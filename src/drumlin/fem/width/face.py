@@ -1,9 +1,10 @@
-"""The friction surface of a lining with a width: its contact line times nodes across the width.
+"""The friction surface of a lining with a width: nodes on its arc times nodes across the width.
 
-Pressure and displacement are products of the line's shape functions and polynomials of z between
-the breaks of the width. So every matrix of the weak coupling is that of a line of width 1 times
-m_kl = Int zeta_k zeta_l dz  over the width. The polynomial zeta_k is 1 at the node k across the
-width and 0 at the other nodes.
+The nodes on the arc are those of the contact line of the section. Pressure and displacement are
+products of the line's shape functions and piecewise polynomials of z, the distance from the
+mid-plane. So every matrix of the weak coupling is the matrix of a contact line of width 1, times
+m_kl = Int zeta_k zeta_l dz  over the width. The piecewise polynomial zeta_k is 1 at the node k
+across the width and 0 at the other nodes.
 """
 
 from dataclasses import dataclass
@@ -26,26 +27,27 @@ from drumlin.fem.width.functions import (
 from drumlin.response.response import PressureOverWidth
 
 FACE_STEPS = 10
-"""Number of even steps of z in each piece at which the pressure on the contact face is written.
+"""Number of equal intervals of z, in each piece of the half width, for written pressures.
 
-It is even, since readers draw parabolas over two steps. It is at least the largest degree across
-the width, so that the written values determine the polynomial.
+A file has the pressure on the contact face at the ends of these intervals. The number is even,
+since readers draw a parabola over every two intervals. It is not smaller than the largest degree
+across the width, so that the written values determine the polynomial.
 """
 
 
 @dataclass(frozen=True)
 class WidthFace(ContactLine):
-    """The friction surface of a lining with a width, its contact face.
+    """The friction surface of a lining with a width, also called its contact face.
 
-    It has the n nodes of the section's contact line times m nodes over half the width. Nodes stand
-    by growing angle, and at each angle from the mid-plane outwards.
+    It has n m nodes: the n nodes of the section's contact line times m nodes over half the width.
+    The nodes are sorted by angle, and at each angle by distance from the mid-plane.
 
     Attributes
     ----------
     nodes : (n m,) numbers of the nodes
-    xy : (2, n m) places of the nodes in the section [m]
+    xy : (2, n m) coordinates of the nodes in the section [m]
     phi : (n m,) angles of the nodes [rad]
-    pieces : nodes of each edge of `line`, as positions in the nodes of `line`
+    pieces : nodes of each edge of `line`, as indices into the nodes of `line`
     line : the contact line of the section
     functions : functions across the width
     half : half the width of the lining [m]
@@ -85,9 +87,9 @@ class WidthFace(ContactLine):
         return np.asarray(widths / widths.sum())
 
     def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> Coupling:
-        """The coupling of the face with the drum or the plane.
+        """The weak coupling of the face with the drum or the plane.
 
-        The width is that of the face, and the argument `width` has no effect.
+        The argument `width` has no effect: the face has its own width.
         """
         line, m = (
             weak_coupling_of_contact_line(self.line, 1.0, directions),
@@ -96,7 +98,7 @@ class WidthFace(ContactLine):
         n, count = len(self.line.nodes), len(self.node_distances_from_mid_plane)
 
         def face_matrix_from_line_matrix(vectors: Floats) -> Floats:
-            """The coupling matrix (n m, 2 n m) of the face from the matrix of its line (n, 2n)."""
+            """The coupling matrix (n m, 2 n m) of the face, from the matrix (n, 2n) of the line."""
             by_node = vectors.reshape(n, 1, n, 1, 2) * m[:, None, :, None]
             return np.asarray(by_node.reshape(n * count, -1))
 
@@ -118,7 +120,7 @@ class WidthFace(ContactLine):
 
     @cached_property
     def _distances_of_written_pressures(self) -> Floats:
-        """The distances (k,) [m] from the mid-plane at which the pressure is written."""
+        """The distances (k,) [m] from the mid-plane at which pressures are written to a file."""
         ends = np.array(self.functions.breaks)
         ends = ends[: self.functions.number_of_pieces_in_part(self.half) + 1]
         if len(ends) == 1:
@@ -127,14 +129,17 @@ class WidthFace(ContactLine):
         return np.append((ends[:-1, None] + np.diff(ends)[:, None] * steps).ravel(), ends[-1])
 
     @cached_property
-    def _widths_of_written_pressures(self) -> Floats:
-        """The weights (k,) [m] of the written pressures in their integral over half the width."""
+    def _integration_weights_of_written_pressures(self) -> Floats:
+        """The weights (k,) [m] of pressures at these distances in the integral over half the width.
+
+        The distances are `_distances_of_written_pressures`.
+        """
         values = self._values_of_node_polynomials(self._distances_of_written_pressures)
         half_widths = 0.5 * self.tributary_widths_of_nodes_across_width
         return np.asarray(np.linalg.lstsq(values, half_widths)[0], dtype=float)
 
     def _values_of_node_polynomials(self, z: Floats) -> Floats:
-        """The values (m, k) of the polynomials zeta of the m nodes at distances z (k,) [m]."""
+        """Values (m, k) at distances z (k,) [m] of m polynomials, each 1 at one of the m nodes."""
         own = self.functions.even_functions_across_width[
             : self.functions.numbers_of_even_and_odd_functions(self.half)[0]
         ]
@@ -143,30 +148,31 @@ class WidthFace(ContactLine):
         return np.asarray(to_functions.T @ values)
 
     def pressure_at_distances_from_mid_plane(self, p: Floats, z: Floats) -> Floats:
-        """The pressure (n, k) [Pa] at the n line nodes and at distances z (k,) [m].
+        """The pressure (n, k) [Pa] at the angles of nodes and at distances z (k,) [m].
 
-        `p` (n m,) [Pa] are the pressures at the nodes of the face.
+        `p` (n m,) [Pa] are the pressures at the nodes of the face, at n angles and m distances from
+        the mid-plane. The distances z are also from the mid-plane.
         """
         by_line_node = p.reshape(-1, len(self.node_distances_from_mid_plane))
         return np.asarray(by_line_node @ self._values_of_node_polynomials(z))
 
     def pressure_over_arc_and_width(self, p: Floats) -> PressureOverWidth:
-        """The pressure over arc and whole width of the lining, at even steps of z in each piece.
+        """The pressure over the arc and the whole width of the lining, as a file has it.
 
-        z is the distance from the mid-plane, and a piece is a part of the half width between
-        breaks.
+        The distances z from the mid-plane divide each piece of the half width into FACE_STEPS equal
+        intervals. The ends of the pieces are the breaks of `functions`.
         """
         z = self._distances_of_written_pressures
         half = self.pressure_at_distances_from_mid_plane(p, z)
         # The pressure is symmetric about the mid-plane.
-        both, own = np.concatenate([-z[:0:-1], z]), self._widths_of_written_pressures
+        both, own = np.concatenate([-z[:0:-1], z]), self._integration_weights_of_written_pressures
         widths = np.concatenate([own[:0:-1], [2 * own[0]], own[1:]])
         return PressureOverWidth(both, np.hstack([half[:, :0:-1], half]), widths)
 
     def nodal_pressures_of_surface(self, surface: PressureOverWidth) -> Floats:
-        """The pressures (n m,) [Pa] at the nodes of the face, from the written pressures.
+        """The pressures (n m,) [Pa] at the nodes of the face, from pressures that a file has.
 
-        The rows of `surface` stand by growing angle, as the nodes do.
+        The rows of `surface` are sorted by angle, as the nodes are.
         """
         half = surface.pressure[:, len(surface.z) // 2 :]
         values = self._values_of_node_polynomials(self._distances_of_written_pressures)

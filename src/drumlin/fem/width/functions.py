@@ -1,20 +1,21 @@
 """The functions of z across the width of a shoe, and the integrals of their products.
 
 z is the distance from the mid-plane. Half the width is divided into pieces at breaks 0 = z_0 < z_1
-< ... < z_m. There is a break at the side of each part of the shoe. The functions are hierarchic:
-the functions of degree q are among those of degree q + 1. They are
+< ... < z_m. Each part of the shoe has a break at its side. The functions are hierarchic: all
+functions of the degree q belong to the degree q + 1 as well. They are
 
     even:  1,  and in the first piece  N_n(z/z_1),  n = 2, 4, ... <= q
     odd:   z/z_m,                  and N_n(z/z_1),  n = 3, 5, ... <= q
-    both:  in each further piece, from z_k-1 to z_k, a hat with its top at z_k and
-           N_n, n = 2, 3, ... <= q, of the coordinate that goes from -1 to 1
+    even and odd alike:
+           in each further piece, from z_(k-1) to z_k, a hat function with its top at z_k, and
+           N_n(x), n = 2, 3, ... <= q, of the coordinate x that goes from -1 to 1 in the piece
 
-N_n is the integral of the Legendre polynomial P_n-1 over its norm, and zero at both ends of its
-piece (Szabo & Babuska, Finite Element Analysis, eq. 3.15). The slopes of all N_n in one piece are
-orthonormal on [-1, 1]. A hat falls again to zero in the next piece. A function belongs to the first
-piece in which it is not zero. So a part that reaches to z_k has the functions of the pieces 1 to k,
-since all other functions vanish there. Where two parts are bonded, their displacements agree over
-the width of the narrower part.
+N_n is the integral of the Legendre polynomial P_(n-1), divided by the L2 norm of P_(n-1); it is
+zero at both ends of its piece (Szabo & Babuska, Finite Element Analysis, eq. 3.15). The slopes of
+all N_n in one piece are orthonormal on [-1, 1]. A hat function falls to zero again in the next
+piece. A part of half width z_k uses the functions whose first nonzero piece is one of the pieces 1
+to k, since all other functions are zero on it. Where two parts are bonded, their displacements
+agree over the width of the narrower part.
 """
 
 from dataclasses import dataclass
@@ -31,19 +32,21 @@ from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.response.resultants import GAUSS, WEIGHTS, gauss_lobatto_points
 
 SAME_SIDE = 1e-9
-"""Relative difference of the half widths of two parts up to which their sides count as one side."""
+"""Relative difference up to which the half widths of two parts count as equal."""
 BESIDE_WEB = 1.0
-"""Distance from a web's side to the further break of an overhanging lining, in lining thicknesses.
+"""Distance of an extra break from the side of a web that a lining overhangs.
 
-Pressure and displacements change fast over this length beside the web.
+The distance is in thicknesses of the lining. Pressure and displacements change fast over this
+length beside the web.
 """
 
 
 class WidthFunction(NamedTuple):
-    """A function of z across the width: the number of its first `piece`, and its `degree` there.
+    """A function of z: the first `piece` in which it is not zero, and its `degree` in this piece.
 
-    Degrees 0 and 1 in the first piece are 1 and z over half the width, and extend over the whole
-    width. Degree 1 in a further piece is a hat.
+    Pieces are counted from 0 at the mid-plane. Degrees 0 and 1 in piece 0 are the functions 1 and z
+    divided by half the width, which extend over the whole width. Degree 1 in a further piece is a
+    hat function.
     """
 
     piece: int
@@ -51,7 +54,7 @@ class WidthFunction(NamedTuple):
 
 
 class WidthIntegrals(NamedTuple):
-    """Integrals over the width of a part of products of its functions across the width.
+    """Integrals of products of a part's functions of z, over the whole width of the part.
 
     The part has n even functions e_k and m odd functions o_k of z, with the slopes e_k' and o_k'.
 
@@ -75,8 +78,9 @@ class WidthIntegrals(NamedTuple):
 class WidthFunctions:
     """All functions across the width of a shoe up to a degree, on given pieces of its half width.
 
-    `breaks` (m + 1,) [m] are the ends of the pieces, from the mid-plane 0 outwards. Even functions
-    are sorted by piece, and so are odd ones, so that the functions of a narrower part come first.
+    `breaks` (m + 1,) [m] are the ends of the pieces, from 0 at the mid-plane to half the width.
+    Even functions are sorted by piece, and odd functions as well, so that the functions of a
+    narrower part come first.
     """
 
     breaks: tuple[float, ...]
@@ -103,13 +107,17 @@ class WidthFunctions:
         return tuple(found)
 
     def number_of_pieces_in_part(self, half: float) -> int:
-        """Number of pieces of the half width that lie within a part of half width `half` [m]."""
+        """Number of pieces of the half width from the mid-plane to the side of a part.
+
+        `half` [m] is the half width of the part.
+        """
         within = np.array(self.breaks[1:]) <= half * (1 + SAME_SIDE)
         return int(np.count_nonzero(within))
 
     def numbers_of_even_and_odd_functions(self, half: float) -> tuple[int, int]:
         """Numbers of even and of odd functions on a part of the shoe of half width `half` [m]."""
-        # In plane stress all parts have the one function 1, however narrow they are.
+        # In plane stress every part has the single function 1. The only piece is then as wide as
+        # the shoe, and so no piece lies within a narrower part.
         pieces = max(self.number_of_pieces_in_part(half), 1)
         even = sum(function.piece < pieces for function in self.even_functions_across_width)
         return even, sum(function.piece < pieces for function in self.odd_functions_across_width)
@@ -117,7 +125,7 @@ class WidthFunctions:
     def function_values_and_slopes(
         self, functions: tuple[WidthFunction, ...], z: Floats
     ) -> tuple[Floats, Floats]:
-        """Values [1] and slopes [1/m] (n, points) of functions at distances z >= 0 (points,) [m].
+        """Values [1] and slopes [1/m] (n, points) of n functions at distances z >= 0 (points,) [m].
 
         At a break the slopes are those in the outer piece.
         """
@@ -133,7 +141,7 @@ class WidthFunctions:
             start, end = (-breaks[1] if own == 0 else breaks[own]), breaks[own + 1]
             here, to_unit = piece == own, 2 / (end - start)
             x = (z[here] - start) * to_unit - 1
-            # Degrees from 2 on are integrated Legendre polynomials, degree 1 is a hat.
+            # Degrees from 2 on are integrated Legendre polynomials, and degree 1 is a hat function.
             if degree >= 2:
                 values[k, here], slope = _integrated_legendre_polynomial(degree, x)
                 slopes[k, here] = slope * to_unit
@@ -148,9 +156,9 @@ class WidthFunctions:
     def node_distances_across_part(self, half: float) -> Floats:
         """Distances z (n,) [m] of the contact nodes across half the width of a part.
 
-        The n values of a field at these nodes determine its n even functions. The nodes are the
-        Gauss-Lobatto points of the pieces, of the first piece those with z >= 0. `half` is the half
-        width of the part [m].
+        The n values of a field at these nodes determine the factors of its n even functions. The
+        nodes are the Gauss-Lobatto points of the pieces; of the first piece, which reaches from
+        -z_1 to z_1, only the points with z >= 0. `half` is the half width of the part [m].
         """
         if self.degree == 0:
             return np.zeros(1)
@@ -164,10 +172,9 @@ class WidthFunctions:
 
 @cache
 def integrals_over_width_of_part(functions: WidthFunctions, half: float) -> WidthIntegrals:
-    """The integrals of products of functions over the whole width of a part of the shoe.
+    """The integrals of products of functions of z over the whole width of a part of the shoe.
 
-    `half` is the half width of the part [m]. The Gauss rule is exact up to degree 11 of the
-    functions.
+    `half` is the half width of the part [m]. The Gauss rule is exact for functions up to degree 11.
     """
     n, m = functions.numbers_of_even_and_odd_functions(half)
     if functions.degree == 0:
@@ -176,8 +183,8 @@ def integrals_over_width_of_part(functions: WidthFunctions, half: float) -> Widt
     starts = np.array(functions.breaks[: functions.number_of_pieces_in_part(half)])
     lengths = np.diff(functions.breaks)[: len(starts)]
     z = (starts[:, None] + lengths[:, None] * (GAUSS + 1) / 2).ravel()
-    # The factor 1/2 of the Gauss weights for the length of a piece and the factor 2 for both sides
-    # of the mid-plane cancel.
+    # The weights on [-1, 1] times half the length of a piece integrate over one half of the width,
+    # and the integrals over both halves are twice as large: the factors 1/2 and 2 cancel.
     weights = (lengths[:, None] * WEIGHTS).ravel()
     e, e_slopes = functions.function_values_and_slopes(functions.even_functions_across_width[:n], z)
     o, o_slopes = functions.function_values_and_slopes(functions.odd_functions_across_width[:m], z)
@@ -193,9 +200,10 @@ def integrals_over_width_of_part(functions: WidthFunctions, half: float) -> Widt
 
 @cache
 def matrix_from_node_values_to_function_factors(functions: WidthFunctions, half: float) -> Floats:
-    """The matrix (functions, nodes) from values at nodes across a part to even functions' factors.
+    """The matrix (functions, nodes) that turns values at nodes into factors of even functions.
 
-    The even functions are those of a part of half width `half` [m].
+    The nodes are those across a part of half width `half` [m], and the even functions are those of
+    this part.
     """
     own = functions.even_functions_across_width[
         : functions.numbers_of_even_and_odd_functions(half)[0]
@@ -207,9 +215,9 @@ def matrix_from_node_values_to_function_factors(functions: WidthFunctions, half:
 
 
 def _integrated_legendre_polynomial(degree: int, x: Floats) -> tuple[Floats, Floats]:
-    """The values and slopes of the integrated Legendre polynomial N_n at points x of [-1, 1].
+    """The values and slopes of the integrated Legendre polynomial N_n at points x in [-1, 1].
 
-    `degree` is n >= 2.
+    `degree` is n, at least 2. N_n is defined in the docstring of this module.
     """
     P = legendre.legvander(x, degree).T
     norm = np.sqrt((2 * degree - 1) / 2)
@@ -224,23 +232,24 @@ def half_widths_of_parts(shoe: Shoe) -> dict[str, float]:
     }
 
 
-def has_several_widths(shoe: Shoe) -> bool:
-    """Whether the parts of a shoe have several widths."""
+def has_parts_of_different_widths(shoe: Shoe) -> bool:
+    """Whether some parts of a shoe are wider than others."""
     halves = half_widths_of_parts(shoe).values()
     return max(halves) > min(halves) * (1 + SAME_SIDE)
 
 
 def breaks_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
-    """The breaks (m + 1,) [m] of a shoe: the sides of its parts, and one break beside its web.
+    """The breaks (m + 1,) [m] that divide the half width of a shoe into pieces.
 
-    Breaks divide the half width, from the mid-plane 0 outwards.
+    They are 0 at the mid-plane, the half widths of the parts, and in most shoes whose lining
+    overhangs a web one more break beside the web.
 
     Parameters
     ----------
     shoe : a parametric shoe
-    beside : whether a lining that overhangs the next narrower part has a further break, at
-        BESIDE_WEB of the lining's thickness from the side of this part; a small overhang has no
-        such break
+    beside : whether there is a break beside the web: if the lining is wider than the widest
+        narrower part, a break at a distance of BESIDE_WEB lining thicknesses from the side of this
+        part. With a small overhang there is none.
     """
     halves = half_widths_of_parts(shoe)
     places = sorted(halves.values())
@@ -248,8 +257,8 @@ def breaks_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> tupl
     inner = [half for half in places if half < lining * (1 - SAME_SIDE)]
     if beside and inner:
         extra = max(inner) + BESIDE_WEB * shoe.lining.thickness
-        # A piece of less than half the lining's thickness outside this break would add unknowns
-        # without much use.
+        # If less than half the lining's thickness remained between this break and the lining's
+        # side, the additional unknowns would improve the answer little.
         if lining - extra > 0.5 * shoe.lining.thickness:
             places.append(extra)
     breaks = [0.0]
@@ -260,6 +269,6 @@ def breaks_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> tupl
 
 
 def functions_across_width_of_shoe(shoe: Shoe, degree: int) -> WidthFunctions:
-    """The functions across the width of a shoe up to a degree."""
+    """All functions across the width of a shoe up to a degree, on pieces between its breaks."""
     breaks = breaks_across_half_width_of_shoe(shoe)
     return WidthFunctions((0.0, breaks[-1]) if degree == 0 else breaks, degree)

@@ -1,21 +1,24 @@
 """Integrals over the section of products of shape functions and of their gradients.
 
-With a width, the displacements are shape functions psi_a of the section times functions of z: even
-functions e_k for u_x and u_y, odd functions o_k for u_z. So the energy of an isotropic element is a
-sum of products of integrals over the section and over the width:
+The displacements of a shoe with a width are sums of products of shape functions psi_a of the
+section and functions of z: even functions e_k for u_x and u_y, odd functions o_k for u_z. So the
+energy of an isotropic element is a sum of products of an integral over the section and an integral
+over the width. For two unknowns a and b the two integrals in each line are multiplied, and the two
+products of each case are added:
 
-    u_x, u_y twice:  Int lambda tr eps_a tr eps_b + 2 mu eps_a : eps_b dA  times  Int e_k e_l dz
-                   + Int mu psi_a . psi_b dA                               times  Int e_k' e_l' dz
-    with u_z:        Int lambda tr eps_a psi_b dA                          times  Int e_k o_l' dz
-                   + Int mu psi_a . grad psi_b dA                          times  Int e_k' o_l dz
-    u_z twice:       Int (lambda + 2 mu) psi_a psi_b dA                    times  Int o_k' o_l' dz
-                   + Int mu grad psi_a . grad psi_b dA                     times  Int o_k o_l dz
+    both in the section:  Int lambda tr eps_a tr eps_b + 2 mu eps_a : eps_b dA  Int e_k e_l dz
+                        + Int mu psi_a . psi_b dA                               Int e_k' e_l' dz
+    b along z:            Int lambda tr eps_a psi_b dA                          Int e_k o_l' dz
+                        + Int mu psi_a . grad psi_b dA                          Int e_k' o_l dz
+    both along z:         Int (lambda + 2 mu) psi_a psi_b dA                    Int o_k' o_l' dz
+                        + Int mu grad psi_a . grad psi_b dA                     Int o_k o_l dz
 
-Unknowns of the section have a number along their row of nodes (of x and y together, or of z) and
-the number of the row, from the contact inwards. Between circles about one centre each integral is a
-product of a factor of the angles and a factor of the radii, as in fem/hp/arc.py. A column of
-elements is then split into displacements that are symmetric and antisymmetric about its middle. In
-symmetric displacements u_z is even about the middle, like the radial component.
+An unknown of the section has two numbers: the number of its row of nodes, counted from the contact,
+and its number along this row. Along a row the displacements x and y are numbered together, and the
+displacements z by themselves. Between circles about one centre each integral is a product of a
+factor of the angles and a factor of the radii, as in fem/hp/arc.py. The displacements of a column
+of elements are then split into displacements that are symmetric and antisymmetric about the
+column's middle. In symmetric displacements u_z is even about the middle, like the radial component.
 """
 
 from functools import cache
@@ -34,13 +37,13 @@ from drumlin.fem.hp.element import (
 )
 
 SYMMETRIES = (0, 1)
-"""Numbers of the two symmetries of a column's displacements: 0 symmetric, 1 antisymmetric."""
+"""The two symmetries of displacements about a column's middle: 0 symmetric, 1 antisymmetric."""
 
 
 class LameConstants(NamedTuple):
     """The Lame constants lambda and mu of a layer [Pa].
 
-    If nothing varies over z, `lam` is the lambda of plane stress.
+    If the displacements are constant over z (degree 0), `lam` is the lambda of plane stress.
     """
 
     lam: float
@@ -48,14 +51,16 @@ class LameConstants(NamedTuple):
 
 
 class SectionIntegrals(NamedTuple):
-    """The integrals over c elements of one layer, with n rows of nodes, times Lame's constants.
+    """Integrals over each of c elements of a layer, of products of shape functions and gradients.
 
-    Along a row A unknowns are displacements x and y in the section, and B unknowns are
-    displacements along z.
+    Each integral contains the Lame constants. The axes after c are (along, along, row, row), for
+    two unknowns. A is the number of unknowns along a row that are displacements x and y in the
+    section, B is the number of displacements along z, and n is the number of an element's rows of
+    nodes.
 
     Attributes
     ----------
-    plane : (c, A, A, n, n) energy of the strains in the section [Pa]
+    plane : (c, A, A, n, n) Int lambda tr eps_a tr eps_b + 2 mu eps_a : eps_b dA [Pa]
     shear : (c, A, A, n, n) Int mu psi_a . psi_b dA [N]
     coupled : (c, A, B, n, n) Int lambda tr eps_a psi_b dA [N/m]
     sheared : (c, A, B, n, n) Int mu psi_a . grad psi_b dA [N/m]
@@ -72,21 +77,23 @@ class SectionIntegrals(NamedTuple):
 
 
 class AngularFactors(NamedTuple):
-    """The angular factors of the section's integrals over c columns, for one symmetry.
+    """The angular factors of the integrals over c columns, for displacements of one symmetry.
 
-    Each integral is a sum of products of an angular and a radial factor. A and B are the numbers of
-    unknowns along a row in the section and along z. The letters k and l count the two terms of the
-    gradients in fem/hp/arc.py: the tangential and the radial one.
+    Each integral over an element of the section is a sum of products of an angular and a radial
+    factor. Along a row of nodes A unknowns are displacements in the section, and B unknowns are
+    displacements along z. The letters k and l count the two terms of the gradients in
+    fem/hp/arc.py: k, l = 1 for the tangential and 2 for the radial term.
 
     Attributes
     ----------
-    strains : (c, A A, 8) products of the traces of two strains, and of two whole strains, by k and
-        l each
-    values : (c, A A, 1) products of two displacements
-    traces_values : (c, A B, 2) products of a trace and u_z, by k
-    values_slopes : (c, A B, 2) products of a displacement and a gradient of u_z, by l
+    strains : (c, A A, 8) products of the traces of two strains, then twice the products of two
+        strain tensors, both for all k and l
+    values : (c, A A, 1) products of two displacements in the section
+    traces_values : (c, A B, 2) products of the trace of a strain and u_z, for each k
+    values_slopes : (c, A B, 2) products of a displacement in the section and the gradient of u_z,
+        for each l
     values_z : (c, B B, 1) products of two u_z
-    slopes_z : (c, B B, 4) products of two gradients of u_z, by k and l
+    slopes_z : (c, B B, 4) products of two gradients of u_z, for all k and l
     """
 
     strains: Floats
@@ -101,8 +108,11 @@ class AngularFactors(NamedTuple):
 def symmetry_matrix_of_forces_along_z(p: int, symmetry: int) -> Floats:
     """The matrix (B, p + 1) from forces along z on a row's nodes to forces on its B unknowns.
 
-    The unknowns belong to displacements of one symmetry. The first unknown is that of the nodes on
-    both sides; then follow the pairs of nodes further in, and the middle node.
+    The row has p + 1 nodes, and the unknowns describe displacements of one symmetry. Each unknown
+    belongs to a pair of mirrored nodes, and the force on it is half the sum (or half the
+    difference) of the forces on both nodes. The first pair are the nodes on the two sides, and the
+    pairs further inside follow. In symmetric displacements the last unknown belongs to the middle
+    node, if there is one.
     """
     count = (p + 1) // 2 + (p % 2 == 0 and symmetry == 0)
     fold = np.zeros((count, p + 1))
@@ -117,16 +127,17 @@ def symmetry_matrix_of_forces_along_z(p: int, symmetry: int) -> Floats:
 def angular_factors_of_section_integrals(
     angles: Floats, p: int, symmetry: int, *, flat: bool = False
 ) -> AngularFactors:
-    """The angular factors of the section's integrals over columns on an arc or a plane.
+    """The angular factors of the integrals over columns of elements on an arc or on a plane.
 
-    Displacements of a node on a side of its column are measured along the radius there and across
-    it.
+    Displacements of a node on a side of its column are measured along the side's radius and square
+    to it. Displacements of all other nodes are measured along the radius of the column's middle and
+    square to it.
 
     Parameters
     ----------
-    angles : (c, p + 1) angles of the nodes about the middle of their column [rad]; lengths on a
-        plane
-    p : degree of the section
+    angles : (c, p + 1) angles of each column's nodes from its middle [rad]; on a plane distances,
+        divided by the length [m] that makes positions on the plane dimensionless
+    p : degree of the hp elements
     symmetry : 0 for symmetric displacements, 1 for antisymmetric ones
     flat : whether the columns are on a plane
     """
@@ -136,14 +147,16 @@ def angular_factors_of_section_integrals(
     root = np.sqrt(functions.weights / size)
     tangent, normal = np.array([-at[1], at[0]]) * root, np.array([by[1], -by[0]]) * root
 
-    # The gradients (x or y, columns, k, nodes, points) and values contain the root of the weights.
+    # The gradients (x or y, columns, k, nodes, points) and the values contain the square root of
+    # the Gauss weights, so that products of two of them are integrated by summing.
     gradient = np.empty((2, count, 2, n, len(functions.x)))
     gradient[:, :, 0] = tangent[:, :, None] * functions.slopes
     gradient[:, :, 1] = normal[:, :, None] * functions.values
     value = functions.values * np.sqrt(functions.weights * size)[:, None]  # (c, n, q)
 
-    # Strains and displacements of unit displacements along the radius (x) and across it (y). The
-    # nodes on the sides have the radius of the side, all others that of the column's middle.
+    # Strains and displacements due to unit displacements of the nodes along a radius (x) and square
+    # to it (y). For the nodes on the two sides it is the radius of the side, and for all other
+    # nodes the radius of the column's middle.
     turn = np.zeros((count, n))
     turn[:, ::p] = 0.0 if flat else angles[:, ::p]
     c, s = np.cos(turn)[:, :, None], np.sin(turn)[:, :, None]
@@ -158,7 +171,8 @@ def angular_factors_of_section_integrals(
     moved[:, :, 0, 0], moved[:, :, 0, 1] = c * value, s * value
     moved[:, :, 1, 0], moved[:, :, 1, 1] = -s * value, c * value
 
-    # The values of all nodes are combined to those of the unknowns of this symmetry.
+    # The values due to displacements of mirrored nodes are combined to values due to the unknowns
+    # of this symmetry.
     fold, across = functions.fold[symmetry], symmetry_matrix_of_forces_along_z(p, symmetry)
     A, B = len(fold), len(across)
     strain = (fold @ strain.reshape(count, 2, 2 * n, -1)).reshape(count, 2 * A, 3, -1)
@@ -166,7 +180,7 @@ def angular_factors_of_section_integrals(
     value = across @ value
     gradient = across @ gradient.transpose(1, 2, 3, 0, 4).reshape(count, 2, n, -1)
 
-    # Products of every two unknowns are summed over the Gauss points of the angle.
+    # The products for every two unknowns are summed over the Gauss points along the arc.
     trace = strain[:, :, 0] + strain[:, :, 1]
     whole = np.sqrt(2) * strain.reshape(count, 2 * A, -1)
     by_strains = np.stack(
@@ -205,23 +219,24 @@ def section_integrals_between_circles(
     p: int,
     plane: float | None = None,
 ) -> SectionIntegrals:
-    """The section's integrals over the elements of all columns in a layer between two circles.
+    """The integrals over the elements of all columns in a layer between two circles or planes.
 
     Parameters
     ----------
-    inner, outer : radii at which the layer begins, at the contact's side, and ends [m]
+    inner, outer : radius of the layer's face towards the contact, and radius of its other face [m]
     lame : Lame constants of the layer
     angular : angular factors of the columns
-    p : degree of the section
-    plane : radius that divides the lengths of elements on a plane [m]; None on a drum
+    p : degree of the hp elements
+    plane : on a plane the length [m] by which positions are divided; None on a drum
     """
     functions, (lam, mu) = nodal_functions_along_element_column(p), lame
     step = outer - inner
     size = abs(step)
     r = inner + step * functions.x if plane is None else np.full_like(functions.x, plane)
     weights, values, slopes = functions.weights, functions.values, functions.slopes
-    # The first two rows are the radial functions of the two terms of the gradients, the third row
-    # is that of displacements. Each function contains the root of its Gauss weights.
+    # The first two rows are the radial functions of the two terms of the gradients, and the third
+    # row is the radial function of displacements. Each function contains the square root of the
+    # Gauss weights.
     radial = np.array(
         [
             values * np.sqrt(size * weights / r),
@@ -235,9 +250,10 @@ def section_integrals_between_circles(
     count = len(angular.values)
 
     def products_of_angular_and_radial_factors(factors: Floats, own: Floats) -> Floats:
-        """The integrals (c, rows columns, n n) as sums of products of angular and radial factors.
+        """The integrals (c, a b, n n) as sums of products of angular and radial factors.
 
-        `factors` (c, rows columns, k) are the angular factors, and `own` (k, n n) the radial ones.
+        `factors` (c, a b, k) are the angular factors for a times b pairs of unknowns along a row,
+        and `own` (k, n n) are the radial factors for n times n pairs of rows.
         """
         return np.asarray(factors @ own)
 
@@ -259,23 +275,23 @@ def section_integrals_between_circles(
 
 
 def section_integrals_of_any_shape(xy: Floats, lame: LameConstants, p: int) -> SectionIntegrals:
-    """The section's integrals over elements of any shape, in the axes of the shoe's frame.
+    """The integrals over c elements of any shape, for displacements in the shoe's frame.
 
-    Unknowns along a row are those of its nodes, x and y of a node together.
+    Along a row the unknowns are the displacements of its nodes; x and y of a node are neighbours.
 
     Parameters
     ----------
-    xy : (c, 2, a) nodes in the order of `ReferenceElement` [m]
+    xy : (c, 2, a) coordinates of each element's nodes, in the order of `ReferenceElement` [m]
     lame : Lame constants of the layer
-    p : degree of the section
+    p : degree of the hp elements
     """
     (lam, mu), reference, n = lame, reference_element_of_degree(p), p + 1
     G, areas = shape_function_gradients_and_gauss_areas(xy, p)  # (c, 2, a, q), (c, q)
     count = len(xy)
     order = np.argsort(reference.order)
     root = np.sqrt(areas)[:, None]
-    # The nodes are sorted into a grid: the first index is that of the row, the second that along
-    # the row.
+    # The nodes are sorted into a grid: the first index is the number of the row, and the second
+    # index is the position along the row.
     G = (G * root[:, None])[:, :, order]
     value = (reference.values * root)[:, order]
     flat = G.reshape(count, 2 * n * n, -1)
@@ -291,8 +307,8 @@ def section_integrals_of_any_shape(xy: Floats, lame: LameConstants, p: int) -> S
     for i in range(2):
         plane[:, i, :, :, i] += mu * stretch
         shear[:, i, :, :, i] = mu * mass
-    # The indices (x or y, row, along) of two nodes become (along, x or y) of both and then the rows
-    # of both.
+    # The axes (x or y, row, along) of a first and a second node are reordered to (along, x or y) of
+    # the first, (along, x or y) of the second, row of the first, row of the second node.
     to_plane, to_mixed, to_z = (0, 3, 1, 6, 4, 2, 5), (0, 3, 1, 5, 2, 4), (0, 2, 4, 1, 3)
     by_nodes = 2 * n, n, n, n
     sheared = mixed.transpose(0, 1, 4, 5, 2, 3)

@@ -1,36 +1,41 @@
-"""A brake with widths solved to a tolerance: a level of the section and a degree across the width.
+"""Solve a brake with widths to a tolerance: choose elements of the section and a degree across it.
 
-The error has two parts, which are chosen and stated one by one and then added up.
+The section of a shoe is divided into hp elements on one of the levels of a solve; across the width
+the displacements are polynomials of z of some degree. The error has two parts, which are estimated
+one by one and then added up: the section's error, due to the hp elements, and the width's error,
+due to the degree across the width.
 
-- The section's part is that of a low degree across the width, which is solved on finer and finer
-  levels until SECTION_SHARE of the tolerance is met. For shoes of one width the degree is 0, plane
-  stress; for shoes of several widths it is SECTION_DEGREE, and the error is multiplied by the
-  factors of SOLID_FACTORS for a section. The coarsest level is taken whose answer is within the
-  share, by its distance from the answer of the last level plus the error stated for this last
-  answer.
-- The width's part may take what the section's part leaves of the tolerance. It comes from one
-  section for all degrees: a coarse one, on which degrees cost little, or the first level of a solve
-  where a shoe has parts of several widths. The larger of the distances from the degree q to the
-  degrees q + 1 and q + 2 there is extrapolated to all degrees. The smallest degree that meets the
-  rest of the tolerance is taken. The next degree alone would not tell the error, since even and odd
-  degrees fall at different rates.
+- For the section's error the brake is solved with a low degree across the width on finer and finer
+  levels, until the error is at most SECTION_SHARE of the tolerance. If all parts of each shoe have
+  one width, the degree is 0, plane stress. Else the degree is SECTION_DEGREE, and the error is
+  multiplied by the safety factors `section_pressure` and `section_force`. The error of a coarser
+  level is the distance of its answer from the answer of the last level, plus the stated error of
+  the last answer. The coarsest level whose error is within the share is chosen.
+- The width's error may be as large as the rest of the tolerance. Degrees are compared on the same
+  hp elements: coarse ones, on which degrees cost little, or the first level of a solve if a shoe
+  has parts of several widths. There the distances of the answer with the degree q from the answers
+  with the degrees q + 1 and q + 2 are computed. The next degree alone would not show the error,
+  since the errors of even and of odd degrees fall at different rates. The larger distance is
+  extrapolated to an infinite degree. The smallest degree whose error is within the rest of the
+  tolerance is chosen.
 
-The error e falls as a power of the degree where a side of the shoe is free or a part overhangs
-another part. From e(q) = C q^-k follows e(q) = d / (1 - (q/(q + 2))^k) with the distance
-d = e(q) - e(q + 2). The estimate is this e(q) times a factor of SOLID_FACTORS: that of pressures,
-or the larger one of forces, whose distances cancel by accident. Its power k is SLOWEST_FALL and not
-the power that the degrees show, because the distances of few degrees scatter. With k = 1 the
-distance is multiplied by (q + 2)/2.
+The width's error e falls as a power of the degree where a side of the shoe is free or a part
+overhangs another part. From e(q) = C q^-k follows e(q) = d / (1 - (q/(q + 2))^k) with the distance
+d = e(q) - e(q + 2). The estimate is this e(q) times a safety factor of SOLID_FACTORS. The factor of
+forces is larger than the factor of pressures, because the distances of forces may cancel by
+accident. The power k is SLOWEST_FALL. It is not fitted to the distances of a brake, because the
+distances of few degrees scatter. With k = 1 the distance is multiplied by (q + 2)/2.
 
-A finer section asks for higher degrees beside a web, where the pressure changes fast across the
-width and along it. With distances from the coarse section the estimate without its safety factor
-would be below the true error in 8 % of 106 cases, at worst 0.44 of it (17 brakes, "free" from 2000
-and "built" of `drumlin_studies.solid_error`).
+Beside a web the pressure changes fast across the width and along it, so that smaller elements need
+higher degrees there. Had the distances been computed on coarse elements, the estimate without its
+safety factor would be smaller than the true error in 8 % of 106 cases, and in the worst case 0.44
+of the true error (17 brakes, "free" from 2000 and "built" of `drumlin_studies.solid_error`).
 
-The contact of a shoe with widths ends elsewhere than that of plane stress. So each level is divided
-anew with small elements at the ends that the model with the widths has found, until they no longer
-move. With elements for the ends of plane stress, the first two levels of one random brake ("free"
-2000 of `drumlin_studies.solid_error`) differ by 3.7 % of the pressure, and else by 0.23 %.
+With widths the contact of a shoe ends at other angles than in plane stress. So each level is
+divided anew with small elements at the ends of the contact of the model with widths, until these
+ends no longer move. On one random brake ("free" 2000 of `drumlin_studies.solid_error`) the
+pressures of the first two levels differ by 0.23 %. They differ by 3.7 % if the small elements lie
+at the ends of the contact in plane stress.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -59,7 +64,7 @@ from drumlin.fem.width.error import (
     plane_stress_solution_on_coarse_division,
     relative_distances_of_shoe_responses,
 )
-from drumlin.fem.width.functions import has_several_widths
+from drumlin.fem.width.functions import has_parts_of_different_widths
 from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
     MakeFunctions,
@@ -69,53 +74,67 @@ from drumlin.fem.width.prepare import (
 from drumlin.response.response import Response
 
 SLOWEST_FALL = 1.0
-"""Power k of the degree by which the width's part of the error is assumed to fall, as q^-k.
+"""Assumed power k with which the error due to the degree q across the width falls, as q^-k.
 
-Polynomials of degree q up to a singularity r^a of the displacements leave an error of q^-2a in the
-energy norm (Babuska, Szabo & Katz 1981, SIAM J. Numer. Anal. 18, 515). The strongest singularity at
-a corner has a = 1/2, and so k = 1. A larger k states errors smaller, a smaller k larger. On 17
-random brakes of several widths the smallest stated over true error without a safety factor is 1.6
-with k = 1, and 1.2 with k = 1.5.
+Where the displacements have a singularity r^a, polynomials of degree q leave an error of q^-2a in
+the energy norm (Babuska, Szabo & Katz 1981, SIAM J. Numer. Anal. 18, 515). The strongest
+singularity at a corner has a = 1/2, and so k = 1. A larger k makes stated errors smaller, a smaller
+k makes them larger. On 17 random brakes with parts of several widths the smallest ratio of the
+stated error, without a safety factor, to the true error is 1.6 with k = 1, and 1.2 with k = 1.5.
 """
 SECTION_DEGREE = 1
-"""Degree across the width with which the section's error is estimated for several widths.
+"""Degree across the width for the estimate of the hp elements' error if parts have several widths.
 
-It has the bending of a table over its web as straight lines. On ten random brakes ("built" 3100 to
-3117 of `drumlin_studies.solid_error`) the first two levels differ by 0.2 to 2.3 times as much of
-the pressure with degree 1 as with degree 2, and in the median by 0.9 times. In plane stress they
-differ by up to 9.5 times less. With degree 2 the second level takes 5 times as long.
+Degree 1 represents the bending of a table over its web by straight lines. The error is estimated
+from the distance of the pressures on two levels. On ten random brakes ("built" 3100 to 3117 of
+`drumlin_studies.solid_error`) the distance of the first two levels with degree 1 is 0.2 to 2.3
+times the distance with degree 2 (median 0.9). In plane stress it may be 9.5 times smaller than with
+degree 2, and would not show the error. With degree 2 the second level takes 5 times as long as with
+degree 1.
 """
 MOST_SECTION_LEVELS = 2
-"""Number of levels on which the section's error is estimated for shoes of several widths.
+"""Number of levels on which the hp elements' error is estimated if parts have several widths.
 
 Where a lining lifts off beside a web, its contact ends at another angle at each distance from the
 mid-plane, and no level has small elements at all of these ends. On such a brake ("built" 3201 of
-`drumlin_studies.solid_error`) the error of the pressure falls from 0.5 % on the first level to
-0.3 % on the third. A tolerance that must be reached may take one level more, on which a degree of
-5 has some 300 000 unknowns.
+`drumlin_studies.solid_error`) the error of the pressure falls only from 0.5 % on the first level to
+0.3 % on the third level. If a tolerance must be reached, one more level is allowed; with degree 5
+across the width it has some 300 000 unknowns.
 """
 MOST_DEGREE = 5
-"""Largest degree across several widths, if the tolerance need not be reached.
+"""Largest degree across the width if parts have several widths and an error may exceed its limit.
 
-With degree 7 the shoe of MOST_SECTION_LEVELS takes 2 GB on the first level of the section.
+Where a tolerance must be reached, LARGEST_STATED_DEGREE is the limit. With degree 7 the brake named
+at MOST_SECTION_LEVELS takes 2 GB on the first level.
 """
 SECTION_SHARE = 0.5
-"""Largest part of the tolerance for the section's error; the width's error may take the rest."""
+"""Fraction of the tolerance for the error of the section's hp elements.
+
+The error due to the degree across the width may take the rest of the tolerance.
+"""
 LOOKED_AHEAD = 2
-"""Number of further degrees across the width that give the error of a degree: one even, one odd."""
+"""Number of higher degrees across the width whose answers give the error of a degree.
+
+Of the two next higher degrees one is even and the other odd.
+"""
 LARGEST_STATED_DEGREE = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD
-"""Largest degree across the width whose error can be stated."""
+"""Largest degree across the width whose error can be stated.
+
+The error follows from answers with the LOOKED_AHEAD next higher degrees, which must be allowed.
+"""
 
 
 class SolidFactors(NamedTuple):
-    """The safety factors of the stated errors of solid shoes; a force is a torque or a reaction.
+    """Safety factors of the errors stated for shoes with widths.
+
+    The factors `force` hold for torques and reactions, the factors `pressure` for pressures.
 
     Attributes
     ----------
-    pressure, force : of the width's part, relative to the extrapolated distance of degrees across
-        the width
-    section_pressure, section_force : of the section's part of shoes with several widths, relative
-        to that of SECTION_DEGREE
+    pressure, force : of the error due to the degree across the width, relative to the extrapolated
+        distance between degrees
+    section_pressure, section_force : of the error of the section's hp elements if parts have
+        several widths, relative to the error estimated with SECTION_DEGREE across the width
     """
 
     pressure: float
@@ -125,21 +144,25 @@ class SolidFactors(NamedTuple):
 
 
 SOLID_FACTORS = SolidFactors(**read_safety_factors(Path(__file__).with_name("factors.json")))
-"""The factors of the stated errors of solid shoes, which `make calibrate` fits.
+"""Safety factors of the errors stated for shoes with widths, fitted by `make calibrate`.
 
-The file factors.json says on which brakes they are fitted, and what each factor does.
+The file factors.json says to which brakes they are fitted, and what each factor does.
 """
 
 
 class ErrorFactors(NamedTuple):
-    """Factors of the errors of pressures, and of forces: torques and reactions."""
+    """Two factors by which errors are multiplied.
+
+    `pressure` multiplies errors of pressures, and `force` multiplies errors of torques and
+    reactions.
+    """
 
     pressure: float
     force: float
 
 
 class SolidErrors(NamedTuple):
-    """Relative errors of the `torque` of a brake, and of each of its shoes.
+    """Relative errors of a brake's `torque`, and relative errors of each of its shoes.
 
     `shoes` has the errors of each shoe by the names in QUANTITIES.
     """
@@ -149,7 +172,7 @@ class SolidErrors(NamedTuple):
 
     @property
     def largest_pressure_error(self) -> float:
-        """The largest error of the mean pressure of a shoe."""
+        """The largest error of a shoe's pressure, which is averaged over the width."""
         return max(shoe["pressure"] for shoe in self.shoes)
 
     @property
@@ -158,7 +181,7 @@ class SolidErrors(NamedTuple):
         return Tolerance(self.largest_pressure_error, self.torque)
 
     def is_within_error_tolerance(self, tolerance: Tolerance) -> bool:
-        """Whether the errors of all mean pressures and of the torque are within a tolerance."""
+        """Whether the errors of the torque and of each shoe's pressure are within a tolerance."""
         return self.largest_pressure_error <= tolerance.pressure and self.torque <= tolerance.torque
 
     def sum_with_other_errors(self, other: "SolidErrors") -> "SolidErrors":
@@ -173,7 +196,7 @@ class SolidErrors(NamedTuple):
         return SolidErrors(self.torque + other.torque, tuple(shoes))
 
     def errors_times_factors(self, factors: ErrorFactors) -> "SolidErrors":
-        """The errors of pressures and those of torques and reactions, each times its factor."""
+        """These errors times factors: one factor for pressures, one for torques and reactions."""
         by_name = dict.fromkeys(QUANTITIES, factors.force)
         by_name |= {"pressure": factors.pressure, "peak": factors.pressure}
         shoes = [{name: by_name[name] * own for name, own in shoe.items()} for shoe in self.shoes]
@@ -181,17 +204,21 @@ class SolidErrors(NamedTuple):
 
 
 class SectionError(NamedTuple):
-    """A level of the section, and the section's part of the error on this level."""
+    """A level of the section's hp elements, and the error that these elements make.
+
+    The error due to the degree across the width is not contained.
+    """
 
     level: Level
     error: SolidErrors
 
 
 class ComparedSection(NamedTuple):
-    """The section on which degrees across the width are compared.
+    """The hp elements of a brake's shoes on which degrees across the width are compared.
 
-    `divisions` are its divisions into hp elements by the position of the first shoe of each shape,
-    and `answers` are answers on them that are known already, by degree.
+    `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
+    shoe of each shape. `answers` are the answers on them that are known already, by the degree
+    across the width.
     """
 
     divisions: Mapping[int, ShoeDivision]
@@ -199,16 +226,16 @@ class ComparedSection(NamedTuple):
 
 
 class LevelClimb(NamedTuple):
-    """The levels of a solve, and the answer of the last one with its stated errors."""
+    """All solved levels of a solve, and the answer of the last level with its stated errors."""
 
     levels: list[SolvedLevel]
     response: Response
 
 
 class DegreeError(NamedTuple):
-    """A degree across the width, the width's part of its error, and the answer on the section.
+    """A degree across the width, the error due to this degree, and the answer with it.
 
-    The section is the one on which degrees are compared.
+    The answer is found on the hp elements on which degrees are compared.
     """
 
     degree: int
@@ -224,9 +251,9 @@ def solve_brake_with_widths_to_tolerance(
     penalty: float = PENALTY,
     cache: Cache | None = None,
 ) -> Response:
-    """The response of a brake with widths, whose estimated errors meet a tolerance.
+    """Solve a brake with widths so that its estimated errors meet a tolerance.
 
-    The parameters and errors are those of `solve_and_keep_brake_with_widths`.
+    The parameters and the raised exceptions are those of `solve_and_keep_brake_with_widths`.
     """
     return solve_and_keep_brake_with_widths(
         brake, tolerance, must=must, penalty=penalty, cache=cache
@@ -242,42 +269,41 @@ def solve_and_keep_brake_with_widths(
     penalty: float = PENALTY,
     cache: Cache | None = None,
 ) -> SolvedLevel:
-    """The response of a brake with widths to a tolerance, and the prepared model that it is of.
+    """Solve a brake with widths to a tolerance; return the response with its prepared model.
 
     Parameters
     ----------
     brake : the brake
-    tolerance : relative errors that are allowed, of the mean pressure over the width and of the
-        torque
-    must : whether a tolerance that is not reached is an error; otherwise the best answer is
+    tolerance : allowed relative errors of the pressure, averaged over the width, and of the torque
+    must : whether NoAnswer is raised if the tolerance is not reached; otherwise the best answer is
         returned
-    across : degree across the width; None: the smallest one that meets the tolerance
+    across : degree across the width; None for the smallest degree that meets the tolerance
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
 
     Raises
     ------
     NoAnswer
-        where plane stress or the brake with widths has no answer, and for a tolerance that must be
+        if the brake has no answer in plane stress or none with widths, or if the tolerance must be
         reached and is not
     BadInput
-        where the model does not apply
+        if the model of the width does not apply to the brake
     """
     share = Tolerance(SECTION_SHARE * tolerance.pressure, SECTION_SHARE * tolerance.torque)
     cache = cache or Cache()
     answer = partial(solve_prepared_model, penalty=penalty)
-    climb = climb_levels_to_tolerance(brake, share, answer, cache)
+    climb = solve_levels_up_to_tolerance(brake, share, answer, cache)
     plane, factors = climb.response, ErrorFactors(1.0, 1.0)
     largest_degree = LARGEST_STATED_DEGREE
-    if has_several_widths_on_any_shoe(brake):
+    if has_shoe_with_parts_of_different_widths(brake):
         factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
         asked = Tolerance(share.pressure / factors.pressure, share.torque / factors.force)
         levels = LEVELS[: MOST_SECTION_LEVELS + 1] if must else LEVELS[:MOST_SECTION_LEVELS]
-        climb = climb_levels_to_tolerance(brake, asked, answer, cache, levels, plane)
+        climb = solve_levels_up_to_tolerance(brake, asked, answer, cache, levels, plane)
         if not must:
             largest_degree = MOST_DEGREE
     section = coarsest_level_within_tolerance(brake, climb, share, factors)
-    compared = section_to_compare_width_degrees(brake, plane, penalty=penalty, cache=cache)
+    compared = hp_elements_to_compare_width_degrees(brake, plane, penalty=penalty, cache=cache)
     left = Tolerance(
         max(tolerance.pressure - section.error.largest_pressure_error, share.pressure),
         max(tolerance.torque - section.error.torque, share.torque),
@@ -287,7 +313,7 @@ def solve_and_keep_brake_with_widths(
         brake, plane, compared, left, degrees, penalty=penalty, cache=cache
     )
     if not width.error.is_within_error_tolerance(left):
-        # A section that is finer than the degree across the width deserves would be lost work.
+        # The hp elements need not be more exact than the degree across the width allows.
         section = coarsest_level_within_tolerance(brake, climb, width.error.as_tolerance, factors)
     found = section.error.sum_with_other_errors(width.error)
     warning = ""
@@ -310,16 +336,16 @@ def solve_level_of_section_with_width_degree(
     penalty: float = PENALTY,
     cache: Cache | None = None,
 ) -> SolvedLevel:
-    """The answer of a brake with widths on one level of the section, whose contact it has found.
+    """Solve a brake with widths on one level of hp elements, with a degree across the width.
 
-    The level is divided anew until the ends of the contact no longer move.
+    The shoes are divided anew until the ends of the contact no longer move.
 
     Parameters
     ----------
     brake : the brake
-    level : degree and grading of the hp elements of the section
+    level : degree of the section's hp elements, and their sizes at singular points
     degree : degree across the width, or a function from a shoe to its functions across the width
-    start : an earlier answer, whose contact the first division is made for
+    start : an earlier answer; the first division has small elements at the ends of its contact
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
 
@@ -330,7 +356,7 @@ def solve_level_of_section_with_width_degree(
     """
 
     def prepare(divided: Level, points: PointsByShape) -> PreparedModel:
-        """The prepared model of a division with elements for these singular points."""
+        """The prepared model of the brake, with small elements at the singular points."""
         return prepare_brake_with_widths(brake, divided, degree, points, cache=cache)
 
     answer = partial(solve_prepared_model, penalty=penalty)
@@ -345,15 +371,15 @@ def solve_level_of_section_with_width_degree(
 def _solved_level_with_errors_and_notes(
     solved: SolvedLevel, level: Level, degree: int, found: SolidErrors, warning: str
 ) -> SolvedLevel:
-    """A solved level whose answer has its errors, a warning if need be, and a note on the degrees.
+    """Add to a solved level's answer its errors, a note on the degrees, and a warning if any.
 
     Parameters
     ----------
     solved : the answer with widths, and its prepared model
-    level : level of the section
+    level : level of the section's hp elements
     degree : degree across the width
     found : stated errors of the answer
-    warning : text on a tolerance that is not reached; empty if it is reached
+    warning : text which says that the tolerance is not reached; empty if it is reached
     """
     response = solved.response
     warnings = [f"warning: {warning}"] if warning else []
@@ -372,7 +398,7 @@ def _solved_level_with_errors_and_notes(
     return SolvedLevel(solved.scene, stated)
 
 
-def climb_levels_to_tolerance(
+def solve_levels_up_to_tolerance(
     brake: Brake,
     tolerance: Tolerance,
     answer: ResponseFunction,
@@ -380,7 +406,7 @@ def climb_levels_to_tolerance(
     levels: Sequence[Level] = (),
     start: Response | None = None,
 ) -> LevelClimb:
-    """The levels of a solve by plane stress, or with SECTION_DEGREE, up to a tolerance.
+    """Solve a brake on finer and finer levels, with a low degree across the width, to a tolerance.
 
     Parameters
     ----------
@@ -388,8 +414,9 @@ def climb_levels_to_tolerance(
     tolerance : relative errors that are allowed
     answer : function that computes the response on a prepared model
     cache : substructures of earlier solves
-    levels : levels of a solve with SECTION_DEGREE across the width; none for plane stress
-    start : an earlier answer, whose contact the first division is made for
+    levels : levels of a solve with SECTION_DEGREE across the width; if empty, the brake is solved
+        in plane stress on the levels LEVELS
+    start : an earlier answer; the first division has small elements at the ends of its contact
 
     Raises
     ------
@@ -398,7 +425,7 @@ def climb_levels_to_tolerance(
     """
 
     def prepare(level: Level, points: PointsByShape) -> PreparedModel:
-        """The prepared model of a division with SECTION_DEGREE across the width."""
+        """The prepared model of the brake on a level, with SECTION_DEGREE across the width."""
         return prepare_brake_with_widths(brake, level, SECTION_DEGREE, points, cache=cache)
 
     climbed: list[SolvedLevel] = []
@@ -429,9 +456,9 @@ def coarsest_level_within_tolerance(
     Parameters
     ----------
     brake : the brake
-    climb : the levels
-    tolerance : relative errors that are allowed for the section's part
-    factors : safety factors of the errors
+    climb : the solved levels, from coarse to fine
+    tolerance : relative errors that the section's hp elements may make
+    factors : safety factors by which the errors are multiplied
     """
     last = climb.response
     stated = SolidErrors(
@@ -447,15 +474,15 @@ def coarsest_level_within_tolerance(
     return next(within, sections[-1])
 
 
-def has_several_widths_on_any_shoe(brake: Brake) -> bool:
-    """Whether a shoe of the brake has parts of several widths."""
-    return any(has_several_widths(shoe) for shoe in brake.shoes)
+def has_shoe_with_parts_of_different_widths(brake: Brake) -> bool:
+    """Whether any shoe of the brake has parts that are wider than others."""
+    return any(has_parts_of_different_widths(shoe) for shoe in brake.shoes)
 
 
 def _message_on_unreached_error_tolerance(
     tolerance: Tolerance, error: SolidErrors, degree: int
 ) -> str:
-    """The text on a tolerance that the finest section and the largest degree do not reach."""
+    """The text which says that a tolerance is not reached with the finest elements and degree."""
     pressure = error.largest_pressure_error
     return (
         f"tolerance {tolerance.pressure:g} not reached with degree {degree} across the width: "
@@ -463,29 +490,30 @@ def _message_on_unreached_error_tolerance(
     )
 
 
-def section_to_compare_width_degrees(
+def hp_elements_to_compare_width_degrees(
     brake: Brake, plane: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> ComparedSection:
-    """The section on which degrees across the width are compared, by the widths of the shoes.
+    """The hp elements of the shoes on which degrees across the width are compared.
 
-    Shoes of one width have the coarse section. A brake with a shoe of several widths has the first
-    level of a solve, because the coarse section shows too little of the error beside a web. This
-    level has small elements at the ends of the contact with degree WIDTH_DEGREE across the width.
+    If all parts of each shoe have one width, the elements are coarse. Otherwise they are those of
+    the first level of a solve, because coarse elements show too little of the error beside a web.
+    This level is solved with degree WIDTH_DEGREE across the width, so that it has small elements at
+    the ends of the contact with widths.
 
     Parameters
     ----------
     brake : the brake
-    plane : answer of plane stress, whose contact grades the section
+    plane : answer of plane stress; the elements are small at the ends of its contact
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
 
     Raises
     ------
     NoAnswer
-        on the first level, where plane stress (shoes of one width) or the brake with its widths has
-        no answer
+        if the brake has no answer on the first level: in plane stress for shoes of one width,
+        otherwise with widths
     """
-    if not has_several_widths_on_any_shoe(brake):
+    if not has_shoe_with_parts_of_different_widths(brake):
         coarse = plane_stress_solution_on_coarse_division(
             brake, plane, penalty=penalty, cache=cache
         )
@@ -506,7 +534,7 @@ def smallest_width_degree_within_tolerance(
     penalty: float = PENALTY,
     cache: Cache | None = None,
 ) -> DegreeError:
-    """The smallest degree across the width that meets a tolerance, with its error.
+    """The smallest degree across the width whose error meets a tolerance, with error and answer.
 
     If no degree meets the tolerance, the last degree whose error can be estimated is returned.
 
@@ -514,9 +542,9 @@ def smallest_width_degree_within_tolerance(
     ----------
     brake : the brake
     plane : answer of plane stress
-    section : the section of the brake on which degrees are compared, see
-        `section_to_compare_width_degrees`
-    tolerance : relative errors that are allowed for the width's part
+    section : hp elements of the shoes on which degrees are compared, see
+        `hp_elements_to_compare_width_degrees`
+    tolerance : relative errors that the degree across the width may make
     degrees : degrees that are tried, in this order
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
@@ -524,7 +552,7 @@ def smallest_width_degree_within_tolerance(
     answers = dict(section.answers)
 
     def solve_with_degree_across_width(degree: int) -> Response:
-        """The answer of a degree across the width on the section."""
+        """The answer of the brake with a degree across the width, on the given hp elements."""
         if degree not in answers:
             scene = prepare_divided_brake_with_widths(brake, section.divisions, degree, cache=cache)
             answers[degree] = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
@@ -537,7 +565,7 @@ def smallest_width_degree_within_tolerance(
             further = [solve_with_degree_across_width(each) for each in ahead]
             response = solve_with_degree_across_width(degree)
         except NoAnswer:
-            # A further degree may have too many contact nodes or no equilibrium.
+            # With a higher degree the brake may have too many contact nodes, or no equilibrium.
             if found is None:
                 raise
             break
@@ -551,7 +579,10 @@ def smallest_width_degree_within_tolerance(
 def _error_of_degree_across_width(
     brake: Brake, degree: int, response: Response, further: list[Response]
 ) -> DegreeError:
-    """The width's part of the error of a degree, from its answer and those of further degrees."""
+    """The error due to a degree across the width, from answers with this and with higher degrees.
+
+    `response` is the answer with the degree, and `further` are answers with higher degrees.
+    """
     moved = [
         _relative_differences_from_better_response(brake, response, other) for other in further
     ]
@@ -559,14 +590,19 @@ def _error_of_degree_across_width(
     for own in zip(*(each.shoes for each in moved), strict=True):
         shoes.append({name: max(each[name] for each in own) for name in QUANTITIES})
     largest = SolidErrors(max(each.torque for each in moved), tuple(shoes))
-    falls = extrapolated_over_largest_distance(degree)
+    falls = error_divided_by_distance_to_next_degrees(degree)
     factors = ErrorFactors(falls * SOLID_FACTORS.pressure, falls * SOLID_FACTORS.force)
     error = largest.errors_times_factors(factors)
     return DegreeError(degree, error, response)
 
 
-def extrapolated_over_largest_distance(degree: int) -> float:
-    """The extrapolated error of a degree, over its distance from the next LOOKED_AHEAD degrees."""
+def error_divided_by_distance_to_next_degrees(degree: int) -> float:
+    """The error of a degree across the width, divided by its distance from higher degrees.
+
+    The distance is the larger of the distances between the answer with `degree` and the answers
+    with the LOOKED_AHEAD next higher degrees. The error is assumed to fall as the degree to the
+    power -SLOWEST_FALL.
+    """
     left = (degree / (degree + LOOKED_AHEAD)) ** SLOWEST_FALL
     return 1 / (1 - left)
 

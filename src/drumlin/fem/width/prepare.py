@@ -29,8 +29,8 @@ from drumlin.fem.preparation.scene import (
     PreparedModel,
     Seconds,
     add_elapsed_time,
-    text_lines_on_rigid_parts,
-    text_lines_on_shoes_of_equal_shape,
+    messages_on_rigid_parts,
+    messages_on_shoes_of_equal_shape,
 )
 from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled as plane_why_not
 from drumlin.fem.width.columns import BackEdge
@@ -44,36 +44,39 @@ from drumlin.fem.width.recovery import WidthUnknowns
 from drumlin.fem.width.shoe import condense_shoe_with_width, layers_with_width_functions
 
 LARGEST_WIDTH_NU = 0.499
-"""Largest Poisson's ratio that the model of the width allows.
+"""Largest Poisson's ratio for which the model of the width can be used.
 
-Nearly incompressible materials need pressures as further unknowns beside the displacements.
+For nearly incompressible materials, pressures would have to be unknowns as well as displacements.
 """
 LARGEST_WIDTH_DEGREE = 9
 """Largest degree of the polynomials across the width.
 
-The Gauss rules over the width are exact up to degree 11.
+The Gauss rule over the width is exact for products of two polynomials up to degree 11.
 """
 INTERIOR = "interior fields: recovered only for a file or a picture"
-"""Line on what a prepared model with a width leaves out: displacements and stresses in bodies."""
+"""Message of a prepared model with widths: it has no displacements and stresses inside bodies."""
 OTHER_HALF = "the other half of each shoe: symmetric"
-"""Line on what a prepared model with a width leaves out: the half shoe behind the mid-plane."""
+"""Message of a prepared model with widths: it has one half of each shoe, beside the mid-plane."""
 
 MakeFunctions = Callable[[Shoe], WidthFunctions]
-"""A function from a shoe to the functions across the shoe's width."""
+"""The type of a function that returns the functions of z across the width of a given shoe."""
 
 
 class NodesOverWidth(NamedTuple):
-    """The number of displacement `unknowns` of a body with functions across the width."""
+    """Stands for the nodes of a body with functions across its width; it has their count only.
+
+    `unknowns` is the number of displacements of the body.
+    """
 
     unknowns: int
 
 
 class WidthBody(ShoeSubstructure):
-    """A condensed body of a shoe with functions across its width."""
+    """The condensed body of a shoe whose displacements are polynomials across its width."""
 
     @property
     def unknowns(self) -> int:
-        """Number of displacements of the body, of all functions across the width."""
+        """Number of displacements of the body, for all its nodes and all functions of z."""
         return int(self.basis.unknowns)
 
 
@@ -119,23 +122,23 @@ def prepare_brake_with_widths(
     *,
     cache: Cache | None = None,
 ) -> PreparedModel:
-    """The prepared model of a brake with widths: its shoes, condensed and coupled with the drum.
+    """Make the prepared model of a brake with widths: condense and couple its shoes.
 
     Shoes of one shape share one condensed body.
 
     Parameters
     ----------
     brake : the brake
-    level : degree and grading of the hp elements of the section
+    level : degree of the section's hp elements, and their sizes at singular points
     degree : degree across the width, or a function from a shoe to its functions across the width; 0
         is plane stress
-    points : singular points of the pressure, by the position of the first shoe of each shape
+    points : singular points of the pressure, by the index of the first shoe of each shape
     cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
 
     Raises
     ------
     BadInput
-        where the model does not apply, and for a degree out of range
+        if the model does not apply to the brake, or if the degree is out of range
     NoAnswer
         for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
     """
@@ -143,7 +146,7 @@ def prepare_brake_with_widths(
     tip = brake.actuation is not None and brake.actuation.is_cam
 
     def division_of_shoe(i: int) -> ShoeDivision:
-        """The division of the section of shoe `i` into hp elements."""
+        """The division of the section of the shoe with index `i` into hp elements."""
         places = (points or {}).get(i, ())
         return divide_shoe_into_hp_elements(
             brake.shoes[i], brake.size, level, places, grades_loaded_end=tip
@@ -160,12 +163,12 @@ def prepare_brake_with_widths(
 
 
 def level_for_narrow_shoes(brake: Brake, level: Level) -> Level:
-    """The level, with layers of elements at bonds of at most half the width of each shoe.
+    """The level, with layers of elements at bonds at most as thick as half the width of any shoe.
 
-    Beside a bond the contractions of two materials across the width become equal over a distance of
-    half the width. Plane stress has no such distance. With thicker layers the answer of a narrow
-    shoe would keep a distance from that of plane stress, 0.02 % of the torque of the double-shoe
-    brake on the first level. With these layers the distance falls in proportion to the width.
+    Beside a bond of two materials their lateral contractions become equal over a distance of half
+    the width. With thicker layers of elements, the answer of a very narrow shoe would not approach
+    the answer of plane stress: on the first level, 0.02 % of the double-shoe brake's torque would
+    remain as a difference. With these layers the difference falls in proportion to the width.
     """
     size = level.back
     for shoe in brake.shoes:
@@ -181,13 +184,14 @@ def prepare_divided_brake_with_widths(
     *,
     cache: Cache | None = None,
 ) -> PreparedModel:
-    """The prepared model of a brake with widths on given divisions of the sections of its shoes.
+    """Make the prepared model of a brake with widths, on given hp elements of the shoes' sections.
 
     Parameters
     ----------
-    brake : the brake, which `reason_against_width_model` lets pass
-    divisions : division into hp elements by the position of the first shoe of each shape
-    degree, cache : as of `prepare_brake_with_widths`
+    brake : the brake; the model of the width applies to it (`reason_against_width_model` is None)
+    divisions : divisions of the sections into hp elements, by the index of the first shoe of each
+        shape
+    degree, cache : as in `prepare_brake_with_widths`
 
     Raises
     ------
@@ -227,8 +231,8 @@ def prepare_divided_brake_with_widths(
     left_out = (
         INTERIOR,
         OTHER_HALF,
-        *text_lines_on_shoes_of_equal_shape(brake, len(made)),
-        *text_lines_on_rigid_parts(brake),
+        *messages_on_shoes_of_equal_shape(brake, len(made)),
+        *messages_on_rigid_parts(brake),
     )
     return PreparedModel(brake, bodies, None, seconds, left_out, model="solid", divisions=divisions)
 
@@ -246,7 +250,7 @@ def _require_few_nodes_of_contact_face(
 
 
 def _memory_of_condensed_body(body: ShoeSubstructure) -> int:
-    """The memory [bytes] of a condensed body, approximately: six matrices on its contact nodes."""
+    """The approximate memory [bytes] of a body: six matrices (n, n) for n contact nodes."""
     return 8 * 6 * len(body.line.nodes) ** 2
 
 
@@ -258,7 +262,7 @@ def condense_and_couple_shoe_with_width(
     friction: bool,
     seconds: Seconds,
 ) -> ShoeSubstructure:
-    """The condensed body of a shoe with a width, coupled with the drum or the plane.
+    """Condense a shoe with a width, and couple the condensed body with the drum or the plane.
 
     Parameters
     ----------
@@ -309,14 +313,14 @@ def friction_surface_of_shoe_with_width(
 def number_of_displacement_unknowns_of_shoe(
     shoe: Shoe, division: ShoeDivision, functions: WidthFunctions
 ) -> int:
-    """Number of displacements of a divided shoe with functions across the shoe's width.
+    """Number of displacements of a shoe with functions across its width, of all nodes.
 
-    A row of nodes between two layers has the functions of the layer with more of them. The
-    displacements that supports hold are counted as well.
+    A row of nodes between two layers has the functions of the layer with more functions.
+    Displacements that are zero at supports are counted as well.
     """
     p, layers = division.degree, layers_with_width_functions(shoe, division, functions)
     beyond = (len(division.before) + len(division.after) - 2) * p
-    # The columns beyond the lining begin with the first layer of the body.
+    # The columns beyond the ends of the lining have the layers of the body only.
     rows_of_nodes = [(0, division.contact_nodes), (division.index_of_first_body_layer, beyond)]
     count = 0
     for first, nodes in rows_of_nodes:

@@ -1,9 +1,11 @@
 """The displacements of all nodes of a shoe with a width, recovered from the forces on the shoe.
 
-The condensed shoe has the unknowns of the contact alone. Where a picture asks for the others, the
-columns of the shoe are condensed once more, to their two side lines. The lines are eliminated from
-one end of the shoe to the other, and all displacements follow on the way back. All displacements
-are in the axes of the shoe's frame.
+Condensation has eliminated all displacements except those of the contact. If a picture or a file
+needs the others, the columns of elements are condensed once more, to the nodes on their two sides:
+a left and a right line, without the contact. Lines are eliminated from the hinge to the far end of
+the shoe. From the far end back to the hinge, the displacements of the lines are computed one after
+another, and the displacements between the lines follow. All displacements are in the axes of the
+shoe's frame.
 """
 
 from dataclasses import dataclass
@@ -30,7 +32,7 @@ from drumlin.fem.width.columns import (
     assembled_stiffness_of_columns,
     condensation_plan_of_column,
     displacements_inside_elements,
-    unknowns_along_whole_row,
+    unknown_numbers_along_row,
     unknowns_of_column,
 )
 from drumlin.fem.width.functions import (
@@ -42,15 +44,15 @@ from drumlin.fem.width.shoe import WidthLayers, layers_with_width_functions
 
 
 class _LineFactor(NamedTuple):
-    """The Cholesky factor of a line of nodes between two columns of elements.
+    """The part of the Cholesky factor that belongs to a line of nodes between two element columns.
 
     Attributes
     ----------
-    own : (n,) numbers of the line's unknowns
+    own : (n,) numbers of the line's unknowns among the unknowns of the shoe
     later : (k,) numbers of the unknowns of the next line
-    L : (n, n) lower Cholesky factor
-    below : (k, n) rows of the factor for the next line
-    forces : (n, m) forces on the line over its factor, L^-1 f, in m load cases
+    L : (n, n) lower Cholesky factor of the line's stiffness
+    below : (k, n) rows of the factor for the unknowns of the next line
+    forces : (n, m) L^-1 f with the forces f on the line in m load cases
     """
 
     own: Ints
@@ -61,15 +63,19 @@ class _LineFactor(NamedTuple):
 
 
 class _Column(NamedTuple):
-    """A column of elements: its nodes and the numbers of its unknowns among those of the shoe.
+    """A column of elements: its nodes, and the numbers of its unknowns.
+
+    The numbers of unknowns are those among all unknowns of the shoe.
 
     Attributes
     ----------
     nodes : (rows, p + 1) numbers of the nodes in the section
-    first : number of its first layer of elements
-    plan : the plan that condenses the column to its two lines
-    kept, rest : (k,), (r,) numbers of the unknowns on the two lines, and on edges of elements
-    boundary, within : numbers of the unknowns on the boundary and inside the element of each layer
+    first : number of the column's first layer of elements, counted from the contact
+    plan : the plan that condenses the column to the nodes on its two sides
+    kept, rest : (k,), (r,) numbers of the unknowns on the two sides, and on the other edges of
+        elements
+    boundary, within : for each layer, the numbers of the unknowns on the boundary of its element
+        and inside the element
     """
 
     nodes: Ints
@@ -85,9 +91,10 @@ class _Column(NamedTuple):
 class WidthUnknowns:
     """The displacements of a shoe with a width that its condensation has eliminated.
 
-    The class is a `substructure.body.InnerUnknowns`. An unknown of a node of the section is the
-    factor of a function across the width: x and y of each even function, and z of each odd one.
-    Functions that a node lacks, because the parts there are too narrow, have the factor zero.
+    The class fulfils the protocol `substructure.body.InnerUnknowns`. Each unknown of a node of the
+    section is the factor of a function of z in a displacement: of an even function in u_x or u_y,
+    or of an odd function in u_z. Functions that are zero on the parts at a node have the factor
+    zero there.
 
     Attributes
     ----------
@@ -109,7 +116,7 @@ class WidthUnknowns:
 
     @cached_property
     def layers(self) -> WidthLayers:
-        """The layers of elements, from the contact inwards."""
+        """The layers of elements of the shoe, counted from the contact."""
         return layers_with_width_functions(self.shoe, self.division, self.functions)
 
     @property
@@ -124,12 +131,12 @@ class WidthUnknowns:
     ) -> Floats:
         """The unknowns (nodes unknowns_per_node, m) of all nodes of the section in m load cases.
 
-        The unknowns of a node stand together, see `even_and_odd_factors_of_nodes`.
+        The unknowns are sorted by node; `even_and_odd_factors_of_nodes` splits them by function.
 
         Parameters
         ----------
         nodal : (2n, m) forces on the n nodes of the contact face [N]
-        frame : (3, m) displacements of the frame
+        frame : (3, m) rigid-body displacements of the frame
         loads : (l, m) factors of the unit loads
 
         Raises
@@ -142,17 +149,18 @@ class WidthUnknowns:
             at, unit = self._unit_loads_on_loaded_end()
             forces[at] += unit @ loads
         u = self._displacements_with_frame_held(forces)
-        # A motion of the frame moves the whole shoe as a rigid body, which strains nothing.
+        # A motion of the frame moves the whole shoe as a rigid body and causes no strain.
         modes = rigid_body_displacements_of_nodes(self.grid.doflocs, self.shoe.pin_in_shoe_frame)
         by_node = u.reshape(self.grid.N, self.unknowns_per_node, -1)
         by_node[:, :2] += (modes @ frame).reshape(self.grid.N, 2, -1)
         return u
 
     def even_and_odd_factors_of_nodes(self, u: Floats) -> tuple[Floats, Floats]:
-        """The factors (nodes, even, 2) and (nodes, odd) of the functions, from unknowns u.
+        """Split the unknowns u of all nodes into factors of even and factors of odd functions of z.
 
-        u (nodes unknowns_per_node,) [m] are the unknowns of one load case. The last axis of the
-        even factors is x and y, the factors of odd functions are displacements along z.
+        The factors of even functions (nodes, even, 2) give displacements x and y, and the factors
+        of odd functions (nodes, odd) give displacements along z. u (nodes unknowns_per_node,) [m]
+        are the unknowns in one load case.
         """
         by_node = u.reshape(self.grid.N, self.unknowns_per_node)
         even = 2 * len(self.functions.even_functions_across_width)
@@ -161,21 +169,22 @@ class WidthUnknowns:
     def _numbers_of_displacements(
         self, nodes: Ints, function: Ints, component: Ints, along_z: Ints
     ) -> Ints:
-        """The numbers (n,) of displacements among the unknowns of the shoe.
+        """The numbers (n,) of n displacements among the unknowns of the shoe.
 
         Parameters
         ----------
         nodes : (n,) nodes of the section
         function : (n,) numbers of their functions across the width
         component : (n,) 0 for x and 1 for y
-        along_z : (n,) 1 for a displacement along z, which has no component, and 0 for others
+        along_z : (n,) 1 for a displacement along z, for which the component is ignored; 0 for
+            others
         """
         even = 2 * len(self.functions.even_functions_across_width)
         within = np.where(along_z == 1, even + function, 2 * function + component)
         return np.asarray(nodes * self.unknowns_per_node + within)
 
     def _forces_on_contact_face(self, nodal: Floats) -> Floats:
-        """The forces (unknowns, m) that forces (2n, m) on the nodes of the contact face make."""
+        """Forces (unknowns, m) on the unknowns, from forces (2n, m) on the contact face's nodes."""
         half = self.layers.halves[0]
         to_functions = matrix_from_node_values_to_function_factors(self.functions, half)
         values, count = np.linalg.inv(to_functions).T, len(to_functions)
@@ -188,7 +197,7 @@ class WidthUnknowns:
     def _unit_loads_on_loaded_end(self) -> tuple[Ints, Floats]:
         """The numbers (n,) of unknowns on the loaded end face, and the unit loads (n, 3) on them.
 
-        The loads are those of `shoe.condense_shoe_with_width`.
+        They are the same unit loads as in `shoe.condense_shoe_with_width`.
         """
         div, nodes = self.division, self.grid.sets["actuation"]
         loads = self.layers.unit_loads_on_end_face(
@@ -198,13 +207,13 @@ class WidthUnknowns:
         at = self._numbers_of_displacements(nodes[line.row], line.function, line.component, line.z)
         return at, loads
 
-    def _held_unknowns(self) -> Bools:
-        """Which unknowns (unknowns,) of the shoe move with the frame only, as booleans."""
+    def _which_unknowns_are_held(self) -> Bools:
+        """True for each unknown (unknowns,) that is zero while the shoe's frame is held."""
         div, nodes = self.division, self.grid.sets["hinge"]
         held = np.zeros(self.grid.N * self.unknowns_per_node, dtype=bool)
         by_node = held.reshape(self.grid.N, -1)
         if div.index_of_first_body_layer == div.number_of_element_layers:
-            # The back of the lining is bonded to a rigid shoe.
+            # The back of the lining or of its backing is bonded to a rigid shoe.
             by_node[nodes] = True
         elif "actuation" not in self.grid.sets:
             # A grip leaves the nodes free along z.
@@ -218,7 +227,7 @@ class WidthUnknowns:
         return held
 
     def columns_from_hinge_to_far_end(self) -> list[_Column]:
-        """The columns of the shoe, from the end at its hinge to the other end."""
+        """All columns of elements of the shoe, from the end at its hinge to the other end."""
         p, div = self.division.degree, self.division
         under, *beyond = (block.number for block in self.grid.blocks)
         first, columns = div.index_of_first_body_layer, [self._columns_of_block(under, 0)]
@@ -231,22 +240,23 @@ class WidthUnknowns:
         return [column for block in columns for column in block]
 
     def _columns_of_block(self, number: Ints, first: int) -> list[_Column]:
-        """The columns of a block of elements with the nodes `number` (rows, nodes of a row).
+        """The element columns of a block of elements, from left to right.
 
-        `first` is the number of the first layer of elements.
+        `number` (rows, nodes of a row) are the numbers of the block's nodes. `first` is the number
+        of the block's first layer of elements, counted from the contact.
         """
         p = self.division.degree
         stack = self.layers.layers_of_element_column_from_index(
             p, first, contact=False, back=BackEdge.FREE
         )
-        along = unknowns_along_whole_row(p)
+        along = unknown_numbers_along_row(p)
         plan, names = condensation_plan_of_column(stack, along), unknowns_of_column(stack, along)
         found = []
         for start in range(0, number.shape[1] - 1, p):
             nodes = number[:, start : start + p + 1]
 
             def numbers(unknowns: list[WidthUnknown], nodes: Ints = nodes) -> Ints:
-                """The numbers of unknowns of the column among those of the shoe."""
+                """The numbers of a column's unknowns among the unknowns of the shoe."""
                 z, place, row, function = np.array(unknowns, dtype=int).reshape(-1, 4).T
                 node = nodes[row, np.where(z == 1, place, place // 2)]
                 return self._numbers_of_displacements(node, function, place % 2, z)
@@ -258,7 +268,7 @@ class WidthUnknowns:
         return found
 
     def _section_integrals_of_layers(self, column: _Column) -> list[SectionIntegrals]:
-        """The integrals over the section of the element of each layer of a column."""
+        """For each layer of a column, the integrals over the section of the layer's element."""
         p, order = self.division.degree, reference_element_of_degree(self.division.degree).order
         found = []
         for k, lame in enumerate(self.layers.lame[column.first :]):
@@ -267,35 +277,37 @@ class WidthUnknowns:
         return found
 
     def _assembled_column(self, column: _Column, held: Bools) -> AssembledColumns:
-        """The assembled stiffness of one column, without forces and motions of held unknowns.
+        """The assembled stiffness of one column, with held unknowns decoupled from the others.
 
-        The three blocks lack the axis of the columns.
+        The three blocks have no first axis, since they belong to a single column.
         """
         widths = self.layers.width_integrals_of_layers(column.first)
         parts = self._section_integrals_of_layers(column)
         made = assembled_stiffness_of_columns(parts, widths, column.plan)
         kept, rest = ~held[column.kept], ~held[column.rest]
         own = made.rest[0] * np.outer(rest, rest)
-        # A held unknown gets a stiffness of its own, so that its displacement is zero.
+        # A held unknown gets the stiffness 1, coupled with no other unknown, so that it becomes
+        # zero.
         own[np.diag_indices(len(own))] += np.where(rest, 0.0, 1.0)
         return AssembledColumns(
             made.kept[0] * np.outer(kept, kept), made.coupling[0] * np.outer(rest, kept), own
         )
 
     def _displacements_with_frame_held(self, forces: Floats) -> Floats:
-        """The displacements (unknowns, m) by forces (unknowns, m) on the unknowns [N].
+        """The displacements (unknowns, m) due to forces (unknowns, m) [N] while the frame is held.
 
         Raises NoAnswer for a singular stiffness.
         """
-        held = self._held_unknowns()
+        held = self._which_unknowns_are_held()
         forces = np.where(held[:, None], 0.0, forces)
         columns = self.columns_from_hinge_to_far_end()
         u = np.zeros(forces.shape)
-        for line in reversed(self._factors_of_lines(columns, held, forces.copy())):
+        for line in reversed(self._cholesky_factors_of_node_lines(columns, held, forces.copy())):
             rest = line.forces - line.below.T @ u[line.later]
             u[line.own] = dtrsm(1.0, line.L, rest, lower=1, trans_a=1)
         for column in columns:
-            # The edges and then the insides of the elements follow from the two lines.
+            # The displacements of both sides give those of the other edges of elements, and these
+            # give the displacements inside the elements.
             made = self._assembled_column(column, held)
             right = forces[column.rest] - made.coupling @ u[column.kept]
             u[column.rest] = np.linalg.solve(made.rest, right)
@@ -308,15 +320,15 @@ class WidthUnknowns:
                     u[column.within[k]] = inside[0]
         return u
 
-    def _factors_of_lines(
+    def _cholesky_factors_of_node_lines(
         self, columns: list[_Column], held: Bools, forces: Floats
     ) -> list[_LineFactor]:
-        """The factors of all lines between columns, from the hinge to the far end.
+        """The Cholesky factors of all lines of nodes between columns, from the hinge on.
 
         Parameters
         ----------
-        columns : columns of the shoe
-        held : (unknowns,) which unknowns are held
+        columns : columns of the shoe, from the hinge to the far end
+        held : (unknowns,) True for unknowns that are zero while the frame is held
         forces : (unknowns, m) forces on the unknowns [N], which are changed in place
 
         Raises
@@ -324,8 +336,8 @@ class WidthUnknowns:
         NoAnswer
             for a singular stiffness
         """
-        # `earlier` and `S` are the unknowns of the last line and its stiffness by all columns
-        # before it.
+        # `earlier` are the unknowns of the line that the last column ends at, and `S` is the
+        # stiffness on them of all columns so far.
         earlier, S = np.zeros(0, dtype=int), np.zeros((0, 0))
         found = []
         for column in columns:
@@ -336,7 +348,8 @@ class WidthUnknowns:
             coupling = dtrsm(1.0, L, made.coupling, lower=1)
             K = made.kept - coupling.T @ coupling
             forces[column.kept] -= coupling.T @ dtrsm(1.0, L, forces[column.rest], lower=1)
-            # At an end of the lining one of the two columns has a part of the line only.
+            # At an end of the lining, one of the two columns at the line has the body's layers
+            # only, and so only a part of the line's unknowns.
             own = np.union1d(earlier, left)
             D = np.diag(held[own].astype(float))
             before, at = np.searchsorted(own, earlier), np.searchsorted(own, left)
@@ -344,13 +357,16 @@ class WidthUnknowns:
             D[np.ix_(at, at)] += K[:line, :line]
             to_next = np.zeros((len(own), len(right)))
             to_next[at] = K[:line, line:]
-            factor = _factor_of_line(own, right, D, to_next, forces)
+            factor = _cholesky_factor_of_node_line(own, right, D, to_next, forces)
             forces[right] -= factor.below @ factor.forces
             found.append(factor)
             earlier, S = right, K[line:, line:] - factor.below @ factor.below.T
         S += np.diag(held[earlier].astype(float))
         none = np.zeros((len(earlier), 0))
-        return [*found, _factor_of_line(earlier, np.zeros(0, dtype=int), S, none, forces)]
+        return [
+            *found,
+            _cholesky_factor_of_node_line(earlier, np.zeros(0, dtype=int), S, none, forces),
+        ]
 
 
 def _cholesky_factor(K: Floats) -> Floats:
@@ -361,16 +377,16 @@ def _cholesky_factor(K: Floats) -> Floats:
     return np.asarray(L)
 
 
-def _factor_of_line(
+def _cholesky_factor_of_node_line(
     own: Ints, later: Ints, D: Floats, to_next: Floats, forces: Floats
 ) -> _LineFactor:
-    """The factor of a line of nodes.
+    """The part of the Cholesky factor that belongs to a line of nodes.
 
     Parameters
     ----------
     own, later : numbers (n,) and (k,) of the unknowns of the line and of the next line
     D : (n, n) stiffness of the line
-    to_next : (n, k) stiffness that couples it with the next line
+    to_next : (n, k) stiffness that couples the line with the next line
     forces : (unknowns, m) forces on all unknowns of the shoe
     """
     L = _cholesky_factor(D)

@@ -1,7 +1,8 @@
 """A parametric shoe with a width, condensed to its frame, its contact face and its unit loads.
 
-The frame is the rigid line of the shoe that its hinge holds. The section is divided into columns,
-stacks of hp elements from the contact inwards (hp.columns).
+The frame is the face of the shoe that its hinge holds; it moves as a rigid body. The section is
+divided into columns, which are stacks of hp elements from the contact through the thickness of the
+shoe (hp.columns).
 """
 
 from collections.abc import Callable, Sequence
@@ -45,7 +46,7 @@ from drumlin.fem.width.columns import (
     column_with_back_held_beside_grip,
     condense_columns_of_any_shape,
     condense_mirror_symmetric_columns,
-    unknowns_along_half_row,
+    unknown_numbers_along_row_with_symmetry,
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
@@ -65,11 +66,11 @@ from drumlin.fem.width.integrals import (
 
 
 class WidthLayers(NamedTuple):
-    """The layers of a divided shoe, from the contact inwards, with functions across the width.
+    """The element layers of a shoe, counted from the contact, with functions across the width.
 
     Attributes
     ----------
-    functions : the functions across the width
+    functions : the functions across the width of the shoe
     halves : (l,) half width of each layer [m]
     lame : (l,) Lame constants of each layer
     """
@@ -79,27 +80,31 @@ class WidthLayers(NamedTuple):
     lame: tuple[LameConstants, ...]
 
     def width_integrals_of_layers(self, first: int) -> list[WidthIntegrals]:
-        """The integrals over the width, of each layer from number `first` inwards."""
+        """Integrals over the width for each layer from number `first` on.
+
+        Layers are counted from the contact.
+        """
         return [integrals_over_width_of_part(self.functions, half) for half in self.halves[first:]]
 
     def layers_of_element_column_from_index(
         self, p: int, first: int, *, contact: bool, back: BackEdge
     ) -> ColumnLayers:
-        """The unknowns of a column of the layers from number `first` inwards.
+        """The layers of an element column whose first layer is the shoe's layer `first`.
 
-        The other parameters are those of `column_layers_of_shoe`.
+        Layers are counted from the contact. The other parameters are those of
+        `column_layers_of_shoe`.
         """
         return column_layers_of_shoe(
             self.functions, self.halves[first:], p, contact=contact, back=back
         )
 
     def unknowns_across_body_thickness(self, div: ShoeDivision) -> "BodyLine":
-        """The unknowns across the body's thickness, of layers that continue beyond the lining."""
+        """The unknowns on a line of nodes through the thickness of the body."""
         stack = self.layers_of_element_column_from_index(
             div.degree, div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
         )
         line = stack.unknowns_on_left_or_right_side_of_column(
-            unknowns_along_half_row(div.degree, 0).left
+            unknown_numbers_along_row_with_symmetry(div.degree, 0).left
         )
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
         return BodyLine(z, component, row, function)
@@ -107,13 +112,14 @@ class WidthLayers(NamedTuple):
     def unit_loads_on_end_face(
         self, div: ShoeDivision, xy: Floats, angle: Floats
     ) -> "EndFaceLoads":
-        """The unit loads on the loaded end face of the body, even over the width of each layer.
+        """The unit loads on the loaded end face of the body, uniform over the width of each layer.
 
         Parameters
         ----------
         div : division of the shoe
-        xy : (2, rows) nodes of the end face [m]
-        angle : angle by which the axes of its displacements are turned [rad]
+        xy : (2, rows) coordinates of the nodes of the end face [m]
+        angle : angle by which the axes of the face's displacements are turned from the shoe's frame
+            [rad]
         """
         first, p, line = (
             div.index_of_first_body_layer,
@@ -122,7 +128,7 @@ class WidthLayers(NamedTuple):
         )
         depths = node_positions_of_element_row(div.depths[first:], p)
         # A load acts on each even function in proportion to the function's integral over the width
-        # of the layer. In a narrow layer functions of wide layers have no such integral.
+        # of the layer. Functions that belong to wider layers only are zero there.
         share = np.zeros((len(self.halves) - first, line.function[line.z == 0].max() + 1))
         for row, half in zip(share, self.halves[first:], strict=True):
             even = integrals_over_width_of_part(self.functions, half).even[0]
@@ -135,9 +141,10 @@ class WidthLayers(NamedTuple):
 
 
 class EndFaceLoads(NamedTuple):
-    """The unit loads of a plane section's `end`, and the `forces` (n, 3) on a shoe with a width.
+    """The unit loads on the end face of a shoe with a width.
 
-    The forces are those on the unknowns of the shoe's `BodyLine`.
+    `end` has the unit loads on the end face of the plane section. `forces` (n, 3) are the same
+    three loads as forces on the n unknowns of the shoe's `BodyLine`.
     """
 
     end: LoadedEnd
@@ -145,13 +152,13 @@ class EndFaceLoads(NamedTuple):
 
 
 class BodyLine(NamedTuple):
-    """The unknowns (n,) on a line of nodes across the thickness of a shoe's body.
+    """The n unknowns on a line of nodes through the thickness of a shoe's body, as arrays (n,).
 
     Attributes
     ----------
     z : 1 for a displacement along z, across the width; 0 for a displacement in the section
     component : 0 for a displacement along the radius, 1 for a displacement around the drum
-    row : row of nodes, counted from the outer face of the body
+    row : number of the row of nodes, counted from the body's face towards the lining
     function : number of the function across the width
     """
 
@@ -161,10 +168,10 @@ class BodyLine(NamedTuple):
     function: Ints
 
     def values_on_unknowns(self, by_function: Sequence[Floats]) -> Floats:
-        """Values (n, m) on the unknowns of the line, 0 for displacements or forces along z.
+        """Values (n, m) on the unknowns of the line from values on nodes for each even function.
 
-        `by_function` has the values (2 rows, m) on the rows of the section for each of the first
-        even functions; those of further functions are 0.
+        `by_function` has an array (2 rows, m) for each of the first even functions, with x and y of
+        the line's nodes. Values of all other functions are 0, and so are values along z.
         """
         found = np.zeros((len(self.z), by_function[0].shape[1]))
         for function, vectors in enumerate(by_function):
@@ -176,16 +183,16 @@ class BodyLine(NamedTuple):
 def layers_with_width_functions(
     shoe: Shoe, div: ShoeDivision, functions: WidthFunctions
 ) -> WidthLayers:
-    """The element layers of a divided shoe, with their moduli and functions across the width.
+    """The element layers of a divided shoe, with their Lame constants and functions of z.
 
     All parts of the shoe are isotropic.
     """
     halves, lame = half_widths_of_parts(shoe), {}
     for name, (material, _) in materials_and_widths_of_shoe_parts(shoe).items():
-        # `prepare.reason_against_width_model` lets only brakes of isotropic materials pass.
+        # `prepare.reason_against_width_model` refuses brakes with orthotropic materials.
         assert isinstance(material, Material)
         E, nu = material.E, material.nu
-        # Degree 0 takes the lambda of plane stress, all other degrees that of the solid.
+        # With degree 0 lambda is that of plane stress, with all other degrees that of a solid.
         free = E * nu / (1 - nu**2)
         solid = E * nu / ((1 + nu) * (1 - 2 * nu)) if functions.degree > 0 else free
         lame[name] = LameConstants(solid, E / (2 * (1 + nu)))
@@ -199,8 +206,8 @@ def layers_with_width_functions(
 class _WidthColumns(NamedTuple):
     """The columns of elements of a shoe: under the lining, before the lining and behind the lining.
 
-    `grip` are the numbers of the first column in the grip and of the first one behind the grip,
-    both 0 without a grip.
+    `grip` has the numbers of the first column in the grip and of the first column behind it,
+    counted from the first column under the lining. Both are 0 without a grip.
     """
 
     under: list[ColumnSubstructure]
@@ -210,10 +217,10 @@ class _WidthColumns(NamedTuple):
 
 
 ColumnsFrom = Callable[[Ints, int, ColumnLayers], list[ColumnSubstructure]]
-"""A function that makes the columns of elements of given kinds.
+"""The type of a function that makes one condensed column of elements for each given kind.
 
-A kind is a shape of column. The arguments are the kinds (c,), the number of the first layer and the
-stack of layers.
+Columns of one kind have equal shape. The arguments are the kinds (c,), the number of the columns'
+first layer, counted from the contact, and the layers of the columns.
 """
 
 
@@ -233,9 +240,10 @@ def _function_that_makes_columns(
     def condense_columns_on_arc(
         kinds: Ints, first: int, stack: ColumnLayers
     ) -> list[ColumnSubstructure]:
-        """Columns of elements between two circles, or between two planes.
+        """Condensed columns of elements whose layers lie between circles or between planes.
 
-        They are their own mirror images, so that symmetric and antisymmetric halves are condensed.
+        Each column is its own mirror image, so that its symmetric and its antisymmetric
+        displacements are condensed separately.
         """
         parts: list[list[SectionIntegrals]] = []
         for symmetry in SYMMETRIES:
@@ -257,7 +265,7 @@ def _function_that_makes_columns(
     def condense_columns_of_cells(
         kinds: Ints, first: int, stack: ColumnLayers
     ) -> list[ColumnSubstructure]:
-        """Columns of elements of any shape, such as those of a block under a straight beam."""
+        """Condensed columns of elements of any shape, for example under a straight beam."""
         xy = node_coordinates_of_layers_and_columns(
             function_from_depth_and_angle_to_point(shoe, radius),
             div.depths[first:],
@@ -279,16 +287,20 @@ def _function_that_makes_columns(
 def _condensed_element_columns_of_shoe(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
 ) -> _WidthColumns:
-    """The condensed columns of elements of a shoe; parameters as of `condense_shoe_with_width`."""
+    """The condensed columns of elements of a shoe.
+
+    The parameters are those of `condense_shoe_with_width`, and `layers` are the shoe's layers.
+    """
     p = div.degree
     make, which = _function_that_makes_columns(shoe, radius, div, layers)
 
     def condensed_columns_of_given_column_kinds(
         row: Ints, first: int, *, contact: bool, back: BackEdge
     ) -> list[ColumnSubstructure]:
-        """The condensed columns of a row of kinds, with the layers from number `first` inwards.
+        """The condensed columns of the given kinds, with the layers from number `first` on.
 
-        `contact` and `back` are attributes of `ColumnLayers`.
+        `row` has the kind of each column, and layers are counted from the contact. `contact` and
+        `back` are attributes of `ColumnLayers`.
         """
         if not len(row):
             return []
@@ -303,7 +315,7 @@ def _condensed_element_columns_of_shoe(
         return [made[kind] for kind in row.tolist()]
 
     under, before = len(div.angles) - 1, len(div.before) - 1
-    # A grip on the back of a shoe begins at column a and ends before column b.
+    # A grip on the back of a shoe holds the columns a to b - 1; without a grip a = b = 0.
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     back = (
@@ -321,8 +333,8 @@ def _condensed_element_columns_of_shoe(
         which[under:], div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
     )
     row = [*free[:a], *gripped, *free[a:]]
-    # A column beside the grip shares its side with a gripped column. The innermost nodes of this
-    # side are held.
+    # A column beside the grip shares one of its sides with a gripped column. The grip holds the
+    # node of this side that is farthest from the contact.
     stack = layers.layers_of_element_column_from_index(p, 0, contact=True, back=BackEdge.FREE)
     if a < b and a > 0:
         row[a - 1] = column_with_back_held_beside_grip(row[a - 1], stack, right=True)
@@ -337,10 +349,10 @@ def condense_shoe_with_width(
     div: ShoeDivision,
     functions: WidthFunctions,
 ) -> CondensedShoe:
-    """The shoe condensed to its frame and to the nodes of its contact face.
+    """Condense a shoe with a width to its frame and to the nodes of its contact face.
 
-    The nodes of the face stand by growing angle, and at each angle from the mid-plane outwards, at
-    the distances `WidthFunctions.node_distances_across_part`. x and y of a node stand together.
+    The nodes of the face are sorted by angle, and at each angle by distance from the mid-plane; the
+    distances are `WidthFunctions.node_distances_across_part`. x and y of a node are neighbours.
 
     Parameters
     ----------
@@ -364,8 +376,8 @@ def condense_shoe_with_width(
     R = rigid_body_displacements_of_nodes(xy, shoe.pin_in_shoe_frame)
     if div.index_of_first_body_layer < div.number_of_element_layers and not any(row.grip):
         return _condense_hinged_shoe_with_width(shoe, radius, div, layers, row, R)
-    # Beside a grip the body's parts before and behind the lining bear no load. Each part is
-    # condensed to the side at which it joins the columns under the lining.
+    # If a grip holds the back, the body's parts before and behind the lining bear no load. Each
+    # part is condensed to the nodes at which it joins the columns under the lining.
     ends: list[Floats | None] = [None, None]
     if any(row.grip):
         before, after = row.before, row.after
@@ -387,16 +399,17 @@ def condense_shoe_with_width(
 
 
 class _FaceAxes(NamedTuple):
-    """The change from unknowns of the columns to displacements of the contact face's nodes.
+    """The conversion between the contact unknowns of columns and the nodes of the contact face.
 
-    The columns have functions across the width in axes along the radius and around the drum. The
-    nodes of the face have displacements in the shoe's frame.
+    The contact unknowns of columns are factors of functions of z, for displacements along the
+    radius and around the drum. The nodes of the face have displacements x and y in the shoe's
+    frame.
 
     Attributes
     ----------
-    angles : (n functions,) angles by which the axes are turned back to the frame [rad]
-    inverse : matrix (functions, nodes) from values at the nodes across the width to factors of the
-        functions
+    angles : (n functions,) angles by which axes are turned from the columns' to the frame's [rad]
+    inverse : matrix (functions, nodes) that turns values at the nodes across the width into factors
+        of the functions
     """
 
     angles: Floats
@@ -406,15 +419,15 @@ class _FaceAxes(NamedTuple):
     def conversion_to_displacements_of_face_nodes(
         cls, shoe: Shoe, div: ShoeDivision, layers: WidthLayers
     ) -> "_FaceAxes":
-        """The change of unknowns for the contact face of a divided shoe."""
+        """The conversion for the contact face of a divided shoe."""
         inverse = matrix_from_node_values_to_function_factors(layers.functions, layers.halves[0])
         angles = np.repeat(rotation_angles_to_shoe_frame(shoe, div), len(inverse))
         return cls(angles, inverse)
 
     def forces_on_face_nodes(self, V: Floats) -> Floats:
-        """Forces (m, 2 n nodes) on nodes in the shoe's frame from forces V (m, 2 n functions).
+        """Forces (m, 2 n nodes) on the nodes of the face, in the shoe's frame.
 
-        The forces V belong to the functions across the width, in the axes of the columns.
+        The argument V (m, 2 n functions) are the forces on the contact unknowns of the columns.
         """
         turned = rotate_node_axes_of_vectors(V, self.angles)
         count = len(self.inverse)
@@ -426,7 +439,7 @@ class _FaceAxes(NamedTuple):
     def stiffness_of_face_nodes(self, S: Floats) -> Floats:
         """The stiffness (2 n nodes, 2 n nodes) of the face's nodes in the shoe's frame.
 
-        `S` (2 n functions, 2 n functions) is the stiffness on the unknowns of the columns.
+        `S` (2 n functions, 2 n functions) is the stiffness on the contact unknowns of the columns.
         """
         S = np.ascontiguousarray(S)
         if len(self.inverse) == 1:
@@ -442,16 +455,16 @@ def _condense_hinged_shoe_with_width(
     row: _WidthColumns,
     R: Floats,
 ) -> CondensedShoe:
-    """A condensed elastic shoe that is held at its hinge and loaded at its other end.
+    """Condense an elastic shoe that is held at its hinge and loaded at its other end.
 
-    The hinge holds the displacements in the section over the whole width and leaves u_z free. The
-    unit loads on the loaded end are even over the width.
+    The hinge fixes the displacements in the section over the whole width of the body and leaves u_z
+    free. The unit loads on the loaded end are uniform over the width.
 
     Parameters
     ----------
-    shoe, radius, div : as of `condense_shoe_with_width`
-    layers : layers with functions across the width
-    row : columns of the shoe
+    shoe, radius, div : as in `condense_shoe_with_width`
+    layers : layers of the shoe, with functions across the width
+    row : condensed columns of the shoe
     R : (2n, 3) rigid-body modes of the face's nodes
     """
     p, place, pin = (
@@ -472,7 +485,7 @@ def _condense_hinged_shoe_with_width(
 
     # The assembled columns have the unknowns [frame | face | loads].
     columns = row.under.copy()
-    # A rigid-body motion is the function 1 alone.
+    # In a rigid-body motion the displacements are constant over z: only the function 1 has factors.
     tied, modes = np.flatnonzero(line.z == 0), line.values_on_unknowns([modes])[line.z == 0]
     if row.before:
         held = _column_with_left_side_tied_to_frame(row.before[0], tied, modes)
@@ -503,7 +516,7 @@ def _column_with_left_side_tied_to_frame(
     piece : the column
     tied : (n,) unknowns of the left side that move with the frame; the other unknowns of this side
         are eliminated
-    modes : (n, 3) displacement of each tied unknown per degree of freedom of the frame
+    modes : (n, 3) value of each tied unknown in each of the three unit motions of the frame
     """
     n = len(piece.K)
     free = np.setdiff1d(np.arange(piece.left), tied)
