@@ -184,8 +184,8 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     if shoe.mesh_frame == "brake":
         points = shoe.convert_points_to_shoe_frame(points)
     plane = convert_plane_cells_to_one_kind(content, points, fault)
-    # Nodes that were added lie between other nodes and have no rounding of their own. Those in
-    # the middle of third-order sides have the rounding errors of the nodes of their side.
+    # Nodes that were added lie between other nodes and have no rounding of their own. A middle
+    # node that was added on a third-order side has the rounding errors of the side's nodes.
     slack = np.zeros((len(plane.points), 2))
     if set(content.cells) & set(LOWER):
         slack[:] = np.abs(CUBIC_MIDDLE).sum() * rounding.max(axis=0) * unit
@@ -240,7 +240,7 @@ def _read_content_of_mesh_file(path: Path, shoe: Shoe, fault: str) -> FileConten
         raise BadInput(
             f"{fault}: is not a mesh that can be read (it needs more memory than there is)"
         ) from error
-    # meshio's readers raise errors of many kinds, and one of them ends the program.
+    # meshio's readers raise errors of many kinds, even SystemExit, which would end the program.
     except (Exception, SystemExit) as error:
         reason = f"{type(error).__name__}: {error}"
         if isinstance(error, SystemExit):
@@ -345,7 +345,7 @@ def _xy_coordinates_of_plane_mesh(content: FileContent, fault: str) -> Floats:
 def _mesh_of_cells_and_vertex_numbers(
     cell: str, cells: Ints, points: Floats, fault: str
 ) -> tuple[Any, Ints]:
-    """scikit-fem's mesh of the cells in a file, and which vertex of it each node of the file is.
+    """scikit-fem's mesh of the cells in a file, and the vertex number of each node of the file.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ class ElementPlace(NamedTuple):
     Attributes
     ----------
     cell : meshio's name of the type of its cell
-    row : number of its cell among those of this type
+    row : position of its cell among the cells of this type
     """
 
     cell: str
@@ -70,7 +70,8 @@ def read_mesh_from_inp_text(
 def _choose_bodies_that_make_up_shoe(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
     """The instances and parts of a deck that make up the shoe.
 
-    They are those with elements in the wanted groups, or all if no group has elements.
+    These are the bodies with elements in the wanted groups, and bodies without any elements. If no
+    wanted group has elements, all bodies are chosen.
     """
     # The owners are the instances that have an element in one of the wanted groups.
     bodies = [body for body in deck.bodies if body.part.nodes]
@@ -84,7 +85,7 @@ def _choose_bodies_that_make_up_shoe(deck: Deck, wanted: Collection[str]) -> lis
 
 
 def _names_of_instances_in_element_set(deck: Deck, body: DeckInstance, name: str) -> set[str]:
-    """The names of the instances that an element set of a body has elements of.
+    """The names of the instances whose elements are members of an element set of a body.
 
     The result is empty for a set that cannot be read.
     """
@@ -262,7 +263,7 @@ class _Assembled:
     ) -> dict[str, list[Parsed]]:
         """The members of each named group of the deck, by the group's name.
 
-        A group of the assembly replaces those of the same name in other bodies. Otherwise the
+        A group of the assembly replaces groups of the same name in other bodies. Otherwise the
         members in all bodies are collected. If a group cannot be read, the reason is kept in
         `broken`.
 
@@ -303,7 +304,10 @@ class _Assembled:
         found = _Surfaces({}, {}, {})
 
         def add_one_surface(body: DeckInstance, name: str) -> list[None]:
-            """Add the edges or nodes of the surface `name` of a body to `members_of_one_set`."""
+            """Add the edges or nodes of the surface `name` of a body to `found`; return no members.
+
+            The empty list is what `_collect_members_by_group_name` collects in place of members.
+            """
             if name in body.part.refused:
                 raise ValueError(f"the surface {name.upper()}: {body.part.refused[name]}")
             kind, rows = body.part.surfaces[name]
@@ -392,10 +396,10 @@ class _Surfaces(NamedTuple):
 
     Attributes
     ----------
-    edges : corner nodes of the edges of surfaces that state the faces of elements
-    outlines : corner nodes of all edges of the elements of other surfaces, of which only those on
-        the outline of the mesh count
-    nodes : nodes of surfaces of nodes
+    edges : corner nodes of the edges that a surface names as elements with a face (S1 to S4)
+    outlines : corner nodes of all edges of the elements that a surface names without a face; only
+        edges on the outline of the mesh are used
+    nodes : nodes of surfaces of TYPE=NODE
     """
 
     edges: dict[str, list[list[int]]]

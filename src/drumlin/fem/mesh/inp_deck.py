@@ -246,7 +246,7 @@ class Deck:
         Raises
         ------
         ValueError
-            for a member that is neither a label nor a set, and for a set in itself
+            for a member that is neither a label nor a set, and for a set that contains itself
         """
         if (body.name, name) in above:
             raise ValueError(f"the set {name.upper()} is a member of itself")
@@ -264,8 +264,8 @@ class Deck:
                 yield from self.members_of_named_set(holder, which, word, above)
                 continue
             labels = word if isinstance(word, range) else (_parse_label_in_set(word, name),)
-            # The function len fails for a very long range. A slice that is not empty also shows
-            # that there are more labels than allowed.
+            # A slice that is not empty shows that there are more labels than allowed. The function
+            # len would fail for a very long range.
             if labels[self._room :]:
                 raise ValueError(f"the sets have more than {MOST_MEMBERS} members together")
             self._room -= len(labels)
@@ -292,7 +292,7 @@ SCOPES = {
 
 
 def _parse_label_in_element_line(word: str) -> int:
-    """The label that a word on a line of an *ELEMENT section is. ValueError for another word."""
+    """Convert a word on a line of an *ELEMENT section to a label, a whole number, or ValueError."""
     return parse_node_or_element_label(word, "*ELEMENT")
 
 
