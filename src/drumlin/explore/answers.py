@@ -230,7 +230,7 @@ class Explorer:
         `wear` is in units 1/(k K), with the wear coefficient k and the lining's stiffness K = E/t.
         Raises NoAnswer where a lining is worn out before.
         """
-        run = self._worn.get(brake, lambda: _run_in_over_range_of_wear_knob(scene, brake))
+        run = self._worn.get(brake, lambda: _wear_linings_over_range_of_wear_slider(scene, brake))
         state = interpolate_wear_state_at_distance(run.states, wear * run.unit)
         for surface in run.setup.surfaces:
             # A lining that has lost more than the allowed part of its thickness has no answer.
@@ -307,7 +307,7 @@ def _brake_with_unit_friction(brake: Brake) -> Brake:
     return brake.brake_with_scaled_friction(1.0)
 
 
-def _run_in_over_range_of_wear_knob(scene: PreparedModel, brake: Brake) -> _WearRun:
+def _wear_linings_over_range_of_wear_slider(scene: PreparedModel, brake: Brake) -> _WearRun:
     """The wear of a brake's linings up to the largest sliding distance of the page's slider."""
     setup, law = wear_setup_by_finite_elements(scene, brake), WearLaw(DEFAULT_WEAR_COEFFICIENT)
     unit = sliding_distance_of_e_fold_pressure_change(setup, law)

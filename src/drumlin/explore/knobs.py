@@ -262,7 +262,7 @@ def _cylinder_or_cam_knob(drive: Drive) -> Knob:
     start = value / factor
     # A brake with an actuation must push its shoes, so that a slider of pressure begins slightly
     # above the pressure at which the shoes are not pushed.
-    low, high = sorted([least_part_of_drive_pressure(drive, key) * start, 3 * start])
+    low, high = sorted([lower_end_of_knob_relative_to_brake_file(drive, key) * start, 3 * start])
 
     def new_pressure_force_or_torque(value: float) -> Changes:
         """New pressure of the cylinder, or force or torque of the cam; `value` in slider's unit."""
@@ -280,7 +280,7 @@ def _cylinder_or_cam_knob(drive: Drive) -> Knob:
     )
 
 
-def least_part_of_drive_pressure(drive: Drive, key: str) -> float:
+def lower_end_of_knob_relative_to_brake_file(drive: Drive, key: str) -> float:
     """The lower end of an actuation's slider, as a fraction of the brake file's value.
 
     A cylinder pushes above its threshold pressure, and a chamber above the pressure that its return
@@ -572,7 +572,7 @@ def setting_from_link_query(
             setting, line = _setting_with_knob_moved_by_text(knob_of[name], text, setting)
             lines += [line] if line else []
         elif name in words and text in words[name]:
-            setting = _setting_with_word_of_link(name, text, setting)
+            setting = _setting_with_law_model_or_motion_of_link(name, text, setting)
         elif name in words:
             allowed = ", ".join(words[name]) or "none"
             lines.append(
@@ -586,7 +586,9 @@ def setting_from_link_query(
     return setting, tuple(lines)
 
 
-def _setting_with_word_of_link(name: str, text: str, setting: KnobSetting) -> KnobSetting:
+def _setting_with_law_model_or_motion_of_link(
+    name: str, text: str, setting: KnobSetting
+) -> KnobSetting:
     """A copy of the setting with the law, the model or the sense of motion that a link names.
 
     `name` is the name in the link, and `text` one of the allowed words.

@@ -93,8 +93,8 @@ def move_contact_nodes_onto_drum_or_plane(
     """
     # The array `target` has the offset from the surface that each node gets.
     line = _contact_nodes_in_order_of_angle(mesh, rounding, shoe, radius)
-    straight = _is_middle_node_of_straight_edge(mesh, line, shoe, radius)
-    largest = _largest_offsets_on_unseen_arcs(mesh, line, shoe, radius)
+    straight = _which_nodes_are_middles_of_straight_edges(mesh, line, shoe, radius)
+    largest = _largest_offsets_on_edges_that_may_be_straight(mesh, line, shoe, radius)
     target = line.off.copy()
     free = ~(straight & line.middle) & (largest == 0)
     target[free] = _contact_offsets_without_rounding(line, free, shoe, radius)
@@ -168,7 +168,7 @@ def _unit_normals_away_from_drum(xy: Floats, shoe: Shoe) -> Floats:
     return -shoe.sign * xy / np.hypot(*xy)
 
 
-def _is_middle_node_of_straight_edge(
+def _which_nodes_are_middles_of_straight_edges(
     mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
 ) -> Bools:
     """A mask (n,) of the contact nodes that are True for the middle node of a straight edge.
@@ -202,7 +202,7 @@ def _heights_of_arcs_over_edges(mesh: Any, line: _ContactNodes, at: Ints, radius
     return np.asarray(((xy[:, at + 1] - xy[:, at - 1]) ** 2).sum(axis=0) / (8 * radius))
 
 
-def _largest_offsets_on_unseen_arcs(
+def _largest_offsets_on_edges_that_may_be_straight(
     mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
 ) -> Floats:
     """The largest offsets (n,) [m] of middle nodes on edges that may be straight; 0 at other nodes.

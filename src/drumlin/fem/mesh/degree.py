@@ -99,12 +99,12 @@ class NodalElement:
     @cached_property
     def _coefficients(self) -> Any:
         """The coefficients (monomials, nodes) of the shape functions, in long double."""
-        values, _ = self._monomials(self.doflocs.astype(np.longdouble).T)
+        values, _ = self._monomial_values_and_slopes(self.doflocs.astype(np.longdouble).T)
         found = np.linalg.inv(values.astype(float)).astype(np.longdouble)
         # One step of Newton's method improves the inverse to the accuracy of long double.
         return found @ (2 * np.eye(len(found)) - values @ found)
 
-    def _monomials(self, at: Any) -> tuple[Any, Any]:
+    def _monomial_values_and_slopes(self, at: Any) -> tuple[Any, Any]:
         """Values (points, monomials) and slopes (2, points, monomials) of the monomials at points.
 
         `at` (2, points) are points of the reference triangle or square.
@@ -118,14 +118,14 @@ class NodalElement:
 
     def shape_function_values(self, X: Floats) -> Floats:
         """All shape functions (points, nodes) at reference points X (2, points)."""
-        return np.asarray(self._monomials(X)[0] @ self._coefficients.astype(float))
+        return np.asarray(self._monomial_values_and_slopes(X)[0] @ self._coefficients.astype(float))
 
     def lbasis(self, X: Any, i: int) -> tuple[Any, Any]:
         """Shape function i (points,) and its slopes (2, points), at reference points X (2, points).
 
         Name and arguments are those of scikit-fem's elements.
         """
-        values, slopes = self._monomials(X)
+        values, slopes = self._monomial_values_and_slopes(X)
         own = self._coefficients[:, i].astype(X.dtype)
         return values @ own, slopes @ own
 
@@ -327,7 +327,7 @@ def moves_of_nodes_that_follow_sides(basis: NodalBasis, facets: Ints, moves: Flo
         of_side = moves[:, :, which[elements]]
         reversed_ = mesh.t[a, elements] > mesh.t[b, elements]
         of_side = np.where(reversed_, of_side[:, ::-1], of_side)
-        along, share = _places_beside_side(elem, a, b)
+        along, share = _places_along_side_and_fractions_of_its_move(elem, a, b)
         shapes = lagrange_shape_function_values(elem.degree, along) * share
         following = np.einsum("ckm,kn->cnm", of_side, shapes)
         change[:, basis.element_dofs[inside][:, elements]] += following[:, inside]
@@ -335,7 +335,9 @@ def moves_of_nodes_that_follow_sides(basis: NodalBasis, facets: Ints, moves: Flo
     return change
 
 
-def _places_beside_side(elem: NodalElement, a: int, b: int) -> tuple[Floats, Floats]:
+def _places_along_side_and_fractions_of_its_move(
+    elem: NodalElement, a: int, b: int
+) -> tuple[Floats, Floats]:
     """How the nodes of an element follow one side: place along the side, and share of its move.
 
     The first result (nodes,) is the place on the side, from -1 at corner a to 1 at corner b, whose

@@ -460,8 +460,8 @@ def _find_element_edges_in_named_groups(
         ends += [content.edge_groups[name]] if name in content.edge_groups else []
         outer_ends += [content.outer_groups[name]] if name in content.outer_groups else []
     # A set of nodes is used only if the file has no edges of the same name.
-    found = _named_element_edges_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
-    outlined = _named_element_edges_between_vertices(
+    found = _require_element_edges_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
+    outlined = _require_element_edges_between_vertices(
         mesh, vertex[np.concatenate(outer_ends)], fault
     )
     outer = mesh.boundary_facets()
@@ -492,10 +492,10 @@ def _element_edges_with_all_nodes_in_set(
     middles = plane.cells[:, corners : 2 * corners]
     if middles.size and inside[middles].any():
         whole &= inside[middles] | plane.added[middles]
-    return _named_element_edges_between_vertices(mesh, vertex[pairs[whole]], fault)
+    return _require_element_edges_between_vertices(mesh, vertex[pairs[whole]], fault)
 
 
-def _named_element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
+def _require_element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
     """The numbers of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
 
     BadInput is raised for pairs that are no edge of the mesh; its message begins with `fault`.

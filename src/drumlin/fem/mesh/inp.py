@@ -108,12 +108,12 @@ class _Assembled:
         self.cells: dict[str, list[list[int]]] = {}
         self.plane_strain: dict[str, None] = {}
         self.broken: dict[str, str] = {}
-        self.points, self.rounding = self._number_nodes_of_all_bodies()
+        self.points, self.rounding = self._assign_numbers_to_nodes_of_all_bodies()
         for body in bodies:
             for block in body.part.blocks:
                 self._add_elements_of_one_type(body, block.kind, block.elements)
 
-    def _number_nodes_of_all_bodies(self) -> tuple[Floats, Floats]:
+    def _assign_numbers_to_nodes_of_all_bodies(self) -> tuple[Floats, Floats]:
         """Give each node of all instances a number; return the nodes' points and rounding errors.
 
         The points (n, 3) are in their places in the assembly. The rounding errors (n, 2) are the
@@ -186,7 +186,8 @@ class _Assembled:
                 for cell, rows in self.cells.items()
             },
             cell_groups={
-                name: self._sort_elements_by_cell_type(keys) for name, keys in cells.items()
+                name: self._cell_numbers_of_elements_by_cell_type(keys)
+                for name, keys in cells.items()
             },
             node_groups={
                 name: np.unique(np.array([self.number[key] for key in keys], dtype=np.int64))
@@ -286,7 +287,7 @@ class _Assembled:
                     self.broken[name] = str(error)
         return groups
 
-    def _sort_elements_by_cell_type(self, keys: list[Key]) -> dict[str, Ints]:
+    def _cell_numbers_of_elements_by_cell_type(self, keys: list[Key]) -> dict[str, Ints]:
         """The cells of the elements of a group: type of cell -> numbers of the cells.
 
         `keys` are the elements of the group. Elements without a cell, such as springs, are left
@@ -317,13 +318,15 @@ class _Assembled:
                 keys = [
                     key
                     for row in rows
-                    for key in self._members_that_surface_word_names(body, "node_sets", row[0])
+                    for key in self._nodes_or_elements_named_by_word_of_surface(
+                        body, "node_sets", row[0]
+                    )
                 ]
                 found.nodes.setdefault(name, []).extend(keys)
             elif kind == "ELEMENT":
                 for row in rows:
                     face = row[1].upper() if len(row) > 1 else ""
-                    edges = self._edges_that_surface_line_names(body, row[0], face, name)
+                    edges = self._edges_named_by_line_of_surface(body, row[0], face, name)
                     (found.edges if face else found.outlines).setdefault(name, []).extend(edges)
             else:
                 raise ValueError(f"the surface {name.upper()}: TYPE={kind} is not read")
@@ -332,7 +335,7 @@ class _Assembled:
         self._collect_members_by_group_name(lambda body: body.part.surfaces, add_one_surface)
         return found
 
-    def _members_that_surface_word_names(
+    def _nodes_or_elements_named_by_word_of_surface(
         self, body: DeckInstance, which: str, word: str
     ) -> list[Key]:
         """The nodes or elements that a word on a line of *SURFACE stands for.
@@ -357,7 +360,7 @@ class _Assembled:
             raise ValueError(f"a surface names {word!r}, which is no label and no set")
         return [(holder.name, int(name))]
 
-    def _edges_that_surface_line_names(
+    def _edges_named_by_line_of_surface(
         self, body: DeckInstance, word: str, face: str, name: str
     ) -> list[list[int]]:
         """The corner nodes of the edges that a line of a *SURFACE section stands for.
@@ -371,7 +374,7 @@ class _Assembled:
         """
         edges = []
         # Elements without a cell are springs and masses, which have no edges.
-        for key in self._members_that_surface_word_names(body, "element_sets", word):
+        for key in self._nodes_or_elements_named_by_word_of_surface(body, "element_sets", word):
             place = self.place[key]
             if place is None:
                 continue

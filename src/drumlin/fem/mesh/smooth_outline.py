@@ -81,7 +81,7 @@ def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
     return moves_of_nodes_that_follow_sides(basis, facets, moves)
 
 
-def _layers_of_elements(mesh: Any) -> Ints:
+def _layer_number_of_each_element(mesh: Any) -> Ints:
     """The number (elements + 1,) of each element's layer, from 1 on; the last entry is 0.
 
     The last entry stands for the space outside the shoe.
@@ -98,7 +98,7 @@ def _sides_on_outline_and_interfaces(mesh: Any) -> tuple[Ints, Ints]:
     Sides between the same two layers have the same number.
     """
     # Beyond the outline scikit-fem gives the element -1, which picks the last entry: layer 0.
-    both = np.sort(_layers_of_elements(mesh)[mesh.f2t], axis=0)
+    both = np.sort(_layer_number_of_each_element(mesh)[mesh.f2t], axis=0)
     facets = np.flatnonzero(both[0] != both[1])
     return facets, both[0, facets] * (len(mesh.subdomains) + 1) + both[1, facets]
 
@@ -157,7 +157,7 @@ def singular_corners_of_mesh(mesh: Any) -> Ints:
     bends = _bends_between_neighbouring_sides(mesh, facets, kinds)
     corners = np.union1d(vertices[sides > 2], np.setdiff1d(vertices, bends.vertices))
     # Corners of one layer are singular only if they are re-entrant.
-    layer = np.broadcast_to(_layers_of_elements(mesh)[:-1], mesh.t.shape)
+    layer = np.broadcast_to(_layer_number_of_each_element(mesh)[:-1], mesh.t.shape)
     lowest = np.full(mesh.nvertices, len(mesh.subdomains))
     highest = np.zeros(mesh.nvertices, dtype=np.int64)
     np.minimum.at(lowest, mesh.t, layer)

@@ -90,14 +90,14 @@ def split_mesh_towards_points(
         if more triangles are needed
     """
     parts = _whole_triangles_of_mesh(shape.mesh)
-    marked = _has_too_long_side(parts, finest)
+    marked = _which_triangles_have_too_long_side(parts, finest)
     if not marked.any():
         return None
     while marked.any():
-        parts = _bisected_parts(shape, parts, marked)
+        parts = _bisect_marked_and_touched_triangles(shape, parts, marked)
         if len(parts.t) > most:
             raise NoAnswer(f"its mesh would be split into more than {most} triangles")
-        marked = _has_too_long_side(parts, finest)
+        marked = _which_triangles_have_too_long_side(parts, finest)
     return parts
 
 
@@ -126,7 +126,7 @@ def _whole_triangles_of_mesh(mesh: Any) -> ElementParts:
     return ElementParts(t, parent, at, mesh.p[:, : mesh.nvertices], lines)
 
 
-def _has_too_long_side(parts: ElementParts, finest: FinestSides) -> Bools:
+def _which_triangles_have_too_long_side(parts: ElementParts, finest: FinestSides) -> Bools:
     """A mask (m,): True for a triangle with a side too long for its distance to a singular point.
 
     `finest` has the singular points and the side that is allowed at each of them.
@@ -144,18 +144,20 @@ def _has_too_long_side(parts: ElementParts, finest: FinestSides) -> Bools:
     return found
 
 
-def _bisected_parts(shape: NodalBasis, parts: ElementParts, marked: Bools) -> ElementParts:
+def _bisect_marked_and_touched_triangles(
+    shape: NodalBasis, parts: ElementParts, marked: Bools
+) -> ElementParts:
     """Bisect the marked triangles and all triangles that a new vertex touches; returns all parts.
 
     `marked` (m,) is True for the triangles that have to be bisected.
     """
     count = parts.xy.shape[1]
 
-    def numbers_of_sides(ends: Ints) -> Ints:
+    def unique_number_of_each_side(ends: Ints) -> Ints:
         """A number for each side of a triangle; `ends` (..., 2) are the vertices of each side."""
         return np.asarray(ends.min(axis=-1) * count + ends.max(axis=-1))
 
-    sides = numbers_of_sides(np.stack([parts.t, np.roll(parts.t, -1, axis=1)], axis=-1))
+    sides = unique_number_of_each_side(np.stack([parts.t, np.roll(parts.t, -1, axis=1)], axis=-1))
     # A triangle at a bisected side is first bisected across the side of its first two vertices.
     while True:
         halved = np.unique(sides[marked, 0])
@@ -166,7 +168,7 @@ def _bisected_parts(shape: NodalBasis, parts: ElementParts, marked: Bools) -> El
     xy = np.hstack([parts.xy, np.empty((2, len(halved)))])
     lines = {}
     for name, line in parts.lines.items():
-        number = numbers_of_sides(line)
+        number = unique_number_of_each_side(line)
         is_halved = np.isin(number, halved)
         middle = count + np.searchsorted(halved, number[is_halved])
         a, b = line[is_halved].T
@@ -176,11 +178,11 @@ def _bisected_parts(shape: NodalBasis, parts: ElementParts, marked: Bools) -> El
     while True:
         # A side that ends at a new vertex is not bisected in this round.
         is_old = (t[:, :2] < count).all(axis=1)
-        split = is_old & np.isin(numbers_of_sides(t[:, :2]), halved)
+        split = is_old & np.isin(unique_number_of_each_side(t[:, :2]), halved)
         if not split.any():
             return ElementParts(t, parent, at, xy, lines)
         (a, b, c), (pa, pb, pc) = t[split].T, at[split].transpose(1, 0, 2)
-        middle = count + np.searchsorted(halved, numbers_of_sides(t[split, :2]))
+        middle = count + np.searchsorted(halved, unique_number_of_each_side(t[split, :2]))
         pm = (pa + pb) / 2
         xy[:, middle] = shape.places_in_elements(parent[split], pm[:, None])[:, :, 0]
         new_t = [np.column_stack([c, a, middle]), np.column_stack([b, c, middle])]
