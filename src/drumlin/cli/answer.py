@@ -35,7 +35,7 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
         print_folded_line(line)
     _print_torque_and_brake_factor(brake, response)
     _print_table_of_shoes(brake, response)
-    # Warnings and estimated errors stand below the table: the last lines stay on the screen.
+    # Warnings and estimated errors stand below the table, since the last lines stay on the screen.
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if energised:
         print_folded_line(f"self-energising: {', '.join(energised)}")
@@ -161,8 +161,8 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
 
     places = [place_of_peak_pressure(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     shown = brake.surface.shown
-    # The angle or length where the pressure of each shoe peaks, as text. Adding 0.0 turns a
-    # negative zero into a zero without sign.
+    # The list `at` has the angle or length where the pressure of each shoe peaks, as text. Adding
+    # 0.0 turns a negative zero into a zero without sign.
     at = ["" if place is None else f"{place.at * shown + 0.0:.1f}" for place in places]
     print_table_fitted_to_terminal(
         _columns_of_shoe_table(brake, response, at), SHOE_COLUMNS_LEFT_OUT_FIRST

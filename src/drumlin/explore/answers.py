@@ -287,7 +287,7 @@ class Explorer:
         options = {"tolerance": WIDTH_TOLERANCE} if model == "solid" else {}
 
         def solve_accurately_and_compare() -> StatedError | None:
-            """Solve the brake accurately and compare; None if that fails."""
+            """Solve the brake accurately and compare; None if the accurate solution fails."""
             try:
                 finer = MODELS[model].solve(brake, **options)
             except DrumlinError:

@@ -135,7 +135,7 @@ def _reply_with_html_page(request: _Request) -> Reply:
     if not is_flat:
         signs = set(map(attrgetter("sign"), brake.shoes))
         rings = sorted(size * (1 + sign * PRESSURE_SCALE_DISTANCE) for sign in signs)
-    # The colour of each model and the title of each law.
+    # The page shows the colour of each model and the title of each law.
     colors, laws = {"fem": color_of_model("fem")}, {}
     for law in names_of_models_besides_fem(brake):
         colors[law], laws[law] = color_of_model(law), title_of_model_in_figures(law)

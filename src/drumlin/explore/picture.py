@@ -1,7 +1,7 @@
 """The picture of the page: pressure curves, forces, a table and a drawing of the brake, as data.
 
-The pressure is drawn over the place on the friction surface. A place is an angle [deg] on a drum
-and a length [mm] on a plane.
+A pressure curve has a pressure for each place on the friction surface. A place is an angle [deg] on
+a drum and a length [mm] on a plane.
 """
 
 import math
@@ -120,8 +120,8 @@ class Picture:
 def picture_of_brake_at_slider_setting(answer: ExploredAnswer, brake: Brake) -> Picture:
     """The picture that the page shows for an answer.
 
-    `brake` is the brake of the file. It is drawn where the sliders make a brake whose parts do not
-    fit together.
+    `brake` is the brake of the file. It is drawn if the parts of the brake that the sliders make do
+    not fit together.
     """
     shown = answer.brake or brake
     unit = shown.surface.shown
@@ -359,7 +359,7 @@ def table_rows_by_shoe_and_model(
 
 
 def _page_table_row_of_shoe(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
-    """The row of the page's table for the shoe at position `i`, by the model of a response."""
+    """The row of the page's table for shoe number `i` of a response: the texts of its cells."""
     shoe, effect = response.shoes[i], response.effects[i]
     # The shoe factor is torque / (F R), on a plane braking force / F, with the actuation force F.
     force = abs(brake_with_forces_of_response(brake, response).shoes[i].actuation.force)

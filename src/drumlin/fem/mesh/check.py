@@ -133,8 +133,8 @@ def check_cells_share_nodes_consistently(cells: Ints, corners: int, fault: str) 
             f"{fault}: has nodes that a cell has twice, "
             "or that are a corner here and inside an edge there"
         )
-    # Each edge has its own middle node, if there are as many edges as middle nodes, and as many
-    # different pairs of an edge and its middle node.
+    # Each edge has its own middle node if three counts are equal: edges, middle nodes, and pairs of
+    # an edge and its middle node.
     bonds = {len(np.unique(edges, axis=0))}
     if middles.size:
         bonds |= {distinct[1], len(np.unique(np.column_stack([edges, middles.ravel()]), axis=0))}

@@ -91,7 +91,8 @@ def move_contact_nodes_onto_drum_or_plane(
     shoe : the shoe of the mesh
     radius : radius of the drum [m]; on a plane the length of the pad
     """
-    # The array `target` has the offset from the surface that each node gets.
+    # The array `target` (n,) has the offset from the drum or the plane that each contact node will
+    # have after the move [m].
     line = _contact_nodes_in_order_of_angle(mesh, rounding, shoe, radius)
     straight = _which_nodes_are_middles_of_straight_edges(mesh, line, shoe, radius)
     largest = _largest_offsets_on_edges_that_may_be_straight(mesh, line, shoe, radius)
@@ -171,7 +172,7 @@ def _unit_normals_away_from_drum(xy: Floats, shoe: Shoe) -> Floats:
 def _which_nodes_are_middles_of_straight_edges(
     mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
 ) -> Bools:
-    """A mask (n,) of the contact nodes that are True for the middle node of a straight edge.
+    """A mask (n,) of the contact nodes, True for each middle node of a straight edge.
 
     On a straight edge of a quadratic element the middle node lies off the drum. The mask is False
     for all nodes if less than STRAIGHT_SIDES of the edges on the lining's face are straight.
@@ -207,9 +208,9 @@ def _largest_offsets_on_edges_that_may_be_straight(
 ) -> Floats:
     """The largest offsets (n,) [m] of middle nodes on edges that may be straight; 0 at other nodes.
 
-    If the arc over an edge is lower than twice the rounding of the coordinates, they do not show
-    whether the edge is straight. Its middle node may then lie off the drum by the sum of the arc's
-    height and the rounding.
+    If the arc over an edge is lower than twice the rounding of the coordinates, the coordinates do
+    not show whether the edge is straight. Its middle node may then lie off the drum by the sum of
+    the arc's height and the rounding.
     """
     largest = np.zeros(len(line.nodes))
     at = np.flatnonzero(line.middle)
@@ -246,10 +247,10 @@ def _contact_offsets_without_rounding(
 def _lining_offsets_beyond_rounding(
     off: Floats, slack: Floats, place: Floats, radius: float
 ) -> Floats:
-    """The lining's own offset (k,) [m] from the drum at each node; nan if it is rounding alone.
+    """The lining's own offset (k,) [m] from the drum at each node; nan if rounding can explain it.
 
-    The offset is that of a parabola through the offsets of the nodes around a node. If no parabola
-    fits, it is the given offset of the node itself.
+    A parabola is fitted to the offsets of the nodes around a node, and its value at the node is the
+    offset. If no parabola fits, the given offset of the node is kept.
 
     Parameters
     ----------

@@ -78,7 +78,8 @@ class NodalElement:
 
         They are given by their corners, numbered within the element.
         """
-        # Each point of an even lattice stands for the node that is nearest to it.
+        # The nodes form a lattice that is not quite even. For each point of an even lattice the
+        # nearest node is found.
         i, j = np.indices((self.degree + 1, self.degree + 1))
         lattice = np.stack([i, j], axis=-1)[:, :, None] / self.degree
         at = np.hypot(*np.moveaxis(lattice - self.doflocs, -1, 0)).argmin(axis=-1)
@@ -196,7 +197,7 @@ class NodalBasis:
 
     @property
     def dx(self) -> Floats:
-        """The areas (elements, points) [m^2] that the points of the quadrature stand for."""
+        """Weights (elements, points) [m^2] of the quadrature points, which add up to the area."""
         return self._gradients_and_areas[1]
 
     def places_in_elements(self, elements: Ints, at: Floats) -> Floats:
@@ -223,7 +224,7 @@ class NodalBasis:
 
 
 def number_of_nodes_at_degree(mesh: Any, degree: int) -> int:
-    """The number of nodes that elements of a degree have on a scikit-fem mesh."""
+    """The number of nodes of a scikit-fem mesh if its elements have the given degree."""
     inside = len(NodalElement(degree, len(mesh.t)).doflocs) - len(mesh.t) * degree
     return int(mesh.nvertices + (degree - 1) * mesh.nfacets + inside * mesh.nelements)
 

@@ -288,8 +288,8 @@ def _check_node_numbers_fit_memory(path: Path, fault: str) -> None:
 
     Other faults of the file are found later, when it is read.
     """
-    # Format 2.2 has a number and three coordinates on each line. Format 4.1 has blocks, each with
-    # its numbers first and its coordinates after them.
+    # Format 2.2 has a node's number and three coordinates on each line. Format 4.1 has blocks of
+    # nodes: the numbers of all nodes of a block come first, then the coordinates.
     numbers = np.zeros(0)
     with (
         contextlib.suppress(ValueError, IndexError, MemoryError, DeprecationWarning),

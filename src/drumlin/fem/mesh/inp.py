@@ -343,7 +343,7 @@ class _Assembled:
         The word is the name of a set or the label of one node or element. `which` is "node_sets" or
         "element_sets".
         """
-        # In an assembly the name of an instance may stand before the word, with a point between.
+        # In an assembly the word may begin with the name of an instance, as in Shoe-1.Contact.
         name = word.lower()
         holder = body
         if "." in name and name not in getattr(body.part, which):

@@ -40,7 +40,7 @@ UNREAD_OPTIONS = {
 }
 """Options of Abaqus keywords that change nodes or elements and are refused, with the reason.
 
-The reason also tells what to do instead. The outer key is the keyword.
+The reason also tells what to do instead. The outer key is the keyword, the inner key the option.
 """
 UNREAD_SET_OPTIONS = {
     "ELSET": "names the nodes of an element set; write out their labels",
@@ -55,7 +55,7 @@ The reason also tells what to do instead. It becomes the message if the shoe nee
 
 
 class Deck:
-    """An Abaqus or CalculiX input file: its parts, instances and sets, and ignored keywords."""
+    """An Abaqus or CalculiX input file: its parts, instances, sets and ignored keywords."""
 
     def __init__(self, text: str, folder: Path | None) -> None:
         self.root, self.assembly = DeckPart(), DeckPart()
@@ -212,7 +212,8 @@ class Deck:
     def _end_part_instance_or_assembly(self, section: InputSection) -> None:
         """End a part, an instance or the assembly.
 
-        After an instance, later sections belong to the assembly; otherwise to the deck itself.
+        After the end of an instance, later sections belong to the assembly. After the end of a part
+        or the assembly, they belong to the deck itself.
         """
         own = self._scope
         named = self.instances.get(own.name)

@@ -80,7 +80,7 @@ class DeckPart:
         self.written[label] = written
 
     def add_labelled_elements_to_part(self, kind: str, elements: dict[int, list[int]]) -> None:
-        """Add elements. ValueError is raised if another element has the label of one of them."""
+        """Add elements. ValueError is raised if a label belongs to another element already."""
         taken = self.labels & elements.keys()
         if taken:
             raise ValueError(f"element {min(taken)} is defined twice")

@@ -38,7 +38,7 @@ class InputSection(NamedTuple):
 def split_input_file_into_sections(
     text: str, folder: Path | None, depth: int = 0
 ) -> Iterator[InputSection]:
-    """Yield the sections of an Abaqus input file in order, and of files that *INCLUDE lines name.
+    """Yield the sections of an Abaqus input file in order, and the sections of included files.
 
     Quotes around names are removed. A data line of *ELEMENT that ends with a comma continues in the
     next line.

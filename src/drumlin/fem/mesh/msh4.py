@@ -119,7 +119,8 @@ def _read_physical_groups_of_entities(lines: list[str], old: bool) -> dict[Entit
     rest = iter(lines[1:])
     for dim, count in enumerate(lines[0].split()):
         # A line has the entity's tag, coordinates, the number of groups and their tags. A point has
-        # three coordinates in format 4.1; all other entities have the six of a bounding box.
+        # three coordinates in format 4.1. In all other cases a line has six coordinates: the lowest
+        # and the highest x, y, z of the entity.
         start = 4 if dim == 0 and not old else 7
         for _ in range(int(count)):
             words = _next_line_of_block(rest, "$Entities").split()

@@ -293,9 +293,9 @@ def _cut_quadrilateral_into_triangles(
 ) -> list[list[int]]:
     """The nodes of the two quadratic triangles that a quadrilateral is cut into.
 
-    The cut runs along the shorter diagonal. `corners` and `sides` are the
-    numbers of the corners and of the middle nodes of the edges; `centre` is the node in the middle
-    of the cut.
+    The cut runs along the shorter diagonal. `corners` and `sides` are the numbers of the corners
+    and of the middle nodes of the edges; `centre` is the number of the node in the middle of the
+    cut.
     """
     a, b, c, d = corners
     ab, bc, cd, da = sides

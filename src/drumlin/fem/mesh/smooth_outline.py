@@ -1,4 +1,4 @@
-"""The smooth curves of which straight sides of elements may be the chords.
+"""The smooth curves whose chords the straight sides of elements may be.
 
 A mesh of straight sides has no curves: an arc of the shoe is a polygon. Whether a polygon is meant
 cannot be seen in the mesh. How much the answer changes with arcs in place of the chords is
@@ -65,7 +65,7 @@ def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
     moving = ~np.isin(facets, basis.mesh.boundaries["contact"])
     facets, kinds = facets[moving], kinds[moving]
     bends = _bends_between_neighbouring_sides(basis.mesh, facets, kinds)
-    # A side has the mean curvature of the bends at its two ends.
+    # The arc that replaces a side has the mean curvature of the bends at the side's two ends.
     total, count = np.zeros(len(facets)), np.zeros(len(facets))
     for side, forward in ((bends.before, bends.ends_before), (bends.after, bends.starts_after)):
         np.add.at(total, side, np.where(forward, bends.curvature, -bends.curvature))

@@ -129,7 +129,7 @@ def _whole_triangles_of_mesh(mesh: Any) -> ElementParts:
 def _which_triangles_have_too_long_side(parts: ElementParts, finest: FinestSides) -> Bools:
     """A mask (m,): True for a triangle with a side too long for its distance to a singular point.
 
-    `finest` has the singular points and the side that is allowed at each of them.
+    `finest` has the singular points and the longest side that is allowed at each of them.
     """
     start = parts.xy[:, parts.t]
     along = parts.xy[:, np.roll(parts.t, -1, axis=1)] - start
@@ -154,7 +154,10 @@ def _bisect_marked_and_touched_triangles(
     count = parts.xy.shape[1]
 
     def unique_number_of_each_side(ends: Ints) -> Ints:
-        """A number for each side of a triangle; `ends` (..., 2) are the vertices of each side."""
+        """A number for each side, equal for equal pairs of vertices; `ends` (..., 2) has the pairs.
+
+        The order of the two vertices does not matter.
+        """
         return np.asarray(ends.min(axis=-1) * count + ends.max(axis=-1))
 
     sides = unique_number_of_each_side(np.stack([parts.t, np.roll(parts.t, -1, axis=1)], axis=-1))
@@ -195,7 +198,8 @@ def _bisect_marked_and_touched_triangles(
 def nodal_basis_on_parts(shape: NodalBasis, parts: ElementParts, degree: int) -> NodalBasis:
     """The basis of the given degree on the triangles into which a mesh's elements are split.
 
-    `shape` is a basis on the whole elements, which gives the nodes their places.
+    `shape` is a basis on the elements before the split. It gives the places of the nodes, so that
+    the triangles keep the shape of the elements.
     """
     # scikit-fem sorts the vertices of linear triangles, and their reference points must follow.
     order = np.argsort(parts.t, axis=1)
