@@ -341,9 +341,9 @@ def _places_along_side_and_fractions_of_its_move(
 ) -> tuple[Floats, Floats]:
     """How the nodes of an element follow one side: place along the side, and share of its move.
 
-    The first result (nodes,) is the place on the side, from -1 at corner a to 1 at corner b, whose
-    move each node follows. The second (nodes,) is the fraction of this move: 1 on the side itself,
-    and 0 on all other sides.
+    When a side is moved, each node follows the move of one place on the side. The first result
+    (nodes,) is this place, from -1 at corner a to 1 at corner b. The second result (nodes,) is the
+    fraction of the move that the node takes: 1 on the side itself, and 0 on all other sides.
     """
     if elem.corners == 3:
         x, y = elem.doflocs.T

@@ -174,7 +174,8 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
         raise BadInput(
             f"{fault}: has {len(content.points)} nodes; must have at most {MOST_FILE_NODES}"
         )
-    # The coordinates in the shoe's frame [m], and how much they were rounded in the file.
+    # The coordinates are converted to the shoe's frame [m]. The array `rounding` has their largest
+    # rounding errors in the file's unit.
     unit = METRES_PER_UNIT[shoe.mesh_unit]
     points = _xy_coordinates_of_plane_mesh(content, fault)
     rounding = content.rounding

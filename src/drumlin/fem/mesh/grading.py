@@ -103,7 +103,8 @@ def _element_ends_along_linings_and_slots(shoe: Shoe, radius: float, elements: i
 def numbers_of_elements_on_linings(shoe: Shoe, elements: int) -> list[int]:
     """The number of elements along each lining of a shoe, in proportion to its length.
 
-    `elements` is the number along all linings; each lining has two at least.
+    `elements` is the number along all linings together. If there are several linings, each of them
+    gets two elements at least.
     """
     lengths = [end - start for start, end in shoe.arcs]
     if len(lengths) == 1:

@@ -81,7 +81,7 @@ def split_mesh_towards_points(
     Parameters
     ----------
     shape : basis of any degree on the mesh, which gives the shape of the elements
-    finest : singular points, and the longest sides there
+    finest : singular points, and the longest side that a triangle may have at each of them
     most : largest number of triangles
 
     Raises

@@ -119,7 +119,8 @@ def _packed_sizes_of_array_blocks(
     order : order of the bytes of an integer: "big" or "little"
     text : the whole array in base64; None for an array of raw bytes
     """
-    # The first integer is the number of blocks. Two sizes follow, and then one for each block.
+    # The first integer is the number of blocks. Then follow the unpacked sizes of a block and of
+    # the last block, and the packed size of each block.
     count = int.from_bytes(data[:width], order)
     length = width * (3 + count)
     if text is not None:
