@@ -18,7 +18,7 @@ The distance is relative to the lining's mean compression p t/E. The pressure ch
 same fraction.
 """
 ZIGZAG = 0.2
-"""Height of a wave in a lining's meshed face above which its crest and its trough count as turns.
+"""Height of a wave in a lining's meshed face above which its top and bottom count as turns.
 
 The height is relative to the lining's mean compression p t/E. A zigzag of this height makes the
 pressure go up and down by a tenth of its mean.
