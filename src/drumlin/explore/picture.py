@@ -532,6 +532,7 @@ def _outline_of_straight_beam(shoe: Shoe, R: float) -> Floats:
     half = 0.5 * (shoe.body.thickness or 0.1 * R)
     across = half * np.array([-along[1], along[0]]) / np.linalg.norm(along)
     end = hinge + along
-    # The beam reaches from the hinge to the point of the force, half its thickness to each side.
+    # The beam runs from the hinge to the point of the force. Its corners lie half the thickness to
+    # each side of this axis.
     corners = np.array([hinge - across, end - across, end + across, hinge + across])
     return corners.T * PAGE_MM

@@ -84,10 +84,10 @@ def _move_nearest_angles_to_places(angles: Floats, places: tuple[float, ...]) ->
 
 
 FACE_SLACK = 1e-9
-"""Distance between the middle of an element's edge and a face of the shoe that counts as zero.
+"""Largest distance of an edge's middle from a face of the shoe at which the edge lies on the face.
 
-An edge at a smaller distance lies on the face. Distances in depth are relative to the drum's
-radius, and distances along the shoe are in rad. Differences of this size are round-off.
+The edge is an edge of an element. Distances in depth are relative to the drum's radius, and
+distances along the shoe are in rad. Distances of this size are round-off.
 """
 
 

@@ -28,11 +28,10 @@ PARTS = ("lining", "backing", "shoe")
 The subdomain "backing" is the block between lining and beam.
 """
 BEAM_SLACK = 1e-9
-"""Distance between the middle of an element's edge and a face of the shoe that counts as zero.
+"""Largest distance of an edge's middle from a face of the shoe at which the edge lies on the face.
 
-An edge at a smaller distance lies on the face. Depths grow by 1 through each layer, and distances
-along the beam are relative to the radius of the lining's back. Differences of this size are
-round-off.
+The edge is an edge of an element. Distances in depth are relative to the thickness of the layer,
+distances along the beam to the radius of the lining's back. Distances of this size are round-off.
 """
 
 

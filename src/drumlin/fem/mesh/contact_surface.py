@@ -50,7 +50,7 @@ The scatter is relative to the standard deviation of one rounding error. A large
 step or a corner in the lining, which a smooth line would wipe out.
 """
 COORDINATE_ROUND_OFF = 1e-12
-"""Offset of a contact node from the drum, relative to the drum's radius, that counts as zero.
+"""Offset from the drum, relative to its radius, below which a contact node lies on the drum.
 
 So small an offset is round-off of the computer's arithmetic.
 """

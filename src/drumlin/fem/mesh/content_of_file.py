@@ -58,7 +58,7 @@ The digits are decimals or significant digits. Double precision has 16 digits. R
 moves a node by some billionths of the lining's compression.
 """
 DIGIT_SLACK = 1e-3
-"""Largest distance of a coordinate from a round decimal number that counts as zero.
+"""Largest distance from a round decimal number at which a coordinate counts as this number.
 
 The distance is relative to the step between round numbers, such as 0.01 for two decimals. The
 round-off of reading a number is far smaller. The distance of a coordinate that was written with all

@@ -192,7 +192,7 @@ class NodalBasis:
 
     @property
     def basis(self) -> list[tuple[_Slopes]]:
-        """The gradients of each shape function."""
+        """The gradients of each shape function, under the attribute names of scikit-fem's basis."""
         return [(_Slopes(gradient),) for gradient in self._gradients_and_areas[0]]
 
     @property

@@ -185,10 +185,10 @@ def placement_by_coordinate_system(rows: list[list[str]]) -> Placement:
 
 
 def parse_numbers_of_data_line(words: list[str], where: str) -> list[float]:
-    """The numbers in the words of a data line; Fortran's exponents with D are read too.
+    """The numbers in the words of a data line; Fortran's exponents, as in 1.5D-3, are read too.
 
-    ValueError is raised for a word that is no number. `where` is the section that its message
-    names.
+    ValueError is raised for a word that is no number; its message begins with `where`, the name of
+    the section.
     """
     found = []
     for word in words:
