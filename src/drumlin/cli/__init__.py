@@ -1,13 +1,13 @@
 """The command line of drumlin.
 
-`process` runs a command, `commands` lists all commands, `terminal` prints for a person.
+`process` runs a command, `commands` lists all commands, and `terminal` prints lines and tables.
 """
 
 import os
 
-# A solve factorises many small dense matrices, and several BLAS threads make each of them slower,
-# most of all where processes share the cores. The number of threads must be set before numpy is
-# loaded. It is set for this process alone. A number that the user has set stays.
+# A solve factorises many small dense matrices. Several BLAS threads make this slower, most of all
+# where several processes share the cores. The number of threads must be set before numpy is loaded.
+# It is set for this process alone. A number that the user has set stays.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Without this setting pydantic searches all installed packages for plugins, which takes 30 ms.
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")

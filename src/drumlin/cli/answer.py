@@ -35,7 +35,7 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
         print_folded_line(line)
     _print_torque_and_brake_factor(brake, response)
     _print_table_of_shoes(brake, response)
-    # Warnings and estimated errors stand below the table: the last lines stay on the screen.
+    # Warnings and estimated errors stand below the table, since the last lines stay on the screen.
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if energised:
         print_folded_line(f"self-energising: {', '.join(energised)}")
@@ -76,8 +76,8 @@ class _Notes(NamedTuple):
     def response_notes_sorted_by_printing_place(cls, response: "Response") -> "_Notes":
         """The notes of a response, sorted by the place of the printed answer where they stand.
 
-        Some notes stand below the table, some at the end, and some only with --verbose. The first
-        words of a note tell which.
+        Some notes stand above the table, some below it, some at the end, and some are printed only
+        with --verbose. The words of a note tell its place.
         """
         notes = cls([], [], [], [])
         for line in response.notes:
@@ -95,7 +95,7 @@ class _Notes(NamedTuple):
 def _print_torque_and_brake_factor(brake: "Brake", response: "Response") -> None:
     """Print the torque of a brake, or the braking force of a brake on a plane, as one line.
 
-    The brake factor follows, if the brake has one. A second line says where the solution has not
+    The brake factor follows, if the brake has one. A second line is printed if the solution has not
     converged.
     """
     from drumlin.response.merit import brake_factor
@@ -154,14 +154,15 @@ def _plane_stress_errors_as_line(effect: str, response: "Response") -> str:
 def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
     """Print a table with a row for each shoe.
 
-    A line below the table says if a peak pressure was looked for away from the lining's ends only.
+    A line below the table tells if the ends of a lining were left out in the search for the peak
+    pressure. Another line gives the peaks over the width, if a shoe has a width.
     """
     from drumlin.response.response import place_of_peak_pressure
 
     places = [place_of_peak_pressure(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     shown = brake.surface.shown
-    # The angle or length where the pressure of each shoe peaks, as text. Adding 0.0 turns a
-    # negative zero into a zero without sign.
+    # The list `at` has the angle or length where the pressure of each shoe peaks, as text. Adding
+    # 0.0 turns a negative zero into a zero without sign.
     at = ["" if place is None else f"{place.at * shown + 0.0:.1f}" for place in places]
     print_table_fitted_to_terminal(
         _columns_of_shoe_table(brake, response, at), SHOE_COLUMNS_LEFT_OUT_FIRST
@@ -174,7 +175,7 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
 
 
 def _peak_pressures_over_width_as_line(brake: "Brake", response: "Response") -> str:
-    """The peaks of the pressure over arc and width as one line of text; "" without a width."""
+    """The peak pressures over arc and width as one line of text; "" if no shoe has a width."""
     from drumlin.response.face import pressure_on_face_of_lining
 
     shown, unit, peaks = brake.surface.shown, brake.surface.shown_unit, []
@@ -193,7 +194,7 @@ def _peak_pressures_over_width_as_line(brake: "Brake", response: "Response") -> 
 def _columns_of_shoe_table(
     brake: "Brake", response: "Response", at: list[str]
 ) -> dict[str, Column]:
-    """The columns of the printed table of shoes, by a key.
+    """The columns of the printed table of shoes, by a key such as "effect" for the torque.
 
     `at` holds the place where the pressure of each shoe peaks, as text.
     """
@@ -231,9 +232,9 @@ def _columns_of_shoe_table(
 
 
 def _print_verbose_details(response: "Response", notes: list[str]) -> None:
-    """Print what only --verbose shows.
+    """Print the lines that only --verbose shows.
 
-    These are hinge reactions and figures of merit of each shoe, solution steps, balance of forces,
+    They give hinge reaction and figures of merit of each shoe, solution steps, balance of forces,
     computing times, the given notes and neglected effects.
     """
     from drumlin.laws.rigid import UNUSED_KEYS
@@ -252,7 +253,7 @@ def _print_verbose_details(response: "Response", notes: list[str]) -> None:
         )
     for line in notes:
         print_folded_line(line)
-    # Effects that the model neglects.
+    # The last lines name effects that the model neglects.
     for line in response.left_out:
         if not line.startswith(UNUSED_KEYS):
             print_folded_line(f"left out: {line}")

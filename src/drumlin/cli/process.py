@@ -43,7 +43,7 @@ def main() -> NoReturn:
 
 
 def _prepare_process_and_run_command() -> int:
-    """Prepare signals, streams and imports of this process and run its command; the exit status."""
+    """Prepare signals, streams and imports of this process, run its command, return exit status."""
     _make_end_signals_raise_stopped()
     _make_output_streams_usable()
     _exclude_current_folder_from_imports()
@@ -110,8 +110,8 @@ def run_command_line(words: Sequence[str]) -> int:
         except typer.Exit as end:
             return end.exit_code if words else 2
         except Exception as error:
-            # An error with the method format_message is a usage error. The class of usage errors
-            # is click's, or that of the copy of click inside typer.
+            # An error with the method format_message is a usage error. Its class cannot be tested:
+            # it belongs to click or to the copy of click inside typer.
             if not hasattr(error, "format_message"):
                 raise
             raise BadInput(_usage_error_as_line(error)) from error
@@ -176,7 +176,7 @@ def _exclude_current_folder_from_imports() -> None:
 def _is_current_folder_searched_first(first: Sequence[str]) -> bool:
     """Whether the first folder of Python's search path is the current folder.
 
-    It is with `python -m` and `python -c`. `first` holds the first folder, or is empty.
+    With `python -m` and `python -c` it is. `first` holds the first folder, or is empty.
     """
     try:
         return list(first) in ([""], [str(Path.cwd())])

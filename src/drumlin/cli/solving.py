@@ -130,8 +130,8 @@ def _solve_brakes_one_by_one(
 ) -> Iterator[_SolvedBrake]:
     """Solve brakes by a model one after the other and yield the answer of each.
 
-    Where one of several brakes has no answer, the reason is yielded in its place. The reason of a
-    single brake is raised as NoAnswer.
+    Where one of several brakes has no answer, the reason is yielded in its place. If there is only
+    one brake and it has no answer, NoAnswer is raised.
     """
     for brake_file, brake in zip(brake_files, brakes, strict=True):
         try:

@@ -1,4 +1,4 @@
-"""Commands that solve many brakes: a study writes a report, a sweep a table."""
+"""Commands that solve many brakes: `study` writes a report, and `sweep` writes a table."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

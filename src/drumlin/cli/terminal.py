@@ -70,7 +70,7 @@ def print_names_beside_texts(texts: Mapping[str, str]) -> None:
 
 
 def print_text_unchanged(text: str) -> None:
-    """Print a text to standard output as it is: neither folded nor escaped, without a line end."""
+    """Print a text to standard output as it is: neither folded nor escaped, no line end added."""
     with _turn_output_faults_into_drumlin_errors():
         sys.stdout.write(text)
 
@@ -111,9 +111,10 @@ Reading most sweep files takes less, and a bar would only flash up.
 
 @contextmanager
 def show_progress_bar_if_long(words: str) -> Iterator[Callable[[int, int], None]]:
-    """Show a bar with the time left, on a terminal, after SECONDS_BEFORE_PROGRESS_BAR seconds.
+    """Show a progress bar with the time left, on a terminal, if the block runs for some time.
 
-    The context is a function, to be called with the number of finished cases and of all cases.
+    The bar appears after SECONDS_BEFORE_PROGRESS_BAR seconds. The `with` statement gives a function
+    that the block calls with the number of finished cases and the number of all cases.
     """
     start = time.monotonic()
     with ExitStack() as shown:
@@ -122,7 +123,7 @@ def show_progress_bar_if_long(words: str) -> Iterator[Callable[[int, int], None]
         def show_and_move_progress_bar(finished: int, of: int) -> None:
             """Move the bar to `finished` of `of` cases.
 
-            The bar is shown once SECONDS_BEFORE_PROGRESS_BAR is over.
+            The bar is shown once SECONDS_BEFORE_PROGRESS_BAR seconds have passed.
             """
             if not bars and time.monotonic() - start > SECONDS_BEFORE_PROGRESS_BAR:
                 bars.append(shown.enter_context(show_progress_bar(words)))
@@ -134,10 +135,11 @@ def show_progress_bar_if_long(words: str) -> Iterator[Callable[[int, int], None]
 
 @contextmanager
 def show_progress_bar(words: str) -> Iterator[Callable[[int, int], None]]:
-    """Show a bar with the time left while the block runs, if standard error is a terminal.
+    """Show a progress bar with the time left while the block runs, on a terminal.
 
-    `words` stand before the bar. The context is a function, to be called with the number of
-    finished cases and of all cases.
+    `words` stand before the bar. The `with` statement gives a function that the block calls with
+    the number of finished cases and the number of all cases. Without a terminal at standard error
+    nothing is shown.
     """
     if not sys.stderr.isatty():
         yield lambda finished, of: None
@@ -166,7 +168,7 @@ def show_progress_bar(words: str) -> Iterator[Callable[[int, int], None]]:
 def show_spinner_beside_words(words: str) -> Iterator[Callable[[str], None]]:
     """Show a spinner beside `words` while the block runs, if standard error is a terminal.
 
-    The context is a function, to be called with other words for the next step of the work.
+    The `with` statement gives a function that the block calls with new words for its next task.
     """
     if not sys.stderr.isatty():
         yield lambda words: None
@@ -203,7 +205,7 @@ class Column(NamedTuple):
 def print_table_fitted_to_terminal(
     columns: Mapping[str, Column], least: Sequence[str], width: int | None = None
 ) -> None:
-    """Print a table, on a narrow terminal without its least important columns.
+    """Print a table; on a narrow terminal the least important columns are left out.
 
     Cells are never cut. A line below the table names the columns that are left out.
 

@@ -2,7 +2,7 @@
 
 The condensed stiffness of the shoes depends on geometry and moduli alone. It is kept, so that the
 answer for another friction, force or clearance takes some milliseconds. The wear of the linings is
-computed once over the whole range of its slider; each position of the slider is interpolated.
+computed once over the whole range of its slider and interpolated at each position of the slider.
 """
 
 from collections.abc import Callable, Mapping
@@ -44,21 +44,24 @@ With a finer division the page would follow its sliders too slowly.
 """
 
 WIDTH_EXPLORE_LEVEL, WIDTH_EXPLORE_DEGREE = LEVELS[0], 2
-"""The fixed division of shoes with their widths, and the degree across the width.
+"""The fixed division of solid shoes into hp elements, and the polynomial degree across the width.
 
-The torque of 14 example brakes is within 0.04 % of that on the second level. The stiffness of their
-shoes takes 9 to 50 ms and the contact 4 to 40 ms. On the second level the stiffness takes up to
-180 ms.
+For 14 example brakes the torque differs by up to 0.04 % from the torque by the next finer division.
+The stiffness of their shoes takes 9 to 50 ms and the contact 4 to 40 ms. With the finer division
+the stiffness takes up to 180 ms.
 """
 
 WIDTH_TOLERANCE = 5e-3
-"""Tolerance of the solid shoes with which the page compares its answer, of p and of the torque."""
+"""Relative tolerance of p and torque in the accurate solution by solid shoes.
+
+The page shows the difference of its own answer by solid shoes from this solution.
+"""
 
 HIGHEST_FRICTION = 5.0
 """Friction coefficient up to which self-locking is searched; no real lining comes near it."""
 
 WEAR_TOLERANCE = 1e-2
-"""Relative error of the pressure (L2) that a step of the wear may make.
+"""Relative error of the pressure (L2) that one increment of the sliding distance may make by wear.
 
 The error of the torque is then some 0.01 %.
 """
@@ -81,7 +84,7 @@ class ExploredAnswer:
         where the parts of the brake do not fit together
     found : response of the finite elements; None where they have no answer
     failure : reason why the finite elements have no answer; "" where they have one
-    law_name : name of the rigid-shoe law whose answer is shown beside that of the finite elements
+    law_name : name of the rigid-shoe law whose answer is shown beside the finite elements
     law : response of the law; None where the law has no answer
     law_failure : reason why the law has no answer; "" where it has one
     law_locking : smallest friction at which a shoe locks itself by the law; None on a plane
@@ -106,7 +109,8 @@ class _WearRun(NamedTuple):
     ----------
     setup : the brake prepared for the computation of wear
     states : worn depths and pressures at increasing sliding distances
-    unit : the unit 1/(k K) of the sliding distance, in metres
+    unit : the unit 1/(k K) of the sliding distance [m], with the wear coefficient k and the
+        lining's stiffness K = E/t
     """
 
     setup: WearSetup
@@ -174,7 +178,7 @@ class Explorer:
         self._stated = LatestValueCache()
 
     def fem_and_law_answer_at_slider_setting(self, setting: KnobSetting) -> ExploredAnswer:
-        """The answer for a setting of the sliders. Where a model has no answer, it says why."""
+        """The answer for a setting of the sliders; it holds the reason where a model has none."""
         answer = ExploredAnswer(setting, law_name=setting.law)
         # The answer is completed step by step. The steps before a failure stay in it.
         try:
@@ -213,7 +217,7 @@ class Explorer:
                 return make_prepared_model(rough)
             return make_prepared_model(rough, EXPLORE_LEVEL)
 
-        # Brakes that differ in loads or friction only have the same key in the cache.
+        # Brakes that differ only in loads or friction share one key in the cache.
         with_friction = {"friction_as_written": 1.0}
         key = brake_without_loads_and_clearances(brake).model_copy(update=with_friction)
         return self._scene.get((key, model), prepare_model_with_friction)
@@ -221,11 +225,12 @@ class Explorer:
     def _brake_worn_over_distance(
         self, scene: PreparedModel, brake: Brake, wear: float
     ) -> _WornBrake:
-        """The brake after a sliding distance of `wear`, in units 1/(k K), has worn its linings.
+        """The brake with linings that are worn over the sliding distance `wear`.
 
+        `wear` is in units 1/(k K), with the wear coefficient k and the lining's stiffness K = E/t.
         Raises NoAnswer where a lining is worn out before.
         """
-        run = self._worn.get(brake, lambda: _run_in_over_range_of_wear_knob(scene, brake))
+        run = self._worn.get(brake, lambda: _wear_linings_over_range_of_wear_slider(scene, brake))
         state = interpolate_wear_state_at_distance(run.states, wear * run.unit)
         for surface in run.setup.surfaces:
             # A lining that has lost more than the allowed part of its thickness has no answer.
@@ -238,10 +243,10 @@ class Explorer:
         return _WornBrake(brake_with_worn_linings(run.setup, state), wear * run.unit)
 
     def locking_friction_of_groups(self, brake: Brake, model: str = "fem") -> LockingFriction:
-        """The friction coefficient at which shoes lock, by finite elements.
+        """The friction coefficient at which each group of shoes locks itself, by finite elements.
 
         Shoes that do not lock up to HIGHEST_FRICTION have no entry. The result is empty where no
-        shoe touches the drum. `model` is that of `prepared_model_of_brake`.
+        shoe touches the drum. `model` is "fem" for plane stress and "solid" for solid shoes.
         """
 
         def find_locking_friction() -> LockingFriction:
@@ -261,9 +266,9 @@ class Explorer:
         return known
 
     def locking_friction_if_known(self, brake: Brake, model: str = "fem") -> LockingFriction | None:
-        """The friction coefficient at which shoes lock if it is known already; else None.
+        """The result of `locking_friction_of_groups` if it has been computed already; else None.
 
-        Finding it takes 30 to 100 ms.
+        The computation takes 30 to 100 ms.
         """
         known: LockingFriction | None = self._limits.cached_value_for_key_or_none(
             (_brake_with_unit_friction(brake), model)
@@ -282,7 +287,7 @@ class Explorer:
         options = {"tolerance": WIDTH_TOLERANCE} if model == "solid" else {}
 
         def solve_accurately_and_compare() -> StatedError | None:
-            """Solve the brake accurately and compare; None if that fails."""
+            """Solve the brake accurately and compare; None if the accurate solution fails."""
             try:
                 finer = MODELS[model].solve(brake, **options)
             except DrumlinError:
@@ -302,7 +307,7 @@ def _brake_with_unit_friction(brake: Brake) -> Brake:
     return brake.brake_with_scaled_friction(1.0)
 
 
-def _run_in_over_range_of_wear_knob(scene: PreparedModel, brake: Brake) -> _WearRun:
+def _wear_linings_over_range_of_wear_slider(scene: PreparedModel, brake: Brake) -> _WearRun:
     """The wear of a brake's linings up to the largest sliding distance of the page's slider."""
     setup, law = wear_setup_by_finite_elements(scene, brake), WearLaw(DEFAULT_WEAR_COEFFICIENT)
     unit = sliding_distance_of_e_fold_pressure_change(setup, law)
@@ -313,7 +318,7 @@ def _run_in_over_range_of_wear_knob(scene: PreparedModel, brake: Brake) -> _Wear
 
 
 def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> ExploredAnswer:
-    """The answer of finite elements, to which the answer of a rigid-shoe pressure law is added."""
+    """A copy of the finite elements' answer, with the rigid-shoe pressure law's answer added."""
     name, brake = answer.law_name, answer.brake
     if name is None or brake is None:
         return answer

@@ -1,6 +1,6 @@
-"""The knobs (sliders) of the page and their positions.
+"""The sliders of the page (class `Knob`) and their positions.
 
-The positions of all knobs, called a setting, are turned into a changed brake and into a link.
+The positions of all sliders, called a setting, are turned into a changed brake and into a link.
 """
 
 import math
@@ -25,20 +25,21 @@ Changes = dict[str, Any]
 """New values of a brake file by their keys, such as {"friction": 0.3}; `vary` takes them."""
 
 LARGEST_WEAR = 50.0
-"""Upper end of the knob of wear: sliding distance in units 1/(k K).
+"""Upper end of the slider of wear: a sliding distance in units 1/(k K).
 
-The pressure of a stiff brake no longer changes after some 46 of these units.
+k is the wear coefficient and K = E/t the stiffness of the lining. The pressure of a stiff brake no
+longer changes after some 46 of these units.
 """
 
 FRICTION_STEP_OF_KNOB = 0.005
-"""Step of the knob of friction: at a usual friction coefficient it changes the torque by 2 %."""
+"""Smallest change of friction by its slider; at usual friction it changes the torque by 2 %."""
 
 LONGEST_LINK = 2000
-"""Largest number of characters of a link that are read. A setting of all knobs takes some 170."""
+"""Largest number of characters of a link that are read. A link with all sliders has some 170."""
 
 
 class _DriveKnob(NamedTuple):
-    """The label of a knob for a cylinder or cam, its unit on the page, and this unit in SI."""
+    """The label of a slider for a cylinder or cam, its unit on the page, and this unit in SI."""
 
     label: str
     unit: str
@@ -51,7 +52,7 @@ CYLINDER_AND_CAM_KNOBS = {
     "torque": _DriveKnob("torque of the cam", "N m", 1.0),
     "chamber.pressure": _DriveKnob("pressure in the chamber", "bar", 1e5),
 }
-"""Label and unit of the knob of a cylinder or cam, by the key that the brake file gives."""
+"""Label and unit of the slider of a cylinder or cam, by the key that the brake file gives."""
 
 
 class Knob(NamedTuple):
@@ -59,14 +60,14 @@ class Knob(NamedTuple):
 
     Attributes
     ----------
-    name : name of the knob in the link
-    label : text beside the knob on the page
-    unit : unit of the knob's values
-    low, high : ends of the knob's range [unit]
+    name : name of the slider in the link
+    label : text beside the slider on the page
+    unit : unit of the slider's values
+    low, high : ends of the slider's range [unit]
     step : smallest change of the value [unit]
     start : value of the brake file [unit]
     changes : function that turns a value [unit] into new values of the brake file by key
-    log : whether equal distances on the slider are equal factors
+    log : whether equal distances on the slider change the value by equal factors
     """
 
     name: str
@@ -81,11 +82,11 @@ class Knob(NamedTuple):
 
     @property
     def title(self) -> str:
-        """The label of the knob, followed by its unit in brackets."""
+        """The label of the slider, followed by its unit in brackets."""
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def nearest_value_in_range(self, value: float) -> float:
-        """The value within the knob's range that is nearest to `value` [unit of the knob]."""
+        """The value within the slider's range that is nearest to `value` [unit of the slider]."""
         return min(max(value, self.low), self.high)
 
 
@@ -99,21 +100,22 @@ WEAR_KNOB = Knob(
     start=0.0,
     changes=lambda value: {},
 )
-"""The knob for the wear of the linings.
+"""The slider for the wear of the linings.
 
-It changes no key of the brake file: the brake that the other knobs make is worn in a computation.
+It changes no key of the brake file. The linings of the brake that the other sliders make are worn
+in a computation.
 """
 
 
 @dataclass(frozen=True)
 class KnobSetting:
-    """A setting: the positions of all knobs, the sense of motion and the law beside the elements.
+    """A setting of the page: slider positions, sense of motion, model of the elements, and law.
 
     Attributes
     ----------
     sense : sense of the motion, one of `Brake.directions`
     law : name of the law shown beside the finite elements; None: no law
-    values : value of each knob that has been moved away from the brake file, by the knob's name
+    values : value of each slider that is not at the brake file's value, by the slider's name
     model : "fem" for plane stress, "solid" for shoes with their widths
     """
 
@@ -123,14 +125,14 @@ class KnobSetting:
     model: str = "fem"
 
     def value(self, knob: Knob) -> float:
-        """The value of a knob [unit of the knob]; the brake file's value if it is not moved."""
+        """The value of a slider in its unit; the brake file's value if the slider is not moved."""
         return self.values.get(knob.name, knob.start)
 
     def setting_with_knob_moved(self, knob: Knob, value: float) -> "KnobSetting":
-        """A copy of the setting with one knob moved to a value [unit of the knob]."""
+        """A copy of the setting with one slider moved to a value [unit of the slider]."""
         values = dict(self.values)
         values.pop(knob.name, None)
-        # A knob at the value of the brake file has no entry, so that the link stays short.
+        # A slider at the value of the brake file has no entry, so that the link stays short.
         if abs(value - knob.start) > 1e-9 * abs(knob.start or knob.high):
             values[knob.name] = value
         return replace(self, values=values)
@@ -149,8 +151,8 @@ def names_of_models_besides_fem(brake: Brake) -> tuple[str, ...]:
 def element_models_of_page(brake: Brake) -> tuple[str, ...]:
     """The names of the models of finite elements that the page offers for a brake.
 
-    Shoes with their widths are among them if all parts of each shoe have one width. Shoes of
-    several widths take seconds, and the page would lag behind its sliders.
+    Solid shoes are among them if all parts of each shoe have the same width. Shoes whose parts
+    differ in width take seconds to solve, and the page would lag behind its sliders.
     """
     refused = reason_against_width_model(brake) is not None
     if refused or any(has_parts_of_different_widths(shoe) for shoe in brake.shoes):
@@ -159,15 +161,16 @@ def element_models_of_page(brake: Brake) -> tuple[str, ...]:
 
 
 def setting_at_brake_file_values(brake: Brake) -> KnobSetting:
-    """The setting at which all knobs stand at the brake file's values; its law is the first."""
+    """The setting with all sliders at the brake file's values and the first law that applies."""
     return KnobSetting(brake.direction, next(iter(names_of_models_besides_fem(brake)), None))
 
 
 def knobs_for_brake(brake: Brake) -> tuple[Knob, ...]:
-    """The knobs for a brake, in the order of the page.
+    """The sliders for a brake, in the order of the page.
 
-    Where a quantity differs between the shoes, its knob shows the largest value. The other values
-    change in proportion (forces, moduli) or by the same difference (clearance, misfit).
+    Where forces or moduli differ between the shoes, the slider shows the largest value, and the
+    others change in proportion. Where clearances or radii differ, the slider shows a length that is
+    added to all of them.
     """
     R = brake.size * 1e3  # mm
     # The smallest steps of lengths are relative to the drum's radius.
@@ -179,7 +182,7 @@ def knobs_for_brake(brake: Brake) -> tuple[Knob, ...]:
         _line_of_action_shift_knob(brake, R),
         _line_of_action_angle_knob(brake),
         _lining_clearance_knob(brake, fine),
-        # On a plane there are no knobs of misfit and wear: a flat lining has no radius, and the
+        # On a plane there are no sliders of misfit and wear: a flat lining has no radius, and the
         # page computes no wear.
         None if is_flat else _lining_radius_misfit_knob(brake, fine),
         None if is_flat else WEAR_KNOB,
@@ -195,11 +198,11 @@ def nearest_1_2_5_power_of_ten(value: float) -> float:
 
 
 def _friction_coefficient_knob(brake: Brake) -> Knob:
-    """The knob of the friction coefficient between lining and drum."""
+    """The slider of the friction coefficient between lining and drum."""
     own = brake.key_of_first_own_friction() is not None
 
     def changes_of_all_frictions_in_proportion(value: float) -> Changes:
-        """The friction of the brake, and in proportion the frictions that linings have."""
+        """New friction of the brake, `value`; linings' own frictions change in proportion."""
         changes: dict[str, Any] = {"friction": value}
         for i, shoe in enumerate(brake.shoes):
             if shoe.lining.friction is not None:
@@ -220,7 +223,7 @@ def _friction_coefficient_knob(brake: Brake) -> Knob:
 
 
 def _actuation_force_knob(brake: Brake) -> Knob | None:
-    """The knob of the actuation, a force, pressure or torque; None where all forces are 0."""
+    """The slider of the actuation, a force, pressure or torque; None where all forces are 0."""
     if brake.actuation is not None:
         return _cylinder_or_cam_knob(brake.actuation)
     forces = [shoe.actuation.force for shoe in brake.shoes]
@@ -247,7 +250,7 @@ def _actuation_force_knob(brake: Brake) -> Knob | None:
 
 
 def _cylinder_or_cam_knob(drive: Drive) -> Knob:
-    """The knob of an actuation of all shoes: pressure of a cylinder, force or torque of a cam."""
+    """The slider of an actuation of all shoes: pressure of a cylinder, force or torque of a cam."""
     # A brake file gives one of the keys pressure, force and torque, or the pressure of a chamber.
     if drive.chamber is not None:
         key, value = "chamber.pressure", drive.chamber.pressure
@@ -257,11 +260,12 @@ def _cylinder_or_cam_knob(drive: Drive) -> Knob:
         value = getattr(drive, key)
     label, unit, factor = CYLINDER_AND_CAM_KNOBS[key]
     start = value / factor
-    # A cylinder must have a pressure above 0, so that its knob begins at 1 % of the file's value.
-    low, high = sorted([least_part_of_drive_pressure(drive, key) * start, 3 * start])
+    # A brake with an actuation must push its shoes, so that a slider of pressure begins slightly
+    # above the pressure at which the shoes are not pushed.
+    low, high = sorted([lower_end_of_knob_relative_to_brake_file(drive, key) * start, 3 * start])
 
     def new_pressure_force_or_torque(value: float) -> Changes:
-        """A new pressure of the cylinder, or force or torque of the cam: `value` [unit]."""
+        """New pressure of the cylinder, or force or torque of the cam; `value` in slider's unit."""
         return {f"actuation.{key}": value * factor}
 
     return Knob(
@@ -276,11 +280,12 @@ def _cylinder_or_cam_knob(drive: Drive) -> Knob:
     )
 
 
-def least_part_of_drive_pressure(drive: Drive, key: str) -> float:
-    """The least value of a drive's knob as a part of the file's value: 1 % above no push.
+def lower_end_of_knob_relative_to_brake_file(drive: Drive, key: str) -> float:
+    """The lower end of an actuation's slider, as a fraction of the brake file's value.
 
-    A pressure must exceed the threshold of a cylinder, or what the return spring of a chamber
-    takes. Other drives begin at 0.
+    A cylinder pushes above its threshold pressure, and a chamber above the pressure that its return
+    spring takes up. The slider begins above this pressure by 1 % of the file's value. For the force
+    or torque of a cam it begins at 0.
     """
     if key == "pressure" and drive.pressure is not None:
         return 0.01 + (drive.threshold or 0.0) / drive.pressure
@@ -290,7 +295,7 @@ def least_part_of_drive_pressure(drive: Drive, key: str) -> float:
 
 
 def _line_of_action_shift_knob(brake: Brake, R: float) -> Knob:
-    """The knob that moves the lines of action of all forces away from the hinges, in mm.
+    """The slider that moves the lines of action of all forces away from the hinges, in mm.
 
     R [mm] is the drum's radius, on a plane the length of the first lining.
     """
@@ -323,7 +328,7 @@ def _new_points_of_shifted_forces(brake: Brake, by: float) -> Changes:
 
 
 def _line_of_action_angle_knob(brake: Brake) -> Knob:
-    """The knob that turns the lines of action of all forces, in degrees."""
+    """The slider that turns the lines of action of all forces, in degrees."""
     return Knob(
         name="turn",
         label="line of action, turned",
@@ -337,7 +342,7 @@ def _line_of_action_angle_knob(brake: Brake) -> Knob:
 
 
 def _new_directions_of_turned_forces(brake: Brake, by: float) -> Changes:
-    """New directions of all forces, turned by an angle [rad]; on mirrored shoes the other way."""
+    """New directions of all forces, turned by `by` [rad]; on mirrored shoes the other way round."""
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
         direction = shoe.actuation.direction + shoe.frame.sense * by
@@ -357,10 +362,10 @@ def _linings_by_brake_file_key(brake: Brake) -> dict[str, Lining]:
 
 
 def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
-    """The knob of the clearance between linings and drum, with a smallest change `step` [mm].
+    """The slider of the clearance between linings and drum, with a smallest change `step` [mm].
 
-    Where the shoes have different clearances, or tables of clearance, the knob's value is added to
-    the clearances of the brake file.
+    Where the shoes have different clearances, or tables of clearance, the slider's value is added
+    to the clearances of the brake file.
     """
     linings = _linings_by_brake_file_key(brake)
     given = [lining.clearance for lining in linings.values()]
@@ -368,7 +373,7 @@ def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
 
     def lining_clearances_at_knob_value(value: float) -> Changes:
-        """New clearances of all linings for the knob at `value` [mm]; all change by one length."""
+        """New clearances of all linings for the slider at `value` [mm]; all change equally."""
         more = (value - start) * 1e-3
         made: Changes = {}
         for lining, old in zip(linings, given, strict=True):
@@ -379,7 +384,7 @@ def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
                 made[key] = old + more
         return made
 
-    # The knob reaches twice as far into clearance as into interference.
+    # The slider reaches twice as far into clearance as into interference.
     reach = max(100 * step, 2 * abs(start))
     label = "clearance" if same else "clearance, added to the file's"
     return Knob(
@@ -388,10 +393,10 @@ def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
 
 
 def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
-    """The knob of the misfit: radius of the linings minus radius of the drum [mm].
+    """The slider of the misfit: radius of the linings minus radius of the drum [mm].
 
-    Where the linings have different radii, the knob's value is added to them. `step` [mm] is the
-    smallest change.
+    Where the linings have different radii, the slider's value is added to all of them. `step` [mm]
+    is the smallest change.
     """
     R = brake.size
     given = []
@@ -403,7 +408,7 @@ def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
     start = given[0] * 1e3 if same else 0.0
 
     def lining_radii_at_knob_value(value: float) -> Changes:
-        """New radii of all linings for the knob at `value` [mm]; all change by one length."""
+        """New radii of all linings for the slider at `value` [mm]; all change equally."""
         more = (value - start) * 1e-3
         made: Changes = {}
         for lining, old in zip(linings, given, strict=True):
@@ -418,20 +423,20 @@ def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
 def _youngs_modulus_knob(
     brake: Brake, part: str, label: str, unit: str, factor: float
 ) -> Knob | None:
-    """The knob of Young's modulus of the linings or the shoes; None where the file has no modulus.
+    """The slider of Young's modulus of linings or shoes; None where the file has no modulus.
 
-    The knob reaches from a hundredth to a hundred times the modulus of the brake file. All moduli
+    The slider reaches from a hundredth to a hundred times the modulus of the brake file. All moduli
     of an orthotropic material change in proportion.
 
     Parameters
     ----------
     brake : the brake
     part : "lining" or "shoe"
-    label : text beside the knob on the page
-    unit : unit of the knob's values
+    label : text beside the slider on the page
+    unit : unit of the slider's values
     factor : this unit in Pa
     """
-    # The moduli of the shoes that have one, by the position of the shoe.
+    # The dictionary holds the modulus of each shoe that has one, by the position of the shoe.
     moduli: dict[int, float] = {}
     for i, shoe in enumerate(brake.shoes):
         modulus = _modulus_shown_by_knob(shoe, part)
@@ -444,7 +449,7 @@ def _youngs_modulus_knob(
     def elastic_moduli_at_knob_value(value: float) -> Changes:
         """Changes that scale the moduli of all linings or shoes, so that the largest is `value`.
 
-        `value` has the unit of the knob.
+        `value` has the unit of the slider.
         """
         times = value * factor / largest
         made: Changes = {}
@@ -468,7 +473,7 @@ def _youngs_modulus_knob(
 
 
 def _modulus_shown_by_knob(shoe: Shoe, part: str) -> float | None:
-    """The modulus [Pa] that the knob shows: through a lining's thickness, or along a shoe's body.
+    """The modulus [Pa] that the slider shows: through a lining's thickness or along a shoe's body.
 
     Of the moduli of an orthotropic material, this modulus influences the contact pressure most. The
     result is None if the part has no material.
@@ -483,7 +488,7 @@ def _modulus_shown_by_knob(shoe: Shoe, part: str) -> float | None:
 def _scaled_moduli_by_brake_key(shoe: Shoe, i: int, part: str, times: float) -> Changes:
     """New values, by key of the brake file, of a part's moduli and bending stiffness.
 
-    All are those of the brake file multiplied by a factor.
+    Each value is the value of the brake file multiplied by one factor.
 
     Parameters
     ----------
@@ -529,7 +534,7 @@ def brake_at_knob_setting(brake: Brake, knobs: Sequence[Knob], setting: KnobSett
 def link_query_of_setting(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
     """The query of the page's address ("friction=0.3&law=sine") for a setting.
 
-    It names all that differs from the brake file.
+    The query names each slider and each choice that differs from the brake file.
     """
     start = setting_at_brake_file_values(brake)
     query = {}
@@ -550,11 +555,11 @@ def setting_from_link_query(
 ) -> tuple[KnobSetting, tuple[str, ...]]:
     """The setting that a link names, and a line of text for each refused part of the link.
 
-    Unknown parts of the link are ignored. Values beyond a knob's range are moved to its end.
+    Unknown parts of the link are ignored. Values beyond a slider's range are moved to its end.
     `query` holds the values of the link's query by name.
     """
-    # Begin at the brake file's values. Each entry of the link moves a knob, or chooses the sense of
-    # motion or the law.
+    # Begin at the brake file's values. Each entry of the link moves a slider, or chooses the sense
+    # of motion, the law or the model.
     setting, lines = setting_at_brake_file_values(brake), list[str]()
     knob_of = {knob.name: knob for knob in knobs}
     words = {
@@ -567,7 +572,7 @@ def setting_from_link_query(
             setting, line = _setting_with_knob_moved_by_text(knob_of[name], text, setting)
             lines += [line] if line else []
         elif name in words and text in words[name]:
-            setting = _setting_with_word_of_link(name, text, setting)
+            setting = _setting_with_law_model_or_motion_of_link(name, text, setting)
         elif name in words:
             allowed = ", ".join(words[name]) or "none"
             lines.append(
@@ -581,7 +586,9 @@ def setting_from_link_query(
     return setting, tuple(lines)
 
 
-def _setting_with_word_of_link(name: str, text: str, setting: KnobSetting) -> KnobSetting:
+def _setting_with_law_model_or_motion_of_link(
+    name: str, text: str, setting: KnobSetting
+) -> KnobSetting:
     """A copy of the setting with the law, the model or the sense of motion that a link names.
 
     `name` is the name in the link, and `text` one of the allowed words.
@@ -594,10 +601,10 @@ def _setting_with_word_of_link(name: str, text: str, setting: KnobSetting) -> Kn
 def _setting_with_knob_moved_by_text(
     knob: Knob, text: str, setting: KnobSetting
 ) -> tuple[KnobSetting, str]:
-    """A copy of the setting with a knob moved to the value `text` of a link, and a message.
+    """A copy of the setting with a slider moved to the value `text` of a link, and a message.
 
     The message says why the value was refused or moved. It is empty where the value is a number
-    within the range of the knob.
+    within the range of the slider.
     """
     try:
         value = float(text[:LONGEST_LINK])

@@ -87,7 +87,7 @@ class _Request(NamedTuple):
     Attributes
     ----------
     explorer : solver that answers for the brake
-    setting : positions of the knobs
+    setting : positions of the sliders
     lines : messages about parts of the link that were refused
     name : beginning of the name of a file that the browser saves
     """
@@ -129,13 +129,13 @@ def _reply_with_html_page(request: _Request) -> Reply:
     setting, brake = request.setting, request.explorer.brake
     low, high = lowest_and_highest_place_of_linings(brake)
     is_flat, size = brake.surface.is_plane_and_not_drum, brake.size * 1e3
-    # Radii of the dashed lines at which the curve of the highest pressure on the scale ends; on a
-    # plane the height of this line.
+    # Dashed lines show where the highest pressure of the scale is drawn: circles with these radii
+    # [mm] on a drum, a straight line at this height [mm] on a plane.
     rings = [-PRESSURE_SCALE_DISTANCE * size]
     if not is_flat:
         signs = set(map(attrgetter("sign"), brake.shoes))
         rings = sorted(size * (1 + sign * PRESSURE_SCALE_DISTANCE) for sign in signs)
-    # The colour of each model and the title of each law.
+    # The page shows the colour of each model and the title of each law.
     colors, laws = {"fem": color_of_model("fem")}, {}
     for law in names_of_models_besides_fem(brake):
         colors[law], laws[law] = color_of_model(law), title_of_model_in_figures(law)
@@ -173,7 +173,7 @@ def _values_of_axis_ticks(low: float, high: float, unit: str) -> list[float]:
         steps = np.array([5, 10, 15, 30, 45, 60, 90])
     else:
         steps = np.array(round_numbers_about((high - low) / MAX_TICK_INTERVALS))
-    # The finest step at which the numbers beside the ticks do not overlap.
+    # The ticks have the finest step at which the numbers beside them do not overlap.
     step = steps[np.argmax((high - low) / steps <= MAX_TICK_INTERVALS)]
     ticks = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
     return list(ticks.tolist())
@@ -190,13 +190,13 @@ def _jinja_template_of_html_page() -> jinja2.Template:
 
 
 def _slider_data_of_knob(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
-    """The data from which the page makes a knob's slider.
+    """The data from which the page makes a slider.
 
-    A knob that changes its value by factors has a logarithmic slider.
+    A slider that changes its value by factors is logarithmic.
     """
 
     def place_of_knob_value_on_slider(value: float) -> float:
-        """The place of a knob's value on the slider: the value or its decimal logarithm."""
+        """The place of a value on the slider: the value itself or its decimal logarithm."""
         return math.log10(value) if knob.log else value
 
     value = setting.value(knob)
@@ -243,7 +243,7 @@ def _reply_with_picture_data(request: _Request) -> Reply:
 
 
 def _reply_with_self_locking_limit_and_errors(request: _Request) -> Reply:
-    """The data that take long to compute: limit of self-locking and errors; and the link.
+    """The data that take long to compute, the limit of self-locking and errors, and the link.
 
     The page asks for these data when its sliders rest.
     """

@@ -1,7 +1,7 @@
 """The picture of the page: pressure curves, forces, a table and a drawing of the brake, as data.
 
-The pressure is drawn over the place on the friction surface. A place is an angle [deg] on a drum
-and a length [mm] on a plane.
+A pressure curve has a pressure for each place on the friction surface. A place is an angle [deg] on
+a drum and a length [mm] on a plane.
 """
 
 import math
@@ -96,7 +96,7 @@ class Picture:
 
     Attributes
     ----------
-    fem, law : pressure curves of the touching shoes by finite elements and by the law
+    fem, law : pressure curves, by finite elements and by the law, of the shoes that touch
     arcs : first and last place [deg, on a plane mm] of each pressed arc by finite elements
     forces : arrows of the actuation forces [mm]
     scale : highest pressure of the scale [MPa], the same for all curves
@@ -120,8 +120,8 @@ class Picture:
 def picture_of_brake_at_slider_setting(answer: ExploredAnswer, brake: Brake) -> Picture:
     """The picture that the page shows for an answer.
 
-    `brake` is the brake of the file. It is drawn where the sliders make a brake whose parts do not
-    fit together.
+    `brake` is the brake of the file. It is drawn if the parts of the brake that the sliders make do
+    not fit together.
     """
     shown = answer.brake or brake
     unit = shown.surface.shown
@@ -230,7 +230,7 @@ def _tail_and_tip_of_force_arrow(brake: Brake, shoe: Shoe) -> _Arrow:
 
 
 def _point_of_force_arrow_tip(shoe: Shoe) -> Floats:
-    """The point (2,) [m] where the tip of the force on a shoe is drawn.
+    """The point (2,) [m] at which the arrow of the force on a shoe ends.
 
     For a shoe inside a drum it is the point on the line of action that is nearest to the lining's
     end away from the hinge. For other shoes it is the point of the force in the brake file.
@@ -282,7 +282,7 @@ def torque_and_refusals_as_html(picture: Picture, refused: Sequence[str] = ()) -
 
 
 def self_locking_as_html(answer: ExploredAnswer, locking: LockingFriction | None) -> str:
-    """A line of HTML on self-locking: at which friction, and how far the brake is from it.
+    """A line of HTML with the friction at which the brake locks, and its distance from the limit.
 
     `locking` holds the friction coefficient at which each group of shoes locks, by finite elements;
     None where it is not known yet.
@@ -307,8 +307,8 @@ def error_of_finite_elements_as_html(
 ) -> str:
     """A line of HTML on the error of the finite elements.
 
-    `stated` is the difference from the accurate answer of `drumlin.solve`. `asked` is whether this
-    answer has been computed; before, the line says that the error follows.
+    `stated` is the difference from the accurate answer of `drumlin.solve`. `asked` is whether the
+    page has waited for this answer; if not, the line says that the error follows.
     """
     if answer.found is None or answer.brake is None or (asked and stated is None):
         return ""
@@ -359,7 +359,7 @@ def table_rows_by_shoe_and_model(
 
 
 def _page_table_row_of_shoe(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
-    """The table's row for the shoe at position `i`, by the model of a response."""
+    """The row of the page's table for shoe number `i` of a response: the texts of its cells."""
     shoe, effect = response.shoes[i], response.effects[i]
     # The shoe factor is torque / (F R), on a plane braking force / F, with the actuation force F.
     force = abs(brake_with_forces_of_response(brake, response).shoes[i].actuation.force)
@@ -385,7 +385,7 @@ def html_table_of_text_rows(rows: Sequence[Sequence[str]]) -> str:
     return f"<table>{lines}</table>"
 
 
-# The functions below draw the brake of the file. This drawing does not change with the knobs.
+# The functions below draw the brake of the file. This drawing does not change with the sliders.
 
 
 def drawing_lines_of_brake(brake: Brake) -> Mapping[str, Lines]:
@@ -532,6 +532,7 @@ def _outline_of_straight_beam(shoe: Shoe, R: float) -> Floats:
     half = 0.5 * (shoe.body.thickness or 0.1 * R)
     across = half * np.array([-along[1], along[0]]) / np.linalg.norm(along)
     end = hinge + along
-    # The beam reaches from the hinge to the point of the force, half its thickness to each side.
+    # The beam runs from the hinge to the point of the force. Its corners lie half the thickness to
+    # each side of this axis.
     corners = np.array([hinge - across, end - across, end + across, hinge + across])
     return corners.T * PAGE_MM

@@ -57,7 +57,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Send the reply to a browser's request for an address."""
-        # A request under another host name comes from a foreign page and is refused.
+        # A request for another host name was sent by a page of another site, and is refused.
         if self.headers.get("Host") not in self.server.hosts:
             self.send_error(403)
             return

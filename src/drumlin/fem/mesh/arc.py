@@ -70,7 +70,7 @@ def element_kind_of_mesh(mesh: Any) -> MeshKind:
 
 
 def _move_nearest_angles_to_places(angles: Floats, places: tuple[float, ...]) -> Floats:
-    """The angles [rad] of element ends, changed so that each of the `places` is one of them.
+    """The angles [rad] of element ends, changed so that each of the `places` [rad] is one of them.
 
     The inner angle nearest to a place is moved to this place. The place is added as a new angle if
     that angle has been moved to another place already, or if there is no inner angle.
@@ -84,10 +84,10 @@ def _move_nearest_angles_to_places(angles: Floats, places: tuple[float, ...]) ->
 
 
 FACE_SLACK = 1e-9
-"""Distance between the middle of an element's edge and a face of the shoe that counts as zero.
+"""Largest distance of an edge's middle from a face of the shoe at which the edge lies on the face.
 
-An edge at a smaller distance lies on the face. Distances in depth are relative to the drum's
-radius, and distances along the shoe are in rad. Differences of this size are round-off.
+The edge is an edge of an element. Distances in depth are relative to the drum's radius, and
+distances along the shoe are in rad. Distances of this size are round-off.
 """
 
 
@@ -98,9 +98,9 @@ class _ArcLayout(NamedTuple):
 
     Attributes
     ----------
-    layers : names and thicknesses [m] of the layers of the shoe from the contact inwards
-    bounds : (layers,) depth at which each layer ends [m]
-    depths, angles : ends of the elements in depth [m] and along the shoe [rad]
+    layers : name and thickness [m] of each layer of the shoe, beginning at the contact
+    bounds : (layers,) depth at which each layer ends, measured from the contact [m]
+    depths, angles : depths [m] and angles [rad] of the grid's lines, which divide the elements
     body : angles at which the body of the shoe begins and ends [rad]
     """
 
@@ -119,10 +119,11 @@ class _ArcLayout(NamedTuple):
 def parametric_mesh_of_shoe(
     shoe: Shoe, radius: float, elements: int | LiningDivision, kind: str = DEFAULT_KIND
 ) -> Any:
-    """The mesh of a shoe in its own frame; nodes and the edges of quadratic elements lie on arcs.
+    """The parametric mesh of a shoe: scikit-fem's mesh with named groups, in the shoe's frame [m].
 
-    A rigid shoe has no body of elements. The back of its lining (or backing) is then the boundary
-    "hinge", which moves as a rigid line, and the mesh has no boundary "actuation".
+    A rigid shoe has no elements of a body. The back of its lining (or backing) is then the boundary
+    "hinge", which moves as a rigid line, and the mesh has no boundary "actuation". The nodes of a
+    layer on an arc lie on circles about the drum's centre.
 
     Parameters
     ----------
@@ -174,7 +175,8 @@ def _depths_and_angles_of_arc_mesh(
     layers = [("lining", shoe.lining.thickness)]
     if shoe.backing is not None:
         layers.append(("backing", shoe.backing.thickness))
-    # The body may be longer than the lining. The ends of a grip are ends of elements.
+    # The body may be longer than the lining. A grip (the part of the body's back that the support
+    # holds) begins and ends between two elements.
     angles = division.angles
     body = (phi_1, phi_2)
     if isinstance(shoe.body, Bar):
@@ -220,8 +222,8 @@ def _element_edges_on_each_boundary(
     """
     depth, phi = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
-    # The boundary "hinge" is the back of a rigid shoe's lining, the end face of a body nearest to
-    # the pin, or the part of a body's back that a grip holds.
+    # The boundary "hinge" is one of three faces: the back of a rigid shoe's lining, the body's end
+    # face nearer to the pin, or the part of the body's back that the support holds (the grip).
     on = {"contact": outer & (depth < FACE_SLACK * radius)}
     grip = shoe.grip(radius) if shoe.body is not None else None
     if shoe.body is None:

@@ -23,24 +23,23 @@ from drumlin.fem.mesh.grading import (
 )
 
 PARTS = ("lining", "backing", "shoe")
-"""The subdomains of the mesh of a straight-beam shoe, from the contact inwards.
+"""The subdomains of the mesh of a straight-beam shoe, in the order from the contact to the beam.
 
 The subdomain "backing" is the block between lining and beam.
 """
 BEAM_SLACK = 1e-9
-"""Distance between the middle of an element's edge and a face of the shoe that counts as zero.
+"""Largest distance of an edge's middle from a face of the shoe at which the edge lies on the face.
 
-An edge at a smaller distance lies on the face. Depths grow by 1 through each layer, and distances
-along the beam are relative to the radius of the lining's back. Differences of this size are
-round-off.
+The edge is an edge of an element. Distances in depth are relative to the thickness of the layer,
+distances along the beam to the radius of the lining's back. Distances of this size are round-off.
 """
 
 
 def reason_why_beam_shoe_has_no_mesh(shoe: Shoe, radius: float) -> str | None:
     """The reason why a shoe with a straight beam cannot be meshed, as a text for a message.
 
-    None is returned if the shoe can be meshed, or if its body is no straight beam. `radius` is that
-    of the drum [m].
+    None is returned if the shoe can be meshed, or if its body is no straight beam. `radius` is the
+    drum's radius [m].
     """
     if not isinstance(shoe.body, Beam) or shoe.mesh is not None:
         return None
@@ -88,8 +87,8 @@ class _BeamShape(NamedTuple):
     beam : thickness of the beam [m]
     back : radius of the lining's back [m]
     start, end : angles of the lining's ends, counted from the foot of the beam's axis [rad]
-    low, high : positions of the beam's ends, continued beyond `start` and `end` by the distance
-        along the beam over `back`
+    low, high : positions s of the beam's ends: `start` or `end` plus or minus the beam's overhang
+        beyond the lining [m] divided by `back`
     """
 
     axis: Axis
@@ -111,8 +110,8 @@ class _BeamShape(NamedTuple):
         """The points in the brake's frame [m] at given depths and positions s along the shoe.
 
         The depth grows by 1 through each layer: lining, block and beam. Under the lining s is the
-        angle from the foot of the beam's axis [rad]. Beyond the lining it grows with the distance
-        along the beam over `back`.
+        angle from the foot of the beam's axis [rad]. Beyond the lining, s changes by the distance
+        along the beam [m] divided by `back`.
         """
         r = self.radius + self.thickness * np.minimum(depth, 1)
         # In the axes of the beam, x runs along the beam and y towards the drum's centre.
@@ -128,7 +127,10 @@ class _BeamShape(NamedTuple):
         return self.axis.convert_to_brake_frame(x, y)
 
     def _distances_along_beam(self, s: Floats) -> Floats:
-        """The distances along the beam [m] of the positions s."""
+        """The distances from the hinge along the beam [m] at positions s of the lining's back.
+
+        See `points_in_brake_frame` for s.
+        """
         start, end = self.start, self.end
         inside = self.axis.foot + self.back * np.sin(np.clip(s, start, end))
         beyond = np.minimum(s - start, 0) + np.maximum(s - end, 0)
@@ -138,9 +140,10 @@ class _BeamShape(NamedTuple):
 def mesh_of_straight_beam_shoe(
     shoe: Shoe, radius: float, division: LiningDivision, shape: Any
 ) -> Any:
-    """The mesh of a straight-beam shoe in its own frame, with the groups of the mesh of an arc.
+    """The mesh of a straight-beam shoe in the shoe's own frame [m], with named groups.
 
-    The boundaries "hinge" and "actuation" are the beam's end faces.
+    The groups have the names of a shoe on an arc: subdomains "lining", "backing" and "shoe", and
+    the boundary "contact". The boundaries "hinge" and "actuation" are the beam's end faces.
 
     Parameters
     ----------
@@ -152,8 +155,7 @@ def mesh_of_straight_beam_shoe(
     # scikit-fem takes long to load, and only meshes need it.
     import skfem  # noqa: PLC0415
 
-    # `reason_why_beam_shoe_has_no_mesh` refuses beams without section before, so that the assertion
-    # holds.
+    # `reason_why_beam_shoe_has_no_mesh` has refused beams without a section before this call.
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
@@ -198,7 +200,7 @@ def _geometry_of_straight_beam_shoe(
     start, end = float(angles[0]), float(angles[-1])
     thickness = shoe.lining.thickness
     back = radius + thickness
-    # The distances along the beam of the ends of the lining's back.
+    # Here `foot` has the distances from the hinge along the beam at both ends of the lining's back.
     foot = axis.foot + back * np.sin(np.array([start, end]))
     low = start - foot[0] / back
     high = end + (axis.length - foot[1]) / back

@@ -34,10 +34,10 @@ SAME_POINT = 1e-7
 A mesh with two nodes at the same position is refused, since its parts are not bonded there.
 """
 MOST_COINCIDENT = 1000
-"""Largest number of surplus nodes at occupied positions for which pairs of nodes are counted.
+"""Largest number of coincident nodes for which the pairs of nodes at the same position are counted.
 
-The message on nodes at the same position then states the number of pairs. More nodes could form
-more pairs than the memory holds, so that the message just says that there are many.
+The message on such nodes then states the number of pairs. More nodes could form more pairs than the
+memory holds, so that the message only says that there are many.
 """
 LARGEST_REACH = 1e6
 """Largest coordinate of a mesh, relative to the drum's radius or to the length of a pad.
@@ -70,7 +70,7 @@ CONTACT_SLOPE = 0.1
 A steeper edge is no part of the lining's face, and the mesh is refused.
 """
 JACOBIAN_RATIO = 1e-6
-"""Smallest Jacobian determinant at a node of an element, relative to the sum over its nodes.
+"""Smallest Jacobian determinant at a node, relative to the sum over all nodes of its element.
 
 A mesh is refused if an element has a smaller determinant: the element is inverted or has no area in
 a corner.
@@ -105,10 +105,11 @@ def check_mesh_and_drop_unneeded_groups(
 
 
 def check_cells_share_nodes_consistently(cells: Ints, corners: int, fault: str) -> None:
-    """Refuse cells of a mesh file whose numbers of nodes contradict each other.
+    """Refuse cells of a mesh file whose lists of nodes contradict each other.
 
     A cell may not have a node twice. No node may be a corner of one cell and a middle node of
-    another. Cells that share an edge must share its middle node, and the other way round.
+    another. Cells that share an edge must share its middle node, and cells that share a middle node
+    must share its edge.
 
     Parameters
     ----------
@@ -132,8 +133,8 @@ def check_cells_share_nodes_consistently(cells: Ints, corners: int, fault: str) 
             f"{fault}: has nodes that a cell has twice, "
             "or that are a corner here and inside an edge there"
         )
-    # Each edge has its own middle node, if there are as many edges as middle nodes, and as many
-    # different pairs of an edge and its middle node.
+    # Each edge has its own middle node if three counts are equal: edges, middle nodes, and pairs of
+    # an edge and its middle node.
     bonds = {len(np.unique(edges, axis=0))}
     if middles.size:
         bonds |= {distinct[1], len(np.unique(np.column_stack([edges, middles.ravel()]), axis=0))}
@@ -147,10 +148,10 @@ def check_cells_share_nodes_consistently(cells: Ints, corners: int, fault: str) 
 def _mesh_with_only_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str]) -> Any:
     """The mesh with only the groups that the shoe needs; others are left out.
 
-    A mesh is refused if one of these groups is missing, or if an element is not in exactly one of
-    them.
+    A mesh is refused if a needed group is missing, or if an element is not in exactly one of the
+    needed groups of elements.
     """
-    # A shoe needs its layers as subdomains, and contact, hinge and mostly actuation as boundaries.
+    # A shoe needs its layers as subdomains, and contact, hinge and usually actuation as boundaries.
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
     needed = {"lining"} | ({"backing"} if shoe.backing else set())
     if isinstance(shoe.body, Bar):
@@ -199,8 +200,8 @@ def _check_nodes_are_near_and_distinct(mesh: Any, shoe: Shoe, radius: float, fau
             f"{fault}: reaches {size:.3g} m far; must be a shoe {where} "
             f"(coordinates are read in {shoe.mesh_unit})"
         )
-    # Many nodes at the same position would form too many pairs to count. They are found as nodes in
-    # the same square of a fine grid.
+    # Many nodes at the same position would form too many pairs to count. Such nodes are found
+    # first: they lie in the same square of a fine grid.
     cells = np.unique(np.round(mesh.doflocs / (SAME_POINT * size)), axis=1)
     if cells.shape[1] < mesh.doflocs.shape[1] - MOST_COINCIDENT:
         raise BadInput(f"{fault}: many nodes stand in one place; merge them, the parts are bonded")
@@ -276,7 +277,7 @@ def _text_with_count_of_faulty_elements(mesh: Any, elements: Ints, shoe: Shoe) -
 def _side_of_edge_where_element_lies(mesh: Any, facets: Ints, elements: Ints) -> Floats:
     """The side of each edge (n,) on which the centre of an adjoining element lies: 1 or -1.
 
-    `facets` (n,) are the numbers of the edges, and `elements` (n,) those of the elements.
+    `facets` (n,) are the numbers of the edges, and `elements` (n,) are the numbers of the elements.
     """
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     to = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a
@@ -315,7 +316,7 @@ def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault
             f"must be within {mm_text(CONTACT_OFFSET * radius)} of it "
             f"(coordinates are read in {shoe.mesh_unit})"
         )
-    # The lining's elements must lie behind its face, and the face not deep in the drum.
+    # The lining's elements must lie behind its face, which must not reach deep into the drum.
     behind = shoe.off(mesh.p[:, mesh.t[:, mesh.subdomains["lining"]]].mean(axis=1), radius)
     if behind.mean() < 0 and not shoe.mesh_interference:
         raise BadInput(

@@ -1,10 +1,10 @@
 """The contact nodes of a mesh file, moved onto the drum or the plane where the file is inexact.
 
 A lining is round, and its mesh is not quite round. A node whose coordinates have few digits lies
-off the circle by up to half a digit. The middle node of a straight edge lies off the circle by the
-height of the arc over this edge. Both offsets are often larger than the compression p t/E of the
-lining, so that they would change the pressure. They are removed. A larger offset is the lining's
-own shape and counts as a gap.
+off the circle by up to half of the last digit. The middle node of a straight edge lies off the
+circle by the height of the arc over this edge. Both offsets are often larger than the compression
+p t/E of the lining and would change the pressure, so that they are removed. A larger offset is the
+lining's own shape and counts as a gap.
 """
 
 from dataclasses import dataclass, replace
@@ -18,17 +18,18 @@ from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.from_file import ContactOnSurface
 
 STRAIGHT = 0.1
-"""Largest distance of the middle node from the chord of an element's edge that counts as straight.
+"""Largest distance of an edge's middle node from its chord at which the edge counts as straight.
 
 The edge lies on the lining's face. The distance is relative to the height of the drum's arc over
 the chord; an edge that follows the arc has the distance 1. The possible rounding of the coordinates
 is added to the limit.
 """
 STRAIGHT_SIDES = 0.9
-"""Smallest share of straight edges on the lining's face at which their middle nodes are moved.
+"""Fraction of the edges on a lining's face that must be straight for their nodes to be moved.
 
-The middle nodes are then moved onto the drum. Mesh generators make all edges straight or none of
-them. A lining with one worn flat has curved edges elsewhere, and its flat must stay.
+The middle nodes of the straight edges are then moved onto the drum: mesh generators make all edges
+straight or none of them. A lining with one worn flat has curved edges elsewhere, and its flat must
+stay.
 """
 SMOOTHING_NODES = 8
 """Number of contact nodes on each side of a node over which the offsets from the drum are averaged.
@@ -37,10 +38,10 @@ The mean rounding error of the 17 nodes is a quarter of the rounding error of on
 a lining is then seen even if its height is less than the rounding of coordinates.
 """
 SIGNIFICANT = 4.0
-"""Mean offset from the drum of the nodes around a node above which it is the lining's shape.
+"""Mean offset of some neighbouring nodes from the drum above which it shows the lining's shape.
 
-The offset is relative to the standard deviation of the mean rounding error. By chance alone one of
-16 000 nodes exceeds the limit.
+The mean is relative to its standard deviation by rounding errors alone. Rounding alone makes the
+mean exceed the limit at one of 16 000 nodes.
 """
 MOST_NOISE = 1.5
 """Scatter of contact nodes about a smooth line above which they are not moved onto the line.
@@ -49,7 +50,7 @@ The scatter is relative to the standard deviation of one rounding error. A large
 step or a corner in the lining, which a smooth line would wipe out.
 """
 COORDINATE_ROUND_OFF = 1e-12
-"""Offset of a contact node from the drum, relative to the drum's radius, that counts as zero.
+"""Offset from the drum, relative to its radius, below which a contact node lies on the drum.
 
 So small an offset is round-off of the computer's arithmetic.
 """
@@ -90,10 +91,11 @@ def move_contact_nodes_onto_drum_or_plane(
     shoe : the shoe of the mesh
     radius : radius of the drum [m]; on a plane the length of the pad
     """
-    # The array `target` has the offset from the surface that each node gets.
+    # The array `target` (n,) has the offset from the drum or the plane that each contact node will
+    # have after the move [m].
     line = _contact_nodes_in_order_of_angle(mesh, rounding, shoe, radius)
-    straight = _is_middle_node_of_straight_edge(mesh, line, shoe, radius)
-    largest = _largest_offsets_on_unseen_arcs(mesh, line, shoe, radius)
+    straight = _which_nodes_are_middles_of_straight_edges(mesh, line, shoe, radius)
+    largest = _largest_offsets_on_edges_that_may_be_straight(mesh, line, shoe, radius)
     target = line.off.copy()
     free = ~(straight & line.middle) & (largest == 0)
     target[free] = _contact_offsets_without_rounding(line, free, shoe, radius)
@@ -148,8 +150,8 @@ def _contact_nodes_in_order_of_angle(
     order = np.argsort(phi)
     nodes, xy = nodes[order], xy[:, order]
     normal = np.abs(_unit_normals_away_from_drum(xy, shoe))
-    # On a drum both x and y have rounding errors, which are mixed if the shoe's own frame or the
-    # file's coordinates are turned. On a plane only the coordinate square to the plane counts.
+    # On a drum the rounding errors of x and y both count: turning the coordinates into the shoe's
+    # frame mixes them. On a plane only the coordinate square to the plane counts.
     slack = np.hypot(*rounding[:, nodes]) if not shoe.flat else (normal * rounding[:, nodes]).sum(0)
     return _ContactNodes(
         nodes=nodes,
@@ -167,15 +169,13 @@ def _unit_normals_away_from_drum(xy: Floats, shoe: Shoe) -> Floats:
     return -shoe.sign * xy / np.hypot(*xy)
 
 
-def _is_middle_node_of_straight_edge(
+def _which_nodes_are_middles_of_straight_edges(
     mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
 ) -> Bools:
-    """Whether each contact node (n,) is the middle node of a straight edge, and so off the drum.
+    """A mask (n,) of the contact nodes, True for each middle node of a straight edge.
 
-    A quadratic element has a node in the middle of each edge. On a straight edge this node lies
-    inside the circle of the drum.
-
-    It is False for all nodes if too few edges on the lining's face are straight.
+    On a straight edge of a quadratic element the middle node lies off the drum. The mask is False
+    for all nodes if less than STRAIGHT_SIDES of the edges on the lining's face are straight.
     """
     found = np.zeros(len(line.nodes), dtype=bool)
     at = np.flatnonzero(line.middle)
@@ -197,19 +197,20 @@ def _is_middle_node_of_straight_edge(
 def _heights_of_arcs_over_edges(mesh: Any, line: _ContactNodes, at: Ints, radius: float) -> Floats:
     """The heights (k,) [m] of the drum's arc over the chords of the edges with middle nodes `at`.
 
-    `at` (k,) are positions in the contact line.
+    `at` (k,) are the positions of these middle nodes in `line.nodes`.
     """
     xy = mesh.doflocs[:, line.nodes]
     return np.asarray(((xy[:, at + 1] - xy[:, at - 1]) ** 2).sum(axis=0) / (8 * radius))
 
 
-def _largest_offsets_on_unseen_arcs(
+def _largest_offsets_on_edges_that_may_be_straight(
     mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
 ) -> Floats:
     """The largest offsets (n,) [m] of middle nodes on edges that may be straight; 0 at other nodes.
 
-    If the arc over an edge is lower than twice the rounding, the edge may be straight without
-    showing it. Its middle node then lies off the drum by the height of the arc and the rounding.
+    If the arc over an edge is lower than twice the rounding of the coordinates, the coordinates do
+    not show whether the edge is straight. Its middle node may then lie off the drum by the sum of
+    the arc's height and the rounding.
     """
     largest = np.zeros(len(line.nodes))
     at = np.flatnonzero(line.middle)
@@ -226,15 +227,17 @@ def _contact_offsets_without_rounding(
 ) -> Floats:
     """The offsets (k,) [m] of contact nodes from the surface without the rounding of coordinates.
 
-    They are returned for the nodes marked in `free`. An offset becomes 0 if rounding can explain
-    it. Other offsets follow the smooth line through the nodes, or stay if no smooth line fits.
+    The result has an entry for each node marked in `free`. An offset becomes 0 if rounding can
+    explain it. Other offsets follow the smooth line through the nodes, or stay if no smooth line
+    fits.
     """
     off, slack, place = line.off[free], line.slack[free], line.phi[free] * radius
     shape = _lining_offsets_beyond_rounding(off, slack, place, radius)
     found = off.copy()
     on = np.abs(off) <= slack * (1 + 1e-6) + COORDINATE_ROUND_OFF * radius
     found[on & np.isnan(shape)] = 0.0
-    # Nodes on a plane are off it by whole steps of the last digit, so that no scatter is smoothed.
+    # On a plane, rounding moves all nodes by whole multiples of the last digit. This is no random
+    # scatter, so that these nodes are not moved onto a smooth line.
     smooth = ~np.isnan(shape) & (np.abs(shape - off) <= slack)
     if not shoe.flat:
         found[smooth] = shape[smooth]
@@ -244,10 +247,10 @@ def _contact_offsets_without_rounding(
 def _lining_offsets_beyond_rounding(
     off: Floats, slack: Floats, place: Floats, radius: float
 ) -> Floats:
-    """The lining's own offset (k,) [m] from the drum at each node; nan if it is rounding alone.
+    """The lining's own offset (k,) [m] from the drum at each node; nan if rounding can explain it.
 
-    The offset is that of a parabola through the offsets of the nodes around a node. If no parabola
-    fits, it is the given offset of the node itself.
+    A parabola is fitted to the offsets of the nodes around a node, and its value at the node is the
+    offset. If no parabola fits, the given offset of the node is kept.
 
     Parameters
     ----------
@@ -263,8 +266,8 @@ def _lining_offsets_beyond_rounding(
     # Each node is judged by the mean offset of its neighbours, in which rounding errors cancel.
     step = float(np.median(np.diff(place)))
     for i in range(len(off)):
-        # Where the circle is parallel to x or y, nodes nearer than sqrt(2 R d) to each other have
-        # the same rounding error, so that fewer errors are independent.
+        # Where the circle is parallel to x or y, all nodes within sqrt(2 R d) have about the same
+        # rounding error, with the radius R and the largest error d. Fewer errors are independent.
         apart = max(step, float(np.sqrt(2 * radius * slack[i])))
         near = np.flatnonzero(np.abs(place - place[i]) <= SMOOTHING_NODES * apart)
         scatter = float(slack[near].mean()) / np.sqrt(6.0)

@@ -26,7 +26,7 @@ def read_bytes_of_mesh_file(path: Path) -> bytes:
 
 
 INCLUDED = re.compile(rb"^\s*\*include\s*,\s*input\s*=\s*([^\r\n,]+)", re.IGNORECASE | re.MULTILINE)
-"""Pattern of a line *INCLUDE in an Abaqus or CalculiX input file; its group is the file's name."""
+"""Pattern of a line *INCLUDE in an Abaqus input file; group 1 is the name of the included file."""
 MOST_NESTED = 8
 """Largest depth of input files that include each other by *INCLUDE.
 
@@ -35,10 +35,10 @@ Usual files have a depth of one or two. Without a limit a file that includes its
 
 
 def digest_of_mesh_file(path: Path, depth: int = 0) -> str:
-    """The digest of a mesh file and of the files that it includes: 16 letters of a SHA-256.
+    """The digest of a mesh file and of the files that it includes: 16 hex digits of a SHA-256.
 
-    For a file that cannot be read, "none" is returned. `depth` is the number of files that include
-    each other up to this one.
+    For a file that cannot be read, "none" is returned. `depth` is 0 for the mesh file itself, 1 for
+    a file that it includes, and so on.
     """
     try:
         data = read_bytes_of_mesh_file(path)

@@ -10,7 +10,7 @@ from drumlin.base.arrays import Floats, Ints
 CellGroups = Mapping[str, Mapping[str, Ints]]
 """The cells in each group: group name -> meshio's cell type -> numbers (m,) of the cells.
 
-The numbers count the cells of this type.
+The number of a cell is its position among all cells of its type.
 """
 
 
@@ -25,7 +25,7 @@ class FileContent:
     cell_groups : cells in each named group
     node_groups : nodes (m,) in each named group
     edge_groups : corner nodes (m, 2) of the edges in each named group
-    outer_groups : the same for groups of which only edges on the outline of the mesh belong
+    outer_groups : corner nodes (m, 2) of edges by group; edges inside the mesh are to be left out
     rounding : (n, 2) largest rounding error of x and y in the file, in the file's unit; None if it
         has to be found from the coordinates
     turned : whether the reader turned the coordinates, which mixes the rounding errors of x and y
@@ -54,14 +54,15 @@ class FileContent:
 MOST_DECIMALS = 12
 """Number of digits from which on a coordinate in a mesh file counts as exact.
 
-The digits are decimals or significant digits. Double precision has 16 digits. The rounding to 12
-digits is a billionth of the lining's compression.
+The digits are decimals or significant digits. Double precision has 16 digits. Rounding to 12 digits
+moves a node by some billionths of the lining's compression.
 """
 DIGIT_SLACK = 1e-3
-"""Largest distance of a coordinate from a round decimal number that counts as zero.
+"""Largest distance from a round decimal number at which a coordinate counts as this number.
 
 The distance is relative to the step between round numbers, such as 0.01 for two decimals. The
-round-off of reading a number is far smaller. A coordinate with all its digits has any distance.
+round-off of reading a number is far smaller. The distance of a coordinate that was written with all
+its digits is arbitrary.
 """
 
 
@@ -77,15 +78,15 @@ def largest_rounding_errors_of_coordinates(points: Floats) -> Floats:
     exponents = np.floor(np.log10(np.where(size > 0, size, 1.0))) + 1
     found = np.zeros(points.shape)
     for steps in (
-        _value_of_last_decimal(points),
-        _value_of_last_significant_digit(points, exponents),
+        _values_of_last_decimal(points),
+        _values_of_last_significant_digit(points, exponents),
     ):
         if steps is not None:
             found = np.maximum(found, 0.5 * steps)
     return found
 
 
-def _value_of_last_decimal(points: Floats) -> Floats | None:
+def _values_of_last_decimal(points: Floats) -> Floats | None:
     """The value of the last decimal of coordinates that all have the same number of decimals.
 
     For two decimals the value is 0.01. It is repeated for each coordinate (n, k). None is returned
@@ -100,7 +101,7 @@ def _value_of_last_decimal(points: Floats) -> Floats | None:
     return None
 
 
-def _value_of_last_significant_digit(points: Floats, exponents: Floats) -> Floats | None:
+def _values_of_last_significant_digit(points: Floats, exponents: Floats) -> Floats | None:
     """The value (n, k) of the last digit of coordinates with the same number of significant digits.
 
     For 12.34 with four digits the value is 0.01. None is returned if the coordinates have

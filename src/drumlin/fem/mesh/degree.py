@@ -1,10 +1,11 @@
 """Elements of any degree on a mesh of linear or quadratic elements.
 
 A mesh file gives elements of degree 1 or 2. Displacements of a higher degree on the same elements
-are more accurate, and the answers of two degrees tell their errors. The elements are isoparametric:
-the same polynomials describe the shape of an element and its displacements. The sides of elements
-keep the shape that the mesh gives them. Only sides on the lining's face follow the drum: each of
-their nodes has the distance off the drum that the nodes of the mesh have there.
+are more accurate, and the difference between the answers of two degrees gives an estimate of their
+errors. The elements are isoparametric: the same polynomials describe the shape of an element and
+its displacements. The sides of elements keep the shape that the mesh gives them. Only sides on the
+lining's face follow the drum: each of their nodes has the distance off the drum that the nodes of
+the mesh have there.
 """
 
 from dataclasses import dataclass
@@ -30,7 +31,7 @@ SQUARE_SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
 
 
 class _Slopes(NamedTuple):
-    """The gradient `grad` (2, elements, points) [1/m] of a shape function, by scikit-fem's name."""
+    """The gradient `grad` (2, elements, points) [1/m] of a shape function; scikit-fem's name."""
 
     grad: Floats
 
@@ -77,7 +78,8 @@ class NodalElement:
 
         They are given by their corners, numbered within the element.
         """
-        # Each point of an even lattice stands for the node that is nearest to it.
+        # The nodes form a lattice that is not quite even. For each point of an even lattice the
+        # nearest node is found.
         i, j = np.indices((self.degree + 1, self.degree + 1))
         lattice = np.stack([i, j], axis=-1)[:, :, None] / self.degree
         at = np.hypot(*np.moveaxis(lattice - self.doflocs, -1, 0)).argmin(axis=-1)
@@ -98,15 +100,18 @@ class NodalElement:
     @cached_property
     def _coefficients(self) -> Any:
         """The coefficients (monomials, nodes) of the shape functions, in long double."""
-        values, _ = self._monomials(self.doflocs.astype(np.longdouble).T)
+        values, _ = self._monomial_values_and_slopes(self.doflocs.astype(np.longdouble).T)
         found = np.linalg.inv(values.astype(float)).astype(np.longdouble)
-        # One step of Newton's method gives the inverse to the digits of long double.
+        # One step of Newton's method improves the inverse to the accuracy of long double.
         return found @ (2 * np.eye(len(found)) - values @ found)
 
-    def _monomials(self, at: Any) -> tuple[Any, Any]:
-        """The monomials (points, monomials) at points (2, points), and slopes (2, points, ...)."""
+    def _monomial_values_and_slopes(self, at: Any) -> tuple[Any, Any]:
+        """Values (points, monomials) and slopes (2, points, monomials) of the monomials at points.
+
+        `at` (2, points) are points of the reference triangle or square.
+        """
         i, j = self._exponents
-        # Powers of the distance from the centre of the element lose fewer digits.
+        # Powers of the distance from the element's centre have less round-off than powers of x, y.
         x, y = (at - (1 / 3 if self.corners == 3 else 1 / 2))[:, :, None]
         by_x = i * x ** np.maximum(i - 1, 0) * y**j
         by_y = j * x**i * y ** np.maximum(j - 1, 0)
@@ -114,14 +119,14 @@ class NodalElement:
 
     def shape_function_values(self, X: Floats) -> Floats:
         """All shape functions (points, nodes) at reference points X (2, points)."""
-        return np.asarray(self._monomials(X)[0] @ self._coefficients.astype(float))
+        return np.asarray(self._monomial_values_and_slopes(X)[0] @ self._coefficients.astype(float))
 
     def lbasis(self, X: Any, i: int) -> tuple[Any, Any]:
         """Shape function i (points,) and its slopes (2, points), at reference points X (2, points).
 
         Name and arguments are those of scikit-fem's elements.
         """
-        values, slopes = self._monomials(X)
+        values, slopes = self._monomial_values_and_slopes(X)
         own = self._coefficients[:, i].astype(X.dtype)
         return values @ own, slopes @ own
 
@@ -170,8 +175,8 @@ class NodalBasis:
         elements : numbers (m,) of the elements, or a slice
         """
         dofs = self.element_dofs[:, elements]
-        # In long double the slopes of all shape functions at a point add up to zero, so that a soft
-        # shoe keeps its digits.
+        # In long double the slopes of all shape functions at a point add up to zero more exactly.
+        # Otherwise round-off would give the rigid motions of a soft shoe stresses that matter.
         fine = at.astype(np.longdouble)
         local = np.array([self.elem.lbasis(fine, i)[1] for i in range(len(dofs))]).astype(float)
         J = np.einsum("caj,adq->cdjq", self.doflocs[:, dofs], local, optimize=True)
@@ -187,22 +192,25 @@ class NodalBasis:
 
     @property
     def basis(self) -> list[tuple[_Slopes]]:
-        """The gradients of each shape function."""
+        """The gradients of each shape function, under the attribute names of scikit-fem's basis."""
         return [(_Slopes(gradient),) for gradient in self._gradients_and_areas[0]]
 
     @property
     def dx(self) -> Floats:
-        """The areas (elements, points) [m^2] that the points of the quadrature stand for."""
+        """Weights (elements, points) [m^2] of the quadrature points, which add up to the area."""
         return self._gradients_and_areas[1]
 
     def places_in_elements(self, elements: Ints, at: Floats) -> Floats:
-        """The places (2, m, q) [m] of the reference points at (m, q, 2) in m elements."""
+        """The places (2, m, q) [m] of q points in each of m elements.
+
+        `at` (m, q, 2) are the points in the reference triangle or square.
+        """
         shapes = self.elem.shape_function_values(at.reshape(-1, 2).T).reshape(*at.shape[:2], -1)
         nodes = self.doflocs[:, self.element_dofs[:, elements].T]
         return np.einsum("cma,mqa->cmq", nodes, shapes)
 
     def basis_with_moved_nodes(self, moves: Floats) -> "NodalBasis":
-        """The same basis with its nodes moved by (2, N) [m]."""
+        """A copy of the basis with its nodes moved by `moves` (2, N) [m]."""
         return NodalBasis(
             self.mesh,
             self.elem,
@@ -216,13 +224,13 @@ class NodalBasis:
 
 
 def number_of_nodes_at_degree(mesh: Any, degree: int) -> int:
-    """The number of nodes that elements of a degree have on a scikit-fem mesh."""
+    """The number of nodes of a scikit-fem mesh if its elements have the given degree."""
     inside = len(NodalElement(degree, len(mesh.t)).doflocs) - len(mesh.t) * degree
     return int(mesh.nvertices + (degree - 1) * mesh.nfacets + inside * mesh.nelements)
 
 
 def nodal_basis_of_shoe_mesh(mesh: Any, degree: int, shoe: Shoe, radius: float) -> NodalBasis:
-    """The basis of a degree on a shoe's mesh, with its contact nodes on the lining's face.
+    """The basis of the given degree on a shoe's mesh, with its contact nodes on the lining's face.
 
     Parameters
     ----------
@@ -237,9 +245,9 @@ def nodal_basis_of_shoe_mesh(mesh: Any, degree: int, shoe: Shoe, radius: float) 
 
 
 def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
-    """The basis of a degree on a mesh, whose elements keep the shape that the mesh gives them.
+    """The basis of the given degree on a mesh; elements keep the shape that the mesh gives them.
 
-    Without a degree it is the degree of the mesh itself, 1 or 2.
+    If no degree is given, the basis has the degree of the mesh itself, 1 or 2.
     """
     elem = NodalElement(degree or element_kind_of_mesh(mesh).degree, len(mesh.t))
     # The mapping of the mesh gives the places of the nodes.
@@ -249,7 +257,7 @@ def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
 
 
 def nodal_basis_with_places(mesh: Any, elem: NodalElement, places: Floats) -> NodalBasis:
-    """The basis of an element on a mesh, with its nodes at given places.
+    """The basis on a mesh for elements of the type `elem`, with its nodes at given places.
 
     Parameters
     ----------
@@ -260,7 +268,7 @@ def nodal_basis_with_places(mesh: Any, elem: NodalElement, places: Floats) -> No
     vertices, facets, inner = mesh.nvertices, mesh.nfacets, elem.degree - 1
     facet_dofs = vertices + np.arange(inner * facets).reshape(inner, facets)
     rows = [mesh.t]
-    # The nodes of a side run from its corner of smaller number to its corner of larger number.
+    # The nodes of a side are numbered from the corner with the smaller number to the other corner.
     for side, (a, b) in enumerate(elem.sides):
         along = facet_dofs[:, mesh.t2f[side]]
         rows.append(np.where(mesh.t[a] < mesh.t[b], along, along[::-1]))
@@ -320,7 +328,7 @@ def moves_of_nodes_that_follow_sides(basis: NodalBasis, facets: Ints, moves: Flo
         of_side = moves[:, :, which[elements]]
         reversed_ = mesh.t[a, elements] > mesh.t[b, elements]
         of_side = np.where(reversed_, of_side[:, ::-1], of_side)
-        along, share = _places_beside_side(elem, a, b)
+        along, share = _places_along_side_and_fractions_of_its_move(elem, a, b)
         shapes = lagrange_shape_function_values(elem.degree, along) * share
         following = np.einsum("ckm,kn->cnm", of_side, shapes)
         change[:, basis.element_dofs[inside][:, elements]] += following[:, inside]
@@ -328,10 +336,14 @@ def moves_of_nodes_that_follow_sides(basis: NodalBasis, facets: Ints, moves: Flo
     return change
 
 
-def _places_beside_side(elem: NodalElement, a: int, b: int) -> tuple[Floats, Floats]:
-    """The place (nodes,) in [-1, 1] along a side of each node, and its share (nodes,) of the move.
+def _places_along_side_and_fractions_of_its_move(
+    elem: NodalElement, a: int, b: int
+) -> tuple[Floats, Floats]:
+    """How the nodes of an element follow one side: place along the side, and share of its move.
 
-    The share is 1 on the side between the corners a and b, and 0 on all other sides.
+    When a side is moved, each node follows the move of one place on the side. The first result
+    (nodes,) is this place, from -1 at corner a to 1 at corner b. The second result (nodes,) is the
+    fraction of the move that the node takes: 1 on the side itself, and 0 on all other sides.
     """
     if elem.corners == 3:
         x, y = elem.doflocs.T

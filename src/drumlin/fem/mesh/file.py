@@ -174,7 +174,8 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
         raise BadInput(
             f"{fault}: has {len(content.points)} nodes; must have at most {MOST_FILE_NODES}"
         )
-    # The coordinates in the shoe's frame [m], and how much they were rounded in the file.
+    # The coordinates are converted to the shoe's frame [m]. The array `rounding` has their largest
+    # rounding errors in the file's unit.
     unit = METRES_PER_UNIT[shoe.mesh_unit]
     points = _xy_coordinates_of_plane_mesh(content, fault)
     rounding = content.rounding
@@ -184,8 +185,8 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     if shoe.mesh_frame == "brake":
         points = shoe.convert_points_to_shoe_frame(points)
     plane = convert_plane_cells_to_one_kind(content, points, fault)
-    # Nodes that were added lie between other nodes and have no rounding of their own. Those in
-    # the middle of third-order sides have the rounding errors of the nodes of their side.
+    # Nodes that were added lie between other nodes and have no rounding of their own. A middle
+    # node that was added on a third-order side has the rounding errors of the side's nodes.
     slack = np.zeros((len(plane.points), 2))
     if set(content.cells) & set(LOWER):
         slack[:] = np.abs(CUBIC_MIDDLE).sum() * rounding.max(axis=0) * unit
@@ -240,7 +241,7 @@ def _read_content_of_mesh_file(path: Path, shoe: Shoe, fault: str) -> FileConten
         raise BadInput(
             f"{fault}: is not a mesh that can be read (it needs more memory than there is)"
         ) from error
-    # meshio's readers raise errors of many kinds, and one of them ends the program.
+    # meshio's readers raise errors of many kinds, even SystemExit, which would end the program.
     except (Exception, SystemExit) as error:
         reason = f"{type(error).__name__}: {error}"
         if isinstance(error, SystemExit):
@@ -288,8 +289,8 @@ def _check_node_numbers_fit_memory(path: Path, fault: str) -> None:
 
     Other faults of the file are found later, when it is read.
     """
-    # Format 2.2 has a number and three coordinates on each line. Format 4.1 has blocks, each with
-    # its numbers first and its coordinates after them.
+    # Format 2.2 has a node's number and three coordinates on each line. Format 4.1 has blocks of
+    # nodes: the numbers of all nodes of a block come first, then the coordinates.
     numbers = np.zeros(0)
     with (
         contextlib.suppress(ValueError, IndexError, MemoryError, DeprecationWarning),
@@ -345,7 +346,7 @@ def _xy_coordinates_of_plane_mesh(content: FileContent, fault: str) -> Floats:
 def _mesh_of_cells_and_vertex_numbers(
     cell: str, cells: Ints, points: Floats, fault: str
 ) -> tuple[Any, Ints]:
-    """scikit-fem's mesh of the cells in a file, and which vertex of it each node of the file is.
+    """scikit-fem's mesh of the cells in a file, and the vertex number of each node of the file.
 
     Parameters
     ----------
@@ -460,8 +461,8 @@ def _find_element_edges_in_named_groups(
         ends += [content.edge_groups[name]] if name in content.edge_groups else []
         outer_ends += [content.outer_groups[name]] if name in content.outer_groups else []
     # A set of nodes is used only if the file has no edges of the same name.
-    found = _named_element_edges_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
-    outlined = _named_element_edges_between_vertices(
+    found = _require_element_edges_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
+    outlined = _require_element_edges_between_vertices(
         mesh, vertex[np.concatenate(outer_ends)], fault
     )
     outer = mesh.boundary_facets()
@@ -492,10 +493,10 @@ def _element_edges_with_all_nodes_in_set(
     middles = plane.cells[:, corners : 2 * corners]
     if middles.size and inside[middles].any():
         whole &= inside[middles] | plane.added[middles]
-    return _named_element_edges_between_vertices(mesh, vertex[pairs[whole]], fault)
+    return _require_element_edges_between_vertices(mesh, vertex[pairs[whole]], fault)
 
 
-def _named_element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
+def _require_element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
     """The numbers of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
 
     BadInput is raised for pairs that are no edge of the mesh; its message begins with `fault`.

@@ -18,24 +18,25 @@ The distance is relative to the lining's mean compression p t/E. The pressure ch
 same fraction.
 """
 ZIGZAG = 0.2
-"""Height of a wave in the lining's face, as meshed, above which its top or bottom is a turn.
+"""Height of a wave in a lining's meshed face above which its top and bottom count as turns.
 
 The height is relative to the lining's mean compression p t/E. A zigzag of this height makes the
 pressure go up and down by a tenth of its mean.
 """
 FEW_TURNS = 5
-"""Largest number of turns between up and down that any meshed lining's face may have.
+"""Largest number of turns between rise and fall that a lining's face may have on any mesh.
 
-Real linings have flats, steps or a worn end.
+Real linings have flats, steps or a worn end, which cause a few turns. A face with more turns is
+accepted only if the mesh has NODES_PER_TURN nodes for each of them.
 """
 NODES_PER_TURN = 8
-"""Smallest number of contact nodes per turn between up and down that shows a lining's real shape.
+"""Smallest number of contact nodes per turn between rise and fall that shows a real shape.
 
-A meshed face with more than FEW_TURNS turns and fewer nodes per turn is refused. It is a zigzag of
-inexact nodes, or straight edges were split into several.
+A meshed face with more than FEW_TURNS turns and fewer nodes per turn is refused. Its nodes are
+inexact and form a zigzag, or each straight edge was split into several.
 """
 MOST_TURNS = 12
-"""Number of turns between up and down above which a meshed lining's face is refused as a polygon.
+"""Number of turns between rise and fall above which a lining's face is refused as a polygon.
 
 The number of nodes per turn does not matter. Turns are counted here if their height is above half
 the lining's mean compression p t/E.

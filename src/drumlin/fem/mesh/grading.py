@@ -1,7 +1,7 @@
 """The division of a lining into linear or quadratic elements, along its arc and its thickness.
 
-Elements become smaller towards the lining's ends, where the pressure is singular. Their size there
-falls linearly with the distance from the end.
+Elements become smaller towards the lining's ends, where the pressure is singular. Near an end their
+size grows linearly with the distance from the end.
 """
 
 import math
@@ -103,7 +103,8 @@ def _element_ends_along_linings_and_slots(shoe: Shoe, radius: float, elements: i
 def numbers_of_elements_on_linings(shoe: Shoe, elements: int) -> list[int]:
     """The number of elements along each lining of a shoe, in proportion to its length.
 
-    `elements` is the number along all linings; each lining has two at least.
+    `elements` is the number along all linings together. If there are several linings, each of them
+    gets two elements at least.
     """
     lengths = [end - start for start, end in shoe.arcs]
     if len(lengths) == 1:
@@ -179,10 +180,10 @@ def relative_layer_depths_behind_lining(
 
 
 def _growth_of_elements_beyond_lining(total: float) -> float:
-    """The growth g for which the sum of the steps 1, e^g, e^2g, ... is `total`, by bisection.
+    """The growth g for which the sum of the steps 1, e^g, e^(2g), ... is `total`, by bisection.
 
-    The steps are lengths of elements beyond the lining, relative to the first one. Their number is
-    MOST_OVERHANG_ELEMENTS.
+    The steps are lengths of elements beyond the lining, relative to the first element's length.
+    Their number is MOST_OVERHANG_ELEMENTS.
     """
     low, high = 0.0, 1.0
     while high - low > 1e-12:
@@ -199,8 +200,8 @@ def points_graded_to_both_ends(
 ) -> Floats:
     """Points (count + 1,) from `start` to `end`, whose steps become smaller towards both ends.
 
-    At the distance d from the nearer end the step is h(d) = h_0 min(1, smallest + d / zone). From
-    each point to the next the integral Int dd / h is the same.
+    At the distance d from the nearer end the step is about h(d) = h_0 min(1, smallest + d / zone).
+    The integral of 1/h(d) has the same value from each point to the next.
 
     Parameters
     ----------
@@ -218,7 +219,7 @@ def points_graded_to_both_ends(
     inner = integral_of_inverse_graded_step(reach, half, zone, smallest)
     in_zone = zone * smallest * np.expm1(np.minimum(part, inner) / zone)
     d = np.where(part <= inner, in_zone, reach + part - inner)
-    # In the second half d is the distance from the end.
+    # In the second half of the points d is the distance from `end`, before it from `start`.
     left = np.arange(count + 1) <= count / 2
     points = np.where(left, start + d, end - d)
     points[0], points[-1] = start, end
@@ -226,7 +227,7 @@ def points_graded_to_both_ends(
 
 
 def integral_of_inverse_graded_step(d: float, half: float, zone: float, smallest: float) -> float:
-    """The integral Int_0^d dd h_0 / h over the graded steps h up to the distance d from an end.
+    """The integral of h_0 / h(x) over the distance x from an end, from 0 to d; h is the step.
 
     The steps h are those of `points_graded_to_both_ends`. Beyond the zone in which they become
     smaller, all steps are h_0.

@@ -37,7 +37,7 @@ class ElementPlace(NamedTuple):
     Attributes
     ----------
     cell : meshio's name of the type of its cell
-    row : number of its cell among those of this type
+    row : position of its cell among the cells of this type
     """
 
     cell: str
@@ -70,7 +70,8 @@ def read_mesh_from_inp_text(
 def _choose_bodies_that_make_up_shoe(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
     """The instances and parts of a deck that make up the shoe.
 
-    They are those with elements in the wanted groups, or all if no group has elements.
+    These are the bodies with elements in the wanted groups, and bodies without any elements. If no
+    wanted group has elements, all bodies are chosen.
     """
     # The owners are the instances that have an element in one of the wanted groups.
     bodies = [body for body in deck.bodies if body.part.nodes]
@@ -84,7 +85,7 @@ def _choose_bodies_that_make_up_shoe(deck: Deck, wanted: Collection[str]) -> lis
 
 
 def _names_of_instances_in_element_set(deck: Deck, body: DeckInstance, name: str) -> set[str]:
-    """The names of the instances that an element set of a body has elements of.
+    """The names of the instances whose elements are members of an element set of a body.
 
     The result is empty for a set that cannot be read.
     """
@@ -107,12 +108,12 @@ class _Assembled:
         self.cells: dict[str, list[list[int]]] = {}
         self.plane_strain: dict[str, None] = {}
         self.broken: dict[str, str] = {}
-        self.points, self.rounding = self._number_nodes_of_all_bodies()
+        self.points, self.rounding = self._assign_numbers_to_nodes_of_all_bodies()
         for body in bodies:
             for block in body.part.blocks:
                 self._add_elements_of_one_type(body, block.kind, block.elements)
 
-    def _number_nodes_of_all_bodies(self) -> tuple[Floats, Floats]:
+    def _assign_numbers_to_nodes_of_all_bodies(self) -> tuple[Floats, Floats]:
         """Give each node of all instances a number; return the nodes' points and rounding errors.
 
         The points (n, 3) are in their places in the assembly. The rounding errors (n, 2) are the
@@ -185,7 +186,8 @@ class _Assembled:
                 for cell, rows in self.cells.items()
             },
             cell_groups={
-                name: self._sort_elements_by_cell_type(keys) for name, keys in cells.items()
+                name: self._cell_numbers_of_elements_by_cell_type(keys)
+                for name, keys in cells.items()
             },
             node_groups={
                 name: np.unique(np.array([self.number[key] for key in keys], dtype=np.int64))
@@ -262,7 +264,7 @@ class _Assembled:
     ) -> dict[str, list[Parsed]]:
         """The members of each named group of the deck, by the group's name.
 
-        A group of the assembly replaces those of the same name in other bodies. Otherwise the
+        A group of the assembly replaces groups of the same name in other bodies. Otherwise the
         members in all bodies are collected. If a group cannot be read, the reason is kept in
         `broken`.
 
@@ -285,7 +287,7 @@ class _Assembled:
                     self.broken[name] = str(error)
         return groups
 
-    def _sort_elements_by_cell_type(self, keys: list[Key]) -> dict[str, Ints]:
+    def _cell_numbers_of_elements_by_cell_type(self, keys: list[Key]) -> dict[str, Ints]:
         """The cells of the elements of a group: type of cell -> numbers of the cells.
 
         `keys` are the elements of the group. Elements without a cell, such as springs, are left
@@ -303,7 +305,10 @@ class _Assembled:
         found = _Surfaces({}, {}, {})
 
         def add_one_surface(body: DeckInstance, name: str) -> list[None]:
-            """Add the edges or nodes of the surface `name` of a body to `members_of_one_set`."""
+            """Add the edges or nodes of the surface `name` of a body to `found`; return no members.
+
+            The empty list is what `_collect_members_by_group_name` collects in place of members.
+            """
             if name in body.part.refused:
                 raise ValueError(f"the surface {name.upper()}: {body.part.refused[name]}")
             kind, rows = body.part.surfaces[name]
@@ -313,13 +318,15 @@ class _Assembled:
                 keys = [
                     key
                     for row in rows
-                    for key in self._members_that_surface_word_names(body, "node_sets", row[0])
+                    for key in self._nodes_or_elements_named_by_word_of_surface(
+                        body, "node_sets", row[0]
+                    )
                 ]
                 found.nodes.setdefault(name, []).extend(keys)
             elif kind == "ELEMENT":
                 for row in rows:
                     face = row[1].upper() if len(row) > 1 else ""
-                    edges = self._edges_that_surface_line_names(body, row[0], face, name)
+                    edges = self._edges_named_by_line_of_surface(body, row[0], face, name)
                     (found.edges if face else found.outlines).setdefault(name, []).extend(edges)
             else:
                 raise ValueError(f"the surface {name.upper()}: TYPE={kind} is not read")
@@ -328,7 +335,7 @@ class _Assembled:
         self._collect_members_by_group_name(lambda body: body.part.surfaces, add_one_surface)
         return found
 
-    def _members_that_surface_word_names(
+    def _nodes_or_elements_named_by_word_of_surface(
         self, body: DeckInstance, which: str, word: str
     ) -> list[Key]:
         """The nodes or elements that a word on a line of *SURFACE stands for.
@@ -336,7 +343,7 @@ class _Assembled:
         The word is the name of a set or the label of one node or element. `which` is "node_sets" or
         "element_sets".
         """
-        # In an assembly the name of an instance may stand before the word, with a point between.
+        # In an assembly the word may begin with the name of an instance, as in Shoe-1.Contact.
         name = word.lower()
         holder = body
         if "." in name and name not in getattr(body.part, which):
@@ -353,7 +360,7 @@ class _Assembled:
             raise ValueError(f"a surface names {word!r}, which is no label and no set")
         return [(holder.name, int(name))]
 
-    def _edges_that_surface_line_names(
+    def _edges_named_by_line_of_surface(
         self, body: DeckInstance, word: str, face: str, name: str
     ) -> list[list[int]]:
         """The corner nodes of the edges that a line of a *SURFACE section stands for.
@@ -367,7 +374,7 @@ class _Assembled:
         """
         edges = []
         # Elements without a cell are springs and masses, which have no edges.
-        for key in self._members_that_surface_word_names(body, "element_sets", word):
+        for key in self._nodes_or_elements_named_by_word_of_surface(body, "element_sets", word):
             place = self.place[key]
             if place is None:
                 continue
@@ -392,10 +399,10 @@ class _Surfaces(NamedTuple):
 
     Attributes
     ----------
-    edges : corner nodes of the edges of surfaces that state the faces of elements
-    outlines : corner nodes of all edges of the elements of other surfaces, of which only those on
-        the outline of the mesh count
-    nodes : nodes of surfaces of nodes
+    edges : corner nodes of the edges that a surface names as elements with a face (S1 to S4)
+    outlines : corner nodes of all edges of the elements that a surface names without a face; only
+        edges on the outline of the mesh are used
+    nodes : nodes of surfaces of TYPE=NODE
     """
 
     edges: dict[str, list[list[int]]]

@@ -40,7 +40,7 @@ UNREAD_OPTIONS = {
 }
 """Options of Abaqus keywords that change nodes or elements and are refused, with the reason.
 
-The reason also tells what to do instead. The outer key is the keyword.
+The reason also tells what to do instead. The outer key is the keyword, the inner key the option.
 """
 UNREAD_SET_OPTIONS = {
     "ELSET": "names the nodes of an element set; write out their labels",
@@ -55,7 +55,7 @@ The reason also tells what to do instead. It becomes the message if the shoe nee
 
 
 class Deck:
-    """An Abaqus or CalculiX input file: its parts, instances and sets, and ignored keywords."""
+    """An Abaqus or CalculiX input file: its parts, instances, sets and ignored keywords."""
 
     def __init__(self, text: str, folder: Path | None) -> None:
         self.root, self.assembly = DeckPart(), DeckPart()
@@ -212,7 +212,8 @@ class Deck:
     def _end_part_instance_or_assembly(self, section: InputSection) -> None:
         """End a part, an instance or the assembly.
 
-        After an instance, later sections belong to the assembly; otherwise to the deck itself.
+        After the end of an instance, later sections belong to the assembly. After the end of a part
+        or the assembly, they belong to the deck itself.
         """
         own = self._scope
         named = self.instances.get(own.name)
@@ -246,7 +247,7 @@ class Deck:
         Raises
         ------
         ValueError
-            for a member that is neither a label nor a set, and for a set in itself
+            for a member that is neither a label nor a set, and for a set that contains itself
         """
         if (body.name, name) in above:
             raise ValueError(f"the set {name.upper()} is a member of itself")
@@ -264,8 +265,8 @@ class Deck:
                 yield from self.members_of_named_set(holder, which, word, above)
                 continue
             labels = word if isinstance(word, range) else (_parse_label_in_set(word, name),)
-            # The function len fails for a very long range. A slice that is not empty also shows
-            # that there are more labels than allowed.
+            # A slice that is not empty shows that there are more labels than allowed. The function
+            # len would fail for a very long range.
             if labels[self._room :]:
                 raise ValueError(f"the sets have more than {MOST_MEMBERS} members together")
             self._room -= len(labels)
@@ -292,7 +293,7 @@ SCOPES = {
 
 
 def _parse_label_in_element_line(word: str) -> int:
-    """The label that a word on a line of an *ELEMENT section is. ValueError for another word."""
+    """Convert a word on a line of an *ELEMENT section to a label, a whole number, or ValueError."""
     return parse_node_or_element_label(word, "*ELEMENT")
 
 

@@ -18,7 +18,7 @@ class Member(NamedTuple):
 
     Attributes
     ----------
-    owner : name of the instance that the labels belong to, "" for the instance of the set itself
+    owner : name of the instance that the labels belong to; "" if it is the instance of the set
     word : range of labels, or one label or the name of another set as a text
     """
 
@@ -80,7 +80,7 @@ class DeckPart:
         self.written[label] = written
 
     def add_labelled_elements_to_part(self, kind: str, elements: dict[int, list[int]]) -> None:
-        """Add elements. ValueError is raised if another element has the label of one of them."""
+        """Add elements. ValueError is raised if a label belongs to another element already."""
         taken = self.labels & elements.keys()
         if taken:
             raise ValueError(f"element {min(taken)} is defined twice")
@@ -92,7 +92,8 @@ class DeckPart:
 class Placement:
     """The rotation and translation that place a part in the assembly of an Abaqus deck.
 
-    The coordinates in the assembly are `turn` (3, 3) times those of the part, plus `shift` (3,).
+    The coordinates in the assembly are `turn` (3, 3) times the coordinates in the part, plus
+    `shift` (3,).
     """
 
     turn: Floats
@@ -184,10 +185,10 @@ def placement_by_coordinate_system(rows: list[list[str]]) -> Placement:
 
 
 def parse_numbers_of_data_line(words: list[str], where: str) -> list[float]:
-    """The numbers in the words of a data line; Fortran's exponents with D are read too.
+    """The numbers in the words of a data line; Fortran's exponents, as in 1.5D-3, are read too.
 
-    ValueError is raised for a word that is no number. `where` is the section that its message
-    names.
+    ValueError is raised for a word that is no number; its message begins with `where`, the name of
+    the section.
     """
     found = []
     for word in words:
@@ -199,7 +200,7 @@ def parse_numbers_of_data_line(words: list[str], where: str) -> list[float]:
 
 
 def parse_node_or_element_label(word: str, where: str) -> int:
-    """The label that a word is: a whole number.
+    """Convert a word of an Abaqus deck to the label of a node or an element, a whole number.
 
     ValueError is raised for another word; its message begins with the section `where`.
     """

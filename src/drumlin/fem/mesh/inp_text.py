@@ -10,7 +10,7 @@ from typing import NamedTuple
 from drumlin.fem.mesh.content import MOST_NESTED, read_bytes_of_mesh_file
 
 DATA_STARTS = frozenset("*+-.0123456789")
-"""First characters of a line of an Abaqus input file that begins with a keyword or a number.
+"""First characters of lines of an Abaqus input file that begin with a keyword or a number.
 
 After a keyword line that ends with a comma, such a line does not continue the keyword's options.
 """
@@ -38,7 +38,7 @@ class InputSection(NamedTuple):
 def split_input_file_into_sections(
     text: str, folder: Path | None, depth: int = 0
 ) -> Iterator[InputSection]:
-    """Yield the sections of an Abaqus input file in order, those of included files in their place.
+    """Yield the sections of an Abaqus input file in order, and the sections of included files.
 
     Quotes around names are removed. A data line of *ELEMENT that ends with a comma continues in the
     next line.
@@ -47,7 +47,7 @@ def split_input_file_into_sections(
     ----------
     text : text of the file
     folder : folder of the file, where included files are looked for
-    depth : number of files that include each other up to this one
+    depth : 0 for the mesh file itself, 1 for a file that it includes, and so on
 
     Raises
     ------
@@ -56,7 +56,7 @@ def split_input_file_into_sections(
     """
     section, goes_on = InputSection("", {}, []), False
     for line in _lines_with_continuations_joined(text):
-        # This is a data line of the section before it.
+        # A line without a star is a data line of the section that the last keyword line began.
         if not line.startswith("*"):
             row = [word for word in map(_word_without_blanks_and_quotes, line.split(",")) if word]
             if goes_on:
@@ -119,8 +119,9 @@ def _read_text_of_included_file(
 ) -> tuple[str, Path | None]:
     """The text and the folder of the file that an *INCLUDE section names.
 
-    `folder` is that of the including file, and `depth` the number of files that include each other.
-    ValueError is raised for a file that cannot be found, and for too many files in each other.
+    `folder` is the folder of the including file. `depth` is 0 if this is the mesh file itself, 1 if
+    the mesh file includes it, and so on. ValueError is raised for a file that cannot be found, and
+    for a depth of MOST_NESTED.
     """
     name = section.options.get("INPUT", "")
     if not name or folder is None:

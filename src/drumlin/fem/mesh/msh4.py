@@ -1,8 +1,8 @@
 """The reader of mesh files in Gmsh's text formats 4.0 and 4.1, with all physical groups.
 
 An entity is a point, curve, surface or volume of Gmsh's geometry. meshio cannot read text files of
-format 4.0, nor those of format 4.1 in which some entities have no physical group. Gmsh writes these
-with its option Mesh.SaveAll.
+format 4.0, nor files of format 4.1 in which some entities have no physical group. Gmsh writes such
+entities with its option Mesh.SaveAll.
 """
 
 from collections import defaultdict
@@ -99,7 +99,7 @@ def _lines_of_each_named_block(text: str) -> dict[str, list[str]]:
 def _read_names_of_physical_groups(lines: list[str]) -> dict[Entity, str]:
     """The names of the physical groups, in lower case, by their dimension and tag.
 
-    `lines` are those of the block $PhysicalNames.
+    `lines` are the lines of the block $PhysicalNames.
     """
     found = {}
     for line in lines[1:]:
@@ -111,7 +111,7 @@ def _read_names_of_physical_groups(lines: list[str]) -> dict[Entity, str]:
 def _read_physical_groups_of_entities(lines: list[str], old: bool) -> dict[Entity, list[int]]:
     """The tags of the physical groups that each entity belongs to.
 
-    `lines` are those of the block $Entities, and `old` tells whether the file has format 4.0.
+    `lines` are the lines of the block $Entities, and `old` tells whether the file has format 4.0.
     """
     found: dict[Entity, list[int]] = {}
     if not lines:
@@ -119,7 +119,8 @@ def _read_physical_groups_of_entities(lines: list[str], old: bool) -> dict[Entit
     rest = iter(lines[1:])
     for dim, count in enumerate(lines[0].split()):
         # A line has the entity's tag, coordinates, the number of groups and their tags. A point has
-        # three coordinates in format 4.1; all other entities have the six of a bounding box.
+        # three coordinates in format 4.1. In all other cases a line has six coordinates: the lowest
+        # and the highest x, y, z of the entity.
         start = 4 if dim == 0 and not old else 7
         for _ in range(int(count)):
             words = _next_line_of_block(rest, "$Entities").split()
@@ -134,7 +135,7 @@ def _read_node_numbers_and_points(
 ) -> tuple[dict[int, int], list[list[float]]]:
     """The number of each node by its tag, and the points [x, y, z] of the nodes.
 
-    `lines` are those of the block $Nodes, and `old` tells whether the file has format 4.0.
+    `lines` are the lines of the block $Nodes, and `old` tells whether the file has format 4.0.
     """
     number: dict[int, int] = {}
     points: list[list[float]] = []
@@ -159,7 +160,7 @@ def _read_elements_of_each_entity(
 ) -> Iterator[tuple[Entity, int, list[list[int]]]]:
     """Yield the elements of each entity: the entity, Gmsh's element type, and rows of numbers.
 
-    A row has the tag of an element and the tags of its nodes. `lines` are those of the block
+    A row has the tag of an element and the tags of its nodes. `lines` are the lines of the block
     $Elements, and `old` tells whether the file has format 4.0.
     """
     rest = iter(lines[1:])
@@ -173,7 +174,7 @@ def _read_elements_of_each_entity(
 
 
 def _next_line_of_block(lines: Iterator[str], block: str) -> str:
-    """The next of the lines of a block in an .msh file. ValueError is raised if there is none."""
+    """The next line of a block in an .msh file. ValueError is raised if the block has no more."""
     line = next(lines, None)
     if line is None:
         raise ValueError(f"{block} has fewer lines than it says")

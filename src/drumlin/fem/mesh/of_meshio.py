@@ -33,14 +33,14 @@ def content_of_meshio_mesh(raw: Any) -> FileContent:
 def _cell_groups_by_name(raw: Any) -> dict[str, dict[str, Ints]]:
     """The groups of cells in a `meshio.Mesh`: group name -> cell type -> numbers of the cells.
 
-    The numbers count the cells of this type.
+    The number of a cell is its position among all cells of its type.
     """
-    # Groups that the file names as sets of cells.
+    # First come the groups that the file names as sets of cells.
     groups: dict[str, dict[str, Ints]] = {}
     for name, members in raw.cell_sets_dict.items():
         if not name.startswith("gmsh:"):
             groups[name.lower()] = dict(members)
-    # Gmsh's physical groups with a name.
+    # Next come Gmsh's physical groups with a name.
     tags = raw.cell_data_dict.get("gmsh:physical", {})
     for name, (tag, dim) in raw.field_data.items():
         # Gmsh may give a curve and a surface the same number, so that the dimension is compared.
@@ -48,7 +48,7 @@ def _cell_groups_by_name(raw: Any) -> dict[str, dict[str, Ints]]:
             members = np.flatnonzero(np.asarray(values) == tag)
             if len(members) and meshio._mesh.topological_dimension[cell] == dim:
                 groups.setdefault(name.lower(), {}).setdefault(cell, members)
-    # Arrays of 0 and 1, which mark the members of a group; then groups by number.
+    # Last come arrays of 0 and 1, which mark the members of a group, and groups by number.
     for name, by_cell in raw.cell_data_dict.items():
         if ":" not in name:
             for cell, values in by_cell.items():
@@ -60,7 +60,7 @@ def _cell_groups_by_name(raw: Any) -> dict[str, dict[str, Ints]]:
 
 
 def _cell_groups_by_number(raw: Any) -> dict[str, dict[str, Ints]]:
-    """The groups of cells that have a number in the file: group name -> cell type -> cells.
+    """The groups of cells with a number in the file: group name -> cell type -> cell numbers.
 
     They are Gmsh's physical groups, and the values of arrays of whole numbers. For example, the
     value 3 of an array "material" makes a group "material=3". It also makes a group "3" if there is

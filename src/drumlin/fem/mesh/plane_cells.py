@@ -29,7 +29,7 @@ LOWER = {"triangle10": "triangle6", "quad16": "quad8"}
 BESIDE = frozenset(("vertex", "line", "line3", "line4"))
 """Types of cells in a mesh file that are no plane elements: points, and edges in named groups."""
 CUBIC_MIDDLE = (-1 / 16, 9 / 16, 9 / 16, -1 / 16)
-"""Weights of the four nodes of a cubic edge, from end to end, whose sum is the edge's middle point.
+"""Weights of a cubic edge's four nodes, from end to end: their weighted sum is the edge's middle.
 
 They are the values of the four cubic shape functions in the middle of the edge.
 """
@@ -136,8 +136,8 @@ def _convert_third_order_cells_to_second(
 ) -> tuple[dict[str, Ints], Floats]:
     """The cells of a mesh file with second order in place of third order, and all points.
 
-    `kinds` are the cells (m, k) of each type in the file. In the result they have the same names.
-    The points (n, 2) of the file are followed by the new middle nodes of edges.
+    `kinds` are the cells (m, k) by their type in the file. The result has the same keys, also for
+    the converted cells. The points (n, 2) of the file are followed by new middle nodes of edges.
     """
     middles: dict[tuple[int, int], int] = {}
     new: list[Floats] = []
@@ -172,7 +172,7 @@ class _GrowingNodes:
 
     Attributes
     ----------
-    points : (n, 2) coordinates of the nodes before
+    points : (n, 2) coordinates of the nodes before nodes are added
     middles : number of the middle node of each edge that has one, by the edge's two corners, the
         smaller number first
     added : coordinates (2,) of the added nodes, whose numbers follow those of `points`
@@ -293,9 +293,9 @@ def _cut_quadrilateral_into_triangles(
 ) -> list[list[int]]:
     """The nodes of the two quadratic triangles that a quadrilateral is cut into.
 
-    The cut runs along the shorter diagonal. `corners` and `sides` are the
-    numbers of the corners and of the middle nodes of the edges; `centre` is the node in the middle
-    of the cut.
+    The cut runs along the shorter diagonal. `corners` and `sides` are the numbers of the corners
+    and of the middle nodes of the edges; `centre` is the number of the node in the middle of the
+    cut.
     """
     a, b, c, d = corners
     ab, bc, cd, da = sides

@@ -1,7 +1,8 @@
-"""The smooth curves of which straight sides of elements may be the chords.
+"""The smooth curves whose chords the straight sides of elements may be.
 
 A mesh of straight sides has no curves: an arc of the shoe is a polygon. Whether a polygon is meant
-cannot be seen in the mesh. The difference that arcs instead of chords make is therefore an error.
+cannot be seen in the mesh. How much the answer changes with arcs in place of the chords is
+therefore counted as an error.
 """
 
 from typing import Any, NamedTuple
@@ -18,29 +19,32 @@ from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.resultants import gauss_lobatto_points
 
 CONVEX_ANGLE = np.radians(185.0)
-"""Largest angle inside a corner of one layer, with free faces, that is no singular point.
+"""Largest inner angle of a corner between two free faces of one layer that is no singular point.
 
-Stresses are singular at larger angles than 180 degrees. Slightly larger angles are left out, since
-stresses grow without bound very slowly there.
+Stresses are singular at angles above 180 degrees. Angles slightly above are left out, since the
+singularity is very weak there.
 """
 LARGEST_SMOOTH_TURN = np.radians(35.0)
-"""Largest turn between two neighbouring sides that may be chords of one curve; larger is a corner.
+"""Largest angle between the directions of two neighbouring sides that may be chords of one curve.
 
-A circle of eleven sides has turns of 33 degrees. Real bends of less than the limit count as curves,
-which makes the stated error larger. The value is a judgement.
+A larger angle is a corner. In a circle of eleven sides the angle is 33 degrees. Real corners below
+the limit count as curves, which makes the stated error larger. The value is a judgement.
 """
 
 
 class _Bends(NamedTuple):
-    """The places at which two sides of a line meet in a corner of the mesh without a true corner.
+    """The vertices of a mesh where two sides of a line meet as chords of one curve.
+
+    A line is the outline of the shoe or an interface of two layers.
 
     Attributes
     ----------
-    before, after : (n,) positions of both sides in the list of sides
-    ends_before : (n,) whether the side before ends there with its second corner
-    starts_after : (n,) whether the side after starts there with its first corner
-    curvature : (n,) curvature [1/m] of the circle through the three corners; positive to the left
-    vertices : (n,) vertices of the mesh at the places
+    before, after : (n,) positions in the list of sides of the two sides that meet
+    ends_before : (n,) whether the second corner of the side `before` is at the vertex
+    starts_after : (n,) whether the first corner of the side `after` is at the vertex
+    curvature : (n,) curvature [1/m] of the circle through the ends of both sides; positive for a
+        turn to the left on the way from `before` to `after`
+    vertices : (n,) numbers of the vertices
     """
 
     before: Ints
@@ -52,7 +56,7 @@ class _Bends(NamedTuple):
 
 
 def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
-    """The moves (2, N) [m] of all nodes that make arcs of straight sides on curved lines.
+    """The moves (2, N) [m] of all nodes by which the chords of curved lines become arcs.
 
     The lines are the outline of the shoe and the interfaces of its layers. Sides on the contact
     line do not move.
@@ -61,7 +65,7 @@ def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
     moving = ~np.isin(facets, basis.mesh.boundaries["contact"])
     facets, kinds = facets[moving], kinds[moving]
     bends = _bends_between_neighbouring_sides(basis.mesh, facets, kinds)
-    # A side has the mean curvature of the bends at its two ends.
+    # The arc that replaces a side has the mean curvature of the bends at the side's two ends.
     total, count = np.zeros(len(facets)), np.zeros(len(facets))
     for side, forward in ((bends.before, bends.ends_before), (bends.after, bends.starts_after)):
         np.add.at(total, side, np.where(forward, bends.curvature, -bends.curvature))
@@ -77,8 +81,11 @@ def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
     return moves_of_nodes_that_follow_sides(basis, facets, moves)
 
 
-def _layers_of_elements(mesh: Any) -> Ints:
-    """The number of the layer of each element, from 1 on, and then 0 for the space beyond."""
+def _layer_number_of_each_element(mesh: Any) -> Ints:
+    """The number (elements + 1,) of each element's layer, from 1 on; the last entry is 0.
+
+    The last entry stands for the space outside the shoe.
+    """
     layer = np.zeros(mesh.nelements + 1, dtype=np.int64)
     for number, members in enumerate(mesh.subdomains.values(), start=1):
         layer[members] = number
@@ -86,18 +93,18 @@ def _layers_of_elements(mesh: Any) -> Ints:
 
 
 def _sides_on_outline_and_interfaces(mesh: Any) -> tuple[Ints, Ints]:
-    """The sides (m,) on the outline and on interfaces of layers, and a number (m,) of their line.
+    """The sides (m,) on the outline and on interfaces of layers, and the number (m,) of the line.
 
     Sides between the same two layers have the same number.
     """
-    # The last layer, 0, is the space beyond the outline, which the element -1 stands for.
-    both = np.sort(_layers_of_elements(mesh)[mesh.f2t], axis=0)
+    # Beyond the outline scikit-fem gives the element -1, which picks the last entry: layer 0.
+    both = np.sort(_layer_number_of_each_element(mesh)[mesh.f2t], axis=0)
     facets = np.flatnonzero(both[0] != both[1])
     return facets, both[0, facets] * (len(mesh.subdomains) + 1) + both[1, facets]
 
 
 def _bends_between_neighbouring_sides(mesh: Any, facets: Ints, kinds: Ints) -> _Bends:
-    """The bends of all lines, where exactly two sides of a line meet in a corner of the mesh.
+    """The bends of all lines: vertices where just two sides of a line meet, at a small angle.
 
     Parameters
     ----------
@@ -108,7 +115,7 @@ def _bends_between_neighbouring_sides(mesh: Any, facets: Ints, kinds: Ints) -> _
     ends = mesh.facets[:, facets]
     vertex = ends.ravel()
     side = np.tile(np.arange(len(facets)), 2)
-    # Sorted by corner and line, two sides that meet stand one after the other.
+    # The sides are sorted by vertex and line, so that two sides that meet are neighbours.
     key = vertex * (kinds.max(initial=0) + 1) + np.tile(kinds, 2)
     order = np.argsort(key, kind="stable")
     _, first, count = np.unique(key[order], return_index=True, return_counts=True)
@@ -131,7 +138,7 @@ def _bends_between_neighbouring_sides(mesh: Any, facets: Ints, kinds: Ints) -> _
 def _control_points_of_sides(mesh: Any, facets: Ints) -> Floats:
     """The points (2, m) at which the tangents at both ends of each side meet.
 
-    They are the middles of straight sides.
+    For a straight side it is the side's middle.
     """
     basis = nodal_basis_of_mesh(mesh)
     xy = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
@@ -140,7 +147,7 @@ def _control_points_of_sides(mesh: Any, facets: Ints) -> Floats:
 
 
 def singular_corners_of_mesh(mesh: Any) -> Ints:
-    """The vertices (n,) of a shoe's mesh at which stresses are singular, whatever presses the shoe.
+    """The vertices (n,) of a shoe's mesh at which stresses are singular under any load.
 
     They are the ends of the contact line and of the hinge, the re-entrant corners of the outline,
     and the corners and ends of the interfaces of layers.
@@ -150,7 +157,7 @@ def singular_corners_of_mesh(mesh: Any) -> Ints:
     bends = _bends_between_neighbouring_sides(mesh, facets, kinds)
     corners = np.union1d(vertices[sides > 2], np.setdiff1d(vertices, bends.vertices))
     # Corners of one layer are singular only if they are re-entrant.
-    layer = np.broadcast_to(_layers_of_elements(mesh)[:-1], mesh.t.shape)
+    layer = np.broadcast_to(_layer_number_of_each_element(mesh)[:-1], mesh.t.shape)
     lowest = np.full(mesh.nvertices, len(mesh.subdomains))
     highest = np.zeros(mesh.nvertices, dtype=np.int64)
     np.minimum.at(lowest, mesh.t, layer)
@@ -164,7 +171,7 @@ def singular_corners_of_mesh(mesh: Any) -> Ints:
 
 
 def _angles_inside_corners(mesh: Any) -> Floats:
-    """The angle (vertices,) [rad] that elements fill around each vertex, their sides straight."""
+    """The angle (vertices,) [rad] that elements, taken with straight sides, fill at each vertex."""
     corners = mesh.p[:, mesh.t]
     along, back = (np.roll(corners, shift, axis=1) - corners for shift in (-1, 1))
     cross = along[0] * back[1] - along[1] * back[0]

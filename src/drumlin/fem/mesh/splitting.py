@@ -1,12 +1,12 @@
 """Elements of a mesh split into triangles that become smaller towards singular points.
 
-A mesh of a file has elements of some size everywhere, whereas stresses are singular at a few
-points. Triangles near these points are bisected again and again (newest-vertex bisection: Mitchell,
-ACM Trans. Math. Softw. 15, 1989). The first cut of a triangle is across its longest side, and a
-quadrilateral is cut into two triangles before. A cut also cuts the neighbour at the same side. The
-parts of an element keep the element's shape: its map takes the nodes of the parts from the
-reference triangle or square to their places. Curved sides thus stay as they are, and sides on the
-drum stay on the drum.
+Stresses are singular at a few points, where the elements of a mesh file are usually too large.
+Triangles near these points are bisected again and again (newest-vertex bisection: Mitchell, ACM
+Trans. Math. Softw. 15, 1989). A quadrilateral is first cut into two triangles. The first cut of a
+triangle is across its longest side. A cut also cuts the neighbour at the same side. The parts of
+an element together keep the element's shape: the element's map takes the nodes of the parts from
+the reference triangle or square to their places. Curved sides thus stay as they are, and sides on
+the drum stay on the drum.
 """
 
 from collections.abc import Mapping
@@ -74,12 +74,14 @@ class ElementParts:
 def split_mesh_towards_points(
     shape: NodalBasis, finest: FinestSides, most: int
 ) -> ElementParts | None:
-    """The parts of a mesh, small at singular points; None if no side of the mesh is too long.
+    """The triangles that a mesh is split into, small at singular points; None without a split.
+
+    The mesh is not split if no side is too long for its distance from the singular points.
 
     Parameters
     ----------
     shape : basis of any degree on the mesh, which gives the shape of the elements
-    finest : singular points, and the longest sides there
+    finest : singular points, and the longest side that a triangle may have at each of them
     most : largest number of triangles
 
     Raises
@@ -88,14 +90,14 @@ def split_mesh_towards_points(
         if more triangles are needed
     """
     parts = _whole_triangles_of_mesh(shape.mesh)
-    marked = _has_too_long_side(parts, finest)
+    marked = _which_triangles_have_too_long_side(parts, finest)
     if not marked.any():
         return None
     while marked.any():
-        parts = _bisected_parts(shape, parts, marked)
+        parts = _bisect_marked_and_touched_triangles(shape, parts, marked)
         if len(parts.t) > most:
             raise NoAnswer(f"its mesh would be split into more than {most} triangles")
-        marked = _has_too_long_side(parts, finest)
+        marked = _which_triangles_have_too_long_side(parts, finest)
     return parts
 
 
@@ -113,7 +115,7 @@ def _whole_triangles_of_mesh(mesh: Any) -> ElementParts:
         parent = np.repeat(parent, 2)
     rows = np.broadcast_to(rows, (len(parent), 3))
     t = np.take_along_axis(t[parent], rows, axis=1)
-    # The longest side comes first.
+    # The vertices of each triangle are shifted so that the first two end the longest side.
     length = np.hypot(*(mesh.p[:, np.roll(t, -1, axis=1)] - mesh.p[:, t]))
     longest = length.max(axis=1, keepdims=True)
     first = np.argmax(length > (1 - ROUND_OFF_OF_LENGTHS) * longest, axis=1)
@@ -124,8 +126,11 @@ def _whole_triangles_of_mesh(mesh: Any) -> ElementParts:
     return ElementParts(t, parent, at, mesh.p[:, : mesh.nvertices], lines)
 
 
-def _has_too_long_side(parts: ElementParts, finest: FinestSides) -> Bools:
-    """Whether each triangle (m,) has a side that is too long for its distance to a point."""
+def _which_triangles_have_too_long_side(parts: ElementParts, finest: FinestSides) -> Bools:
+    """A mask (m,): True for a triangle with a side too long for its distance to a singular point.
+
+    `finest` has the singular points and the longest side that is allowed at each of them.
+    """
     start = parts.xy[:, parts.t]
     along = parts.xy[:, np.roll(parts.t, -1, axis=1)] - start
     length = np.hypot(*along)
@@ -139,16 +144,24 @@ def _has_too_long_side(parts: ElementParts, finest: FinestSides) -> Bools:
     return found
 
 
-def _bisected_parts(shape: NodalBasis, parts: ElementParts, marked: Bools) -> ElementParts:
-    """The parts after the marked triangles, and all that their new vertices touch, are bisected."""
+def _bisect_marked_and_touched_triangles(
+    shape: NodalBasis, parts: ElementParts, marked: Bools
+) -> ElementParts:
+    """Bisect the marked triangles and all triangles that a new vertex touches; returns all parts.
+
+    `marked` (m,) is True for the triangles that have to be bisected.
+    """
     count = parts.xy.shape[1]
 
-    def numbers_of_sides(ends: Ints) -> Ints:
-        """One number for each side of which the last axis of `ends` holds the two vertices."""
+    def unique_number_of_each_side(ends: Ints) -> Ints:
+        """A number for each side, equal for equal pairs of vertices; `ends` (..., 2) has the pairs.
+
+        The order of the two vertices does not matter.
+        """
         return np.asarray(ends.min(axis=-1) * count + ends.max(axis=-1))
 
-    sides = numbers_of_sides(np.stack([parts.t, np.roll(parts.t, -1, axis=1)], axis=-1))
-    # A triangle with a bisected side is bisected across its own side first.
+    sides = unique_number_of_each_side(np.stack([parts.t, np.roll(parts.t, -1, axis=1)], axis=-1))
+    # A triangle at a bisected side is first bisected across the side of its first two vertices.
     while True:
         halved = np.unique(sides[marked, 0])
         touched = np.asarray(np.isin(sides, halved).any(axis=1))
@@ -158,7 +171,7 @@ def _bisected_parts(shape: NodalBasis, parts: ElementParts, marked: Bools) -> El
     xy = np.hstack([parts.xy, np.empty((2, len(halved)))])
     lines = {}
     for name, line in parts.lines.items():
-        number = numbers_of_sides(line)
+        number = unique_number_of_each_side(line)
         is_halved = np.isin(number, halved)
         middle = count + np.searchsorted(halved, number[is_halved])
         a, b = line[is_halved].T
@@ -168,11 +181,11 @@ def _bisected_parts(shape: NodalBasis, parts: ElementParts, marked: Bools) -> El
     while True:
         # A side that ends at a new vertex is not bisected in this round.
         is_old = (t[:, :2] < count).all(axis=1)
-        split = is_old & np.isin(numbers_of_sides(t[:, :2]), halved)
+        split = is_old & np.isin(unique_number_of_each_side(t[:, :2]), halved)
         if not split.any():
             return ElementParts(t, parent, at, xy, lines)
         (a, b, c), (pa, pb, pc) = t[split].T, at[split].transpose(1, 0, 2)
-        middle = count + np.searchsorted(halved, numbers_of_sides(t[split, :2]))
+        middle = count + np.searchsorted(halved, unique_number_of_each_side(t[split, :2]))
         pm = (pa + pb) / 2
         xy[:, middle] = shape.places_in_elements(parent[split], pm[:, None])[:, :, 0]
         new_t = [np.column_stack([c, a, middle]), np.column_stack([b, c, middle])]
@@ -183,11 +196,12 @@ def _bisected_parts(shape: NodalBasis, parts: ElementParts, marked: Bools) -> El
 
 
 def nodal_basis_on_parts(shape: NodalBasis, parts: ElementParts, degree: int) -> NodalBasis:
-    """The basis of a degree on the parts of a mesh's elements.
+    """The basis of the given degree on the triangles into which a mesh's elements are split.
 
-    `shape` is a basis on the whole elements, which gives the nodes their places.
+    `shape` is a basis on the elements before the split. It gives the places of the nodes, so that
+    the triangles keep the shape of the elements.
     """
-    # scikit-fem sorts the vertices of linear triangles.
+    # scikit-fem sorts the vertices of linear triangles, and their reference points must follow.
     order = np.argsort(parts.t, axis=1)
     t = np.take_along_axis(parts.t, order, axis=1)
     at = np.take_along_axis(parts.at, order[:, :, None], axis=1)

@@ -58,7 +58,7 @@ def check_unpacked_vtu_size_fits_memory(data: bytes) -> None:
 
 
 def _split_vtu_into_xml_and_raw_bytes(data: bytes) -> tuple[bytes, bytes | None]:
-    """The XML of a .vtu file without its raw bytes, and these bytes; None if there are none."""
+    """The XML of a .vtu file without its raw bytes, and the raw bytes; None if it has none."""
     found = _RAW_APPENDED.search(data)
     if found is None or b'encoding="raw"' not in found.group():
         return data, None
@@ -114,12 +114,13 @@ def _packed_sizes_of_array_blocks(
 
     Parameters
     ----------
-    data : bytes of the array from its beginning on; of an array in base64 the first ones suffice
+    data : bytes of the array from its beginning on; for base64 the first integer suffices
     width : size [bytes] of an integer in the header
     order : order of the bytes of an integer: "big" or "little"
     text : the whole array in base64; None for an array of raw bytes
     """
-    # The first integer is the number of blocks. Two sizes follow, and then one for each block.
+    # The first integer is the number of blocks. Then follow the unpacked sizes of a block and of
+    # the last block, and the packed size of each block.
     count = int.from_bytes(data[:width], order)
     length = width * (3 + count)
     if text is not None:
@@ -139,7 +140,8 @@ def _number_of_base64_letters(count: int) -> int:
 def _size_of_unpacked_block(packed: bytes, unpacker: Callable[[], Any], room: int) -> int:
     """The size [bytes] of a packed block when it is unpacked.
 
-    ValueError is raised if the size is above `room` bytes. `unpacker` makes an object that unpacks.
+    ValueError is raised if the size is above `room` bytes. `unpacker` makes an object with a method
+    `decompress` for a packed block.
     """
     # The block is unpacked in pieces of a megabyte, so that little memory is used.
     machine, size = unpacker(), 0
