@@ -203,11 +203,11 @@ class Question:
 
     def text(self, value: float) -> str:
         """A value of the key as text with its unit, such as "12 mm"."""
-        return quantity_in_words(value, self.unit)
+        return quantity_with_usual_unit(value, self.unit)
 
     def torque_text(self, torque: float) -> str:
         """A torque as text, such as "400 N m"; for a brake on a plane its braking force."""
-        return quantity_in_words(torque, self.brake.surface.effect_unit)
+        return quantity_with_usual_unit(torque, self.brake.surface.effect_unit)
 
     def solve(self, value: float) -> Response:
         """The response of the brake at a value of the key. Raises BadInput and NoAnswer."""
@@ -279,7 +279,7 @@ class Sizing:
 
     def lines(self) -> list[str]:
         """Lines of text: the value, its errors, the range, and further values."""
-        text, surface = quantity_in_words, self.brake.surface
+        text, surface = quantity_with_usual_unit, self.brake.surface
         low, high = (text(end, self.unit) for end in self.range)
         lines = [
             f"{self.key} = {text(self.value, self.unit)} "
@@ -299,7 +299,7 @@ class Sizing:
         return lines
 
 
-def quantity_in_words(value: float, si: str) -> str:
+def quantity_with_usual_unit(value: float, si: str) -> str:
     """A quantity as text with six digits and a usual unit, such as "12.5 mm"."""
     unit, per_si = PRINTED_UNITS.get(si, (si, 1.0))
     return f"{value * per_si:.6g} {unit}".rstrip()
@@ -506,7 +506,7 @@ def _nearer_trial_of_closed_bracket(
         return near
     what = question.brake.surface.effect if name == "torque" else "peak pressure"
     unit = question.brake.surface.effect_unit if name == "torque" else "Pa"
-    from_to = [quantity_in_words(getattr(trial, name), unit) for trial in ends]
+    from_to = [quantity_with_usual_unit(getattr(trial, name), unit) for trial in ends]
     raise NoAnswer(
         f"{_refusal_start(question)}, because the {what} jumps from {from_to[0]} to {from_to[1]} "
         f"at {question.text(near.value)}"
@@ -816,7 +816,7 @@ def _refusal_start(question: Question) -> str:
         shown = torque if isinstance(torque, str) else question.torque_text(torque)
         wanted.append(f"--torque = {shown}")
     if question.peak_pressure is not None:
-        wanted.append(f"--peak-pressure = {quantity_in_words(question.peak_pressure, 'Pa')}")
+        wanted.append(f"--peak-pressure = {quantity_with_usual_unit(question.peak_pressure, 'Pa')}")
     low, high = map(question.text, question.ends)
     return f"{', '.join(wanted)}: not possible with {question.key} from {low} to {high}"
 
@@ -832,7 +832,7 @@ def _text_on_value_out_of_reach(
     if name == "torque":
         what = question.brake.surface.effect
     unit = "Pa" if name == "peak_pressure" else question.brake.surface.effect_unit
-    reached = quantity_in_words(getattr(best, name), unit)
+    reached = quantity_with_usual_unit(getattr(best, name), unit)
     text = (
         f"{_refusal_start(question)}, because the {extreme} {what} is {reached}, "
         f"at {question.text(best.value)}"
@@ -851,7 +851,7 @@ def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], 
 
     It names the largest torque within the limit, if there is one.
     """
-    peak = quantity_in_words(root.peak_pressure, "Pa")
+    peak = quantity_with_usual_unit(root.peak_pressure, "Pa")
     text = (
         f"{_refusal_start(question)}, because {question.key} = {question.text(root.value)}, "
         f"which gives this torque, gives a peak pressure of {peak}"

@@ -232,7 +232,7 @@ def _shoe_rows_of_response(brake: Brake, response: Response, law: Response) -> l
     return rows
 
 
-def torque_differences_by_lining_radius(
+def torque_differences_from_sine_law_at_lining_radii(
     brake: Brake, scene: PreparedModel, errors: Floats
 ) -> Offsets:
     """Relative torque differences from the sine law, for linings of another radius.

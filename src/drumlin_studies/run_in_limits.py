@@ -415,7 +415,8 @@ def wear_brake_with_drum_reversals(
     # `turned` has the last state before each reversal and the last state of the run.
     turned = [state for state, after in pairwise(states) if state.forward != after.forward]
     turned.append(states[-1])
-    # The wear over the last two stretches is compared with the wear by the mean of both laws.
+    # The depth worn in the last two runs between reversals, one in each direction, is compared
+    # with the depth by Archard's law under the worn-in pressures of both directions.
     worn_off = turned[-1].depth - turned[-3].depth
     law = ARCHARD.coefficient * size * (goals[True].pressure + goals[False].pressure)
     mean = _largest_relative_difference_on_linings(setups[True], worn_off, law)

@@ -85,7 +85,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     # Linings that fit, of another radius, displaced, and worn in.
     say("clearance")
     clearances = post.rows_of_post_brake_clearances(brake, scene)
-    offsets = post.torque_differences_by_lining_radius(
+    offsets = post.torque_differences_from_sine_law_at_lining_radii(
         brake, scene, np.linspace(-3e-3, 3e-3, 5 if short else 13)
     )
     say("friction")

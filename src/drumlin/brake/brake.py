@@ -242,7 +242,8 @@ class Shoe(Meshed):
         support nearer to the pin pushes on the rigid frame that holds the other end. `size` is the
         size of the brake [m].
         """
-        # In a mesh file the loaded nodes lie near the point of the actuation.
+        # A straight or curved beam is loaded on its end face, and a mesh from a file near the point
+        # of the actuation.
         loaded = self.convert_points_to_shoe_frame(self.actuation.point.xy)
         if isinstance(self.body, Bar) and self.mesh is None:
             loaded = self.middle_of_body_end_face(size, loaded=True)

@@ -123,7 +123,8 @@ class DrumShoe(Shoe):
     def closing(self) -> float:
         """Direction [rad] in which the middle of the lining moves straight towards the drum.
 
-        It is the angle of the lining's middle; an external lining moves in the opposite direction.
+        For an internal lining it is the angle of the lining's middle, and for an external lining
+        this angle plus pi.
         """
         return self.lining.middle + (self.sign < 0) * math.pi
 

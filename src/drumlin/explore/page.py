@@ -295,11 +295,11 @@ def _brake_with_absolute_mesh_paths(brake: Brake) -> Brake:
 def _file_name_for_any_system(name: str) -> str:
     """The name with "_" in place of letters that a file name cannot have on some system."""
 
-    def is_letter_allowed(letter: str) -> bool:
+    def is_letter_allowed_in_file_name(letter: str) -> bool:
         """Whether a file name can contain the letter on every operating system."""
         return letter not in FORBIDDEN_LETTERS and letter.isprintable()
 
-    return "".join(letter if is_letter_allowed(letter) else "_" for letter in name)
+    return "".join(letter if is_letter_allowed_in_file_name(letter) else "_" for letter in name)
 
 
 PAGE_PATHS: Mapping[str, Callable[[_Request], Reply]] = {

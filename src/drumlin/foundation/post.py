@@ -169,7 +169,8 @@ def _levers_of_sectors_about_stations(
 ) -> tuple[Floats, Floats]:
     """The levers (m, n) [m] of n sectors about m stations, along the beam and towards the drum.
 
-    The force on a sector between the hinge and a station has no moment about it: the levers are 0.
+    The bending moment at a station is that of the forces farther from the hinge. Sectors nearer to
+    the hinge therefore have the levers 0.
 
     Parameters
     ----------

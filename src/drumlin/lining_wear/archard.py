@@ -530,8 +530,9 @@ class SteadyWear(NamedTuple):
     Attributes
     ----------
     footing : position of the friction case in `WearInterface.abutment_friction_cases`
-    contact : solution of the contact problem of steady wear. Its p are the contact unknowns x. Its
-        gap w and its motions y are changes per sliding distance, for the wear rate p^exponent.
+    contact : solution of the contact problem of steady wear. Its field `p` holds the nodal
+        pressures or nodal forces, the unknowns x of `WearInterface`. Its gap w and its motions y
+        are changes per sliding distance, for a wear rate of pressure^exponent.
     """
 
     footing: int

@@ -256,8 +256,8 @@ def _deck_lines_of_orthotropic_material(material: Orthotropic, times: float) -> 
 
     CalculiX's directions 1, 2, 3 are through, along and across the layer, as in its cylindrical
     coordinates. Constants across the layer (the width direction) do not matter in plane stress. If
-    the brake file does not give them, Poisson's ratios across the layer are zero, and its moduli
-    equal E_along and G_along_through.
+    the brake file does not give them, Poisson's ratios across the layer are zero, Young's modulus
+    across it equals E_along, and both shear moduli across it equal G_along_through.
     """
     along, through = material.E_along, material.E_through
     E = [through, along, material.E_across or along]

@@ -172,7 +172,8 @@ def mark_where_curve_leaves_axes(axes: Axes, x: Floats, y: Floats, color: Any) -
     is_beyond = (y > top).astype(int)
     changes = np.flatnonzero(np.diff(np.concatenate([[0], is_beyond, [0]])))
     for start, end in changes.reshape(-1, 2):
-        # The triangle stands at the highest point of the part beyond the axes.
+        # The triangle stands on the upper edge of the axes, below the highest point of this stretch
+        # of the curve.
         highest = start + int(np.argmax(y[start:end]))
         axes.plot(
             [x[highest]],

@@ -283,18 +283,18 @@ def stored_reference_path(text: str, *folders: Path) -> Path | None:
     equal, even if their comments differ. Returns None if no folder has reference values of the
     brake.
     """
-    wanted = _toml_keys_and_values(text)
+    wanted = _parse_toml_or_return_text(text)
     for folder in folders:
         for path in sorted(folder.glob("*.json")):
             # A JSON file that is unreadable or has no brake file is skipped.
             with suppress(BadInput, *REFERENCE_READING_ERRORS):
                 data = json.loads(read_text(path, LARGEST_REFERENCE_FILE, "reference values"))
-                if _toml_keys_and_values(data["brake_file"]) == wanted:
+                if _parse_toml_or_return_text(data["brake_file"]) == wanted:
                     return path
     return None
 
 
-def _toml_keys_and_values(text: str) -> object:
+def _parse_toml_or_return_text(text: str) -> object:
     """The keys and values of a TOML text; if the text is not TOML, the text itself."""
     try:
         check_toml_parses_quickly(text)

@@ -34,8 +34,9 @@ def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalP
     """The stick-slip problem of a group of shoes on a drum at rest, and the slip per drum rotation.
 
     The problem holds for pressures per newton of the group's actuation force. The second value (n,)
-    [m^3] is the weighted slip of each node per radian of the drum: a rotation of the drum by Omega
-    adds this value times Omega to the slips q_s. Tractions and slips count along e_theta of the
+    [m^3] is the weighted slip of each node per radian of the drum, the integral of the slip times
+    the node's shape function. A rotation of the drum by Omega adds this value times Omega to the
+    weighted slips `FrictionalProblem.q_s`. Tractions and slips count along e_theta of the
     brake. The nodes of the linings come first, then one node for each foot on a rough abutment, see
     `FeetOnRoughAbutments`, then one frictionless node for each one-sided support.
     """
@@ -348,7 +349,7 @@ def _stick_slip_problem_with_strut_and_cam_forces(
         still.indices_of_shoes_under_cam,
         still.relative_sum_of_cam_forces,
     )
-    return _stick_slip_problem_from_stacked_problem(sharing.problem, problem.Q)
+    return _stick_slip_problem_from_stacked_pressures_and_tractions(sharing.problem, problem.Q)
 
 
 def _problem_with_stacked_pressures_and_tractions(
@@ -398,7 +399,7 @@ def _stacked_effects_of_actuation_forces(
     return effects
 
 
-def _stick_slip_problem_from_stacked_problem(
+def _stick_slip_problem_from_stacked_pressures_and_tractions(
     stacked: equations.ContactProblem, Q: Floats
 ) -> FrictionalProblem:
     """The stick-slip problem from a contact problem with stacked pressures and tractions.

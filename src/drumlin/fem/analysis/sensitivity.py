@@ -199,7 +199,7 @@ def compute_torque_sensitivity(
     friction, which has no torque.
     """
     require_positive_penalty(penalty)
-    _refuse_brake_or_model_without_friction(scene, brake)
+    _refuse_brake_without_slopes(scene, brake)
     require_no_shoe_on_anchors(brake, "sensitivity")
     require_springs_of_constant_pull(brake, "sensitivity")
     pressed: dict[int, ShoeSensitivity] = {}
@@ -240,8 +240,12 @@ def compute_torque_sensitivity(
     )
 
 
-def _refuse_brake_or_model_without_friction(scene: PreparedModel, brake: Brake) -> None:
-    """Raise NoAnswer for a frictionless brake, BadInput for a model prepared without friction."""
+def _refuse_brake_without_slopes(scene: PreparedModel, brake: Brake) -> None:
+    """Raise an error for a brake whose torque has no slopes here.
+
+    It is NoAnswer for a frictionless brake. It is BadInput for heated shoes, for friction that
+    depends on the pressure, and for a model that was prepared without friction.
+    """
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
     heated = reason_if_any_shoe_is_heated(brake, "the analysis of slopes")

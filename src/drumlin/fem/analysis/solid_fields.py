@@ -179,7 +179,9 @@ def unknowns_of_shoe_with_width(body: ShoeSubstructure) -> WidthUnknowns:
     return body.condensed.inner
 
 
-def _samples_across_pieces_of_width(functions: WidthFunctions, half: float) -> Iterator[_Piece]:
+def _width_functions_at_sample_points_of_each_piece(
+    functions: WidthFunctions, half: float
+) -> Iterator[_Piece]:
     """Yield the samples across each piece of the half width of a part."""
     ends = functions.breaks[: functions.number_of_pieces_in_part(half) + 1]
     if len(ends) == 1 or functions.degree == 0:
@@ -204,7 +206,7 @@ def fields_in_part_of_shoe(unknowns: WidthUnknowns, u: Floats, name: str) -> _Pa
         grid.element_dofs[:, elements],
         grid.shape_function_gradients_at_element_nodes(elements),
     )
-    pieces = list(_samples_across_pieces_of_width(unknowns.functions, half))
+    pieces = list(_width_functions_at_sample_points_of_each_piece(unknowns.functions, half))
     steps = len(pieces[0].z) - 1
     levels = np.append(np.concatenate([piece.z[:-1] for piece in pieces]), pieces[-1].z[-1])
     stresses, places = [], []

@@ -344,7 +344,9 @@ def _ring_stiffness_under_and_between_linings(
         if free:
             # The unit loads on the rim have another direction in each column's own frame, so that
             # no two columns are equal.
-            made = _rotate_unit_loads_to_brake_frame(made[kind_of], middle[first:last])
+            made = _column_stiffness_with_unit_loads_in_brake_frame(
+                made[kind_of], middle[first:last]
+            )
             kind_of = np.arange(last - first)
         kinds_made = [ColumnSubstructure(each, line, line) for each in made]
         row = [kinds_made[k] for k in kind_of]
@@ -391,7 +393,7 @@ def _unit_rim_loads_on_element_columns(radius: float, along: Floats, p: int) -> 
     return found.reshape(len(along), -1, FRAME)
 
 
-def _rotate_unit_loads_to_brake_frame(K: Floats, angle: Floats) -> Floats:
+def _column_stiffness_with_unit_loads_in_brake_frame(K: Floats, angle: Floats) -> Floats:
     """The stiffness (c, n, n) of element columns, with unit loads rotated to the brake's frame.
 
     The first three unknowns of each column are the factors of the unit loads on the rim. They are

@@ -346,7 +346,9 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
 def _longest_sides_at_singular_points(
     mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float
 ) -> Any:
-    """The singular points of a shoe with a mesh from a file, and the longest element sides there.
+    """The singular points of a shoe with a mesh from a file, and the longest allowed sides there.
+
+    No element at a singular point may have a longer side.
 
     Singular points are the corners of the mesh and the singular points of the pressure. The result
     is a `splitting.FinestSides`. The parameters are those of `_basis_of_raised_degree`.

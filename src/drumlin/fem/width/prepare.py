@@ -191,7 +191,8 @@ def prepare_divided_brake_with_widths(
     brake : the brake; the model of the width applies to it (`reason_against_width_model` is None)
     divisions : divisions of the sections into hp elements, by the index of the first shoe of each
         shape
-    degree, cache : as in `prepare_brake_with_widths`
+    degree : degree across the width, or a function from a shoe to its functions across the width
+    cache : cache of condensed bodies, to which new ones are added
 
     Raises
     ------

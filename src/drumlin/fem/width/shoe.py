@@ -240,7 +240,10 @@ def _function_that_makes_columns(
     def condense_columns_on_arc(
         kinds: Ints, first: int, stack: ColumnLayers
     ) -> list[ColumnSubstructure]:
-        """Condensed columns of elements whose layers lie between circles or between planes.
+        """One condensed column of elements for each of `kinds`, with the layers from `first` on.
+
+        `ColumnsFrom` explains the parameters. The layers lie between circles or, in a flat shoe,
+        between planes.
 
         Each column is its own mirror image, so that its symmetric and its antisymmetric
         displacements are condensed separately.

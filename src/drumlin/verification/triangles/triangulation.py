@@ -16,7 +16,11 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer
 
 PointMap = Callable[[Floats, Floats], Floats]
-"""A function that returns the points (..., 2) [m] of a body for given s (...) and d (...)."""
+"""A function that returns the points (..., 2) [m] of a layered body for given s (...) and d (...).
+
+s is the coordinate along the layers. d is the depth: 0 on the friction surface, and larger by 1
+behind each layer.
+"""
 MOST_BISECTION_ROUNDS = 200
 """Largest number of rounds of bisection, above which the refinement counts as endless.
 
