@@ -328,8 +328,8 @@ def test_the_shoes_of_a_clutch_slide_at_the_difference_of_both_speeds():
         vary(clutch, {"friction": table, "drum.speed": speed}) for speed in (None, "600 rpm")
     )
     omega = clutch.shoe_speed
-    assert still.sliding_speed == pytest.approx(omega * clutch.drum.radius)
-    slower = abs(omega - 20 * math.pi) * clutch.drum.radius
+    assert still.sliding_speed == pytest.approx(omega * clutch.size)
+    slower = abs(omega - 20 * math.pi) * clutch.size
     assert turning.sliding_speed == pytest.approx(slower)
     assert turning.friction == pytest.approx(0.2 + 0.2 * slower / 100)
 
