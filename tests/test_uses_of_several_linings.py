@@ -185,7 +185,7 @@ def test_reference_values_of_several_linings_agree_with_triangles(tmp_path: Path
     )
     known = compute_reference_values(APART, brake_file_text(APART), "", trio)
     (shoe,) = known.shoes
-    assert shoe.torque.relative < 1e-5 and shoe.distance < 1e-3
+    assert shoe.torque.relative < 1e-5 and shoe.distance < 2e-3
     assert shoe.slots == APART.shoes[0].lining.slots
     path = tmp_path / "reference.json"
     write_reference_file(reference_values_as_json_data(known), path)
