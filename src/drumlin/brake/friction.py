@@ -7,6 +7,7 @@ coefficient. A table over the pressure gives each point of the lining a coeffici
 """
 
 import math
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, NamedTuple, Self
 
@@ -60,13 +61,17 @@ class FrictionCurve(NamedTuple):
         """The friction coefficient at pressures p [Pa], same shape."""
         return np.interp(p, self.pressure, self.mu)
 
+    @property
+    def slopes_between_rows(self) -> Floats:
+        """The slopes (m + 1,) [1/Pa] before the first pressure, between two, and after the last."""
+        return np.concatenate([[0.0], np.diff(self.mu) / np.diff(self.pressure), [0.0]])
+
     def slope(self, p: Floats) -> Floats:
         """The derivative of the friction coefficient by the pressure [1/Pa] at p [Pa], same shape.
 
         At a pressure of the table it is the slope on the side of higher pressures.
         """
-        slopes = np.concatenate([[0.0], np.diff(self.mu) / np.diff(self.pressure), [0.0]])
-        return np.asarray(slopes[np.searchsorted(self.pressure, p, side="right")])
+        return self.slopes_between_rows[np.searchsorted(self.pressure, p, side="right")]
 
 
 class FrictionTable(Part):
@@ -123,17 +128,9 @@ class FrictionTable(Part):
         # The last column is interpolated first. At the end only the pressure is left.
         for key, values in reversed(list(zip(self.columns, places, strict=True))):
             if key in at:
-                grid = _interpolate_last_axis(grid, np.array(values), at[key])
+                grid = np.apply_along_axis(partial(np.interp, at[key], values), -1, grid)
         pressure = np.array(places[0]) if self.pressure else np.zeros(1)
         return FrictionCurve(pressure, grid.reshape(len(pressure)))
-
-
-def _interpolate_last_axis(values: Floats, places: Floats, at: float) -> Floats:
-    """Interpolate values (..., m) given at growing places (m,) linearly at the place `at`."""
-    inside = float(np.clip(at, places[0], places[-1]))
-    k = min(int(np.searchsorted(places, inside, side="right")) - 1, len(places) - 2)
-    part = (inside - places[k]) / (places[k + 1] - places[k])
-    return np.asarray((1 - part) * values[..., k] + part * values[..., k + 1])
 
 
 def _kind_of_friction_data(data: object) -> str:

@@ -37,6 +37,12 @@ class ForceAtPoint(NamedTuple):
     force: tuple[float, float]
     point: tuple[float, float]
 
+    @property
+    def resultant(self) -> Floats:
+        """Force x, force y [N] and moment about the origin [N m]."""
+        fx, fy = self.force
+        return np.array([fx, fy, self.point[0] * fy - self.point[1] * fx])
+
 
 class LoadsOfBrake(NamedTuple):
     """The loads on a shoe that follow from keys of the whole brake.
@@ -183,11 +189,6 @@ class Lever(ShoeForce):
 def force_at_point(force: Floats, point: Floats) -> ForceAtPoint:
     """Make a ForceAtPoint from the arrays of a force (2,) [N] and of its point (2,) [m]."""
     return ForceAtPoint((float(force[0]), float(force[1])), (float(point[0]), float(point[1])))
-
-
-def resultant_of_force_at_point(force: Floats, point: Floats) -> Floats:
-    """Resultant (3,) about the origin of a force (2,) [N] at a point (2,) [m]."""
-    return np.array([*force, point[0] * force[1] - point[1] * force[0]])
 
 
 def brake_with_spring_pulls(brake: Any, pulls: Sequence[float] | None = None) -> Any:

@@ -38,7 +38,6 @@ from drumlin.brake.further_loads import (
     ShoeForce,
     ShoeMass,
     force_at_point,
-    resultant_of_force_at_point,
 )
 
 MAIN_SUPPORTS = ("hinge", "abutment", "guide")
@@ -323,7 +322,7 @@ class Held(Part):
         total = np.zeros(3)
         for each in (*self.further_forces_at_points, self._force_on_mass):
             if each is not None:
-                total += resultant_of_force_at_point(np.array(each.force), np.array(each.point))
+                total += each.resultant
         return total
 
     @property

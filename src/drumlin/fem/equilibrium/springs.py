@@ -14,7 +14,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.further_loads import brake_with_spring_pulls, resultant_of_force_at_point
+from drumlin.brake.further_loads import brake_with_spring_pulls
 from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_of_force_at_point
 
 SETTLED_PULL = 1e-12
@@ -107,10 +107,9 @@ def approach_of_spring_points_by_shoe(
             continue
         at_own_place = load_factors_of_force_at_point(body, shoe, index, pull)
         index += 1
-        resultant = resultant_of_force_at_point(np.array(pull.force), np.array(pull.point))
-        fx, fy, moment = resultant.tolist()
+        fx, fy, moment = pull.resultant.tolist()
         about_pin = shoe.frame.sense * (moment - (shoe.pin.x * fy - shoe.pin.y * fx))
-        at_pin = np.array([*shoe.frame.convert_to_shoe_frame(resultant[:2]), about_pin])
+        at_pin = np.array([*shoe.frame.convert_to_shoe_frame(pull.resultant[:2]), about_pin])
         found[j] = at_own_place @ elastic + at_pin @ pin_motion
     return found
 

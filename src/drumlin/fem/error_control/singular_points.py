@@ -225,9 +225,9 @@ def _singular_points_at_kinks_of_friction(
     level_error : planned error of p on the next level
     """
     theta, p = answer.curve()
-    slopes = np.concatenate([[0.0], np.diff(curve.mu) / np.diff(curve.pressure), [0.0]])
+    kinks_of_curve = np.diff(curve.slopes_between_rows).tolist()
     places, changes = [], []
-    for row, pressure in zip(np.diff(slopes).tolist(), curve.pressure.tolist(), strict=True):
+    for row, pressure in zip(kinks_of_curve, curve.pressure.tolist(), strict=True):
         crossed = np.flatnonzero((p[:-1] < pressure) != (p[1:] < pressure))
         rise = p[crossed + 1] - p[crossed]
         step = theta[crossed + 1] - theta[crossed]

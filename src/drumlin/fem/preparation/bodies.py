@@ -10,7 +10,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Actuation
-from drumlin.brake.further_loads import ForceAtPoint, resultant_of_force_at_point
+from drumlin.brake.further_loads import ForceAtPoint
 from drumlin.brake.heat import HeatedLayer, heated_layers_of_shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.preparation.load_places import (
@@ -327,8 +327,7 @@ def load_factors_of_force_at_point(
     columns = body.unit_load_vectors_by_name
     at_place = columns.column_slice_of_each_load.get(FURTHER_FORCES)
     if at_place is None:
-        resultant = resultant_of_force_at_point(np.array(force.force), np.array(force.point))
-        return load_factors_of_resultant(body, shoe, resultant)
+        return load_factors_of_resultant(body, shoe, force.resultant)
     factors = np.zeros(columns.number_of_load_columns)
     first = at_place.start + 2 * index
     factors[first : first + 2] = shoe.frame.convert_to_shoe_frame(np.array(force.force))
