@@ -13,6 +13,7 @@ from drumlin.brake import read_any
 from drumlin.brake.file import make_drum_brake_from_data, make_validated_part, vary
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_file_text
+from drumlin.contact import pressure_friction
 from drumlin.contact.active_set import solve_contact_problem
 from drumlin.contact.pressure_friction import (
     NodalFriction,
@@ -288,6 +289,20 @@ GRID = {
     "speed": ["5 m/s"] * 2 + ["15 m/s"] * 2,
     "mu": [0.4, 0.3, 0.36, 0.28],
 }
+
+
+def test_each_shoe_needs_few_steps_of_newtons_method(brake, monkeypatch):
+    """With another slope than the tangent's the steps come closer in proportion only: 10 a shoe."""
+    tangents = []
+    made = pressure_friction._problem_with_tangent_of_friction
+
+    def counted(*arguments):
+        tangents.append(arguments)
+        return made(*arguments)
+
+    monkeypatch.setattr(pressure_friction, "_problem_with_tangent_of_friction", counted)
+    on_mesh(over_pressure(brake))
+    assert len(tangents) <= 5 * len(brake.shoes)
 
 
 def test_a_grid_is_linear_in_pressure_and_speed(brake):

@@ -17,7 +17,15 @@ from drumlin.explore.page import http_reply_to_requested_address
 from drumlin.explore.picture import drawing_lines_of_brake
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.lining_wear.linings import wear_setup_by_finite_elements
+from drumlin.foundation.post import (
+    _fractions_of_sectors_beyond_stations,
+    places_of_beam_stations,
+    trapezoidal_rule_weights,
+)
+from drumlin.lining_wear.linings import (
+    wear_setup_by_finite_elements,
+    wear_setup_by_foundation_model,
+)
 from drumlin.lining_wear.run_in import (
     brake_with_worn_linings,
     compute_checks_of_wear_run,
@@ -157,6 +165,30 @@ def test_a_lining_that_stands_far_off_is_none() -> None:
     alone = post((5, 38))
     a, b = (drumlin.solve(each, "foundation", sections=240) for each in (far, alone))
     assert a.torque == pytest.approx(b.torque, rel=1e-4)
+
+
+def test_a_station_has_all_of_a_lining_beyond_it_and_none_before_it() -> None:
+    """The sectors beyond a station have together the length of lining beyond it, also at ends."""
+    linings = [np.array([0.4, 1.3]), np.array([1.7, 2.6])]
+    x, stations = places_of_beam_stations(3.0, linings, 40)
+    angles = [x[own] ** 1.5 for own in stations]
+    beyond = _fractions_of_sectors_beyond_stations(x, np.concatenate(stations), angles)
+    sectors = np.concatenate(list(map(trapezoidal_rule_weights, angles)))
+    first, last = angles
+    length = np.concatenate([first[-1] - first + np.ptp(last), last[-1] - last])
+    at = np.concatenate(stations)
+    np.testing.assert_allclose(beyond[at] @ sectors, length, atol=1e-12)
+    assert beyond[-1].max() == 0.0 and beyond[0].min() == 1.0
+
+
+@pytest.mark.parametrize("spin", [1, -1])
+def test_the_linings_of_a_worn_post_have_their_numbers(spin: int) -> None:
+    brake = post((-40, -5), (5, 38), spin=spin)
+    surfaces = wear_setup_by_foundation_model(brake, sections=30).surfaces
+    assert sorted(surface.lining for surface in surfaces) == [0, 1]
+    for surface in surfaces:
+        start, end = brake.shoes[0].lining.arcs[surface.lining]
+        np.testing.assert_allclose(sorted(surface.theta[[0, -1]]), [start, end], atol=1e-12)
 
 
 def test_linings_of_a_post_wear_in() -> None:
