@@ -61,6 +61,7 @@ def alone(brake):
     return brake.model_copy(update={"shoes": brake.shoes[:1]})
 
 
+@pytest.mark.slow
 def test_what_is_left_out_exactly_changes_nothing_but_round_off():
     for brake, count in ((BRAKE, 2), (vary(BRAKE, {"friction": 0.0}), 3)):
         exact = having(
@@ -263,6 +264,7 @@ def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
     assert response.torque != pytest.approx(solve(brake, elements=16).torque, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining():
     """Under a load that keeps all of it in contact; half as much on twice as many elements."""
     brake = alone(vary(BRAKE, RIGID | {"shoe.actuation.force": 1e5}))

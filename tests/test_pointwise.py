@@ -19,6 +19,7 @@ def brake():
     return read_brake(BRAKE)
 
 
+@pytest.mark.slow
 def test_its_error_is_linear_in_the_penalty_s_compliance(brake):
     exact = solve(brake, penalty=math.inf).torque
     soft, stiff = (

@@ -305,6 +305,7 @@ def test_errors_of_two_shoes_torques_do_not_cancel(brake):
         )
 
 
+@pytest.mark.slow
 def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
     """A peak in the column at a pressed end is unknown.
 

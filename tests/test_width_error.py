@@ -111,7 +111,12 @@ def test_on_one_mesh_it_stands_alone(root):
     ("file", "options", "why"),
     [
         ("studies/post_brake/brake.toml", (), "its drum is an elastic ring"),
-        ("meshes/double_shoe.toml", (), "a mesh of its own is a section without widths"),
+        pytest.param(
+            "meshes/double_shoe.toml",
+            (),
+            "a mesh of its own is a section without widths",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_where_it_is_not_known_a_line_says_why(root, file, options, why):

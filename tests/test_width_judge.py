@@ -44,6 +44,7 @@ def test_the_table_of_corrected_answers_counts_errors_that_matter():
     assert within == halved == "50%"
 
 
+@pytest.mark.slow
 def test_a_brake_is_judged_on_its_own_section(flexible):
     found = plane_stress_errors_or_reason(t_section(flexible), 3)
     assert isinstance(found, WidthErrorRow)
