@@ -358,7 +358,7 @@ REFUSALS = [
         "its lining has no thickness and material to mesh",
     ),
     Refusal({"export"}, unhinged, f"CalculiX {HINGED}"),
-    Refusal({"sensitivity", "check"}, anchored, "takes no shoes that can leave their supports"),
+    Refusal({"sensitivity"}, anchored, "takes no shoes that can leave their supports"),
     Refusal({"foundation"}, lambda b: True, "does not apply to this brake: "),
 ]
 

@@ -155,14 +155,13 @@ def solve_load_increment(
         _find_stick_and_slip_by_newton,
         _find_stick_slip_states_from_balanced_load,
         _find_stick_slip_states_from_widened_gaps,
-        _find_stick_and_slip_by_newton_without_early_stop,
+        _find_stick_and_slip_by_single_changes,
     ):
         try:
             settled = method(system, start)
         except NoAnswer as error:
-            # The last method is the first one again with more steps, so that its error tells
-            # nothing new.
-            if method is not _find_stick_and_slip_by_newton_without_early_stop:
+            # The last method fails as the first one does, so that its error tells nothing new.
+            if method is not _find_stick_and_slip_by_single_changes:
                 reason = str(error)
             continue
         state, point, steps = settled
@@ -306,25 +305,39 @@ corrects it.
 """
 
 
-def _find_stick_and_slip_by_newton_without_early_stop(
+def _find_stick_and_slip_by_single_changes(
     system: _FrictionalSystem, start: Ints
 ) -> _SettledStates:
-    """Find the states by Newton's method, which goes on even if the wrong states do not get fewer.
+    """Find the states of the nodes by Newton's method, made slow enough not to go in circles.
 
-    Shoes on anchors need this: in some steps they turn with the drum, until an anchor stops them.
+    While the wrong states do not get fewer, only the node of the highest number changes its state
+    in a step (block principal pivoting, Judice and Pires 1994, Computers and Operations Research
+    21, page 587, with the single changes of Murty). Shoes on anchors need this: where all nodes
+    change at once, they may all slip, and the shoes turn with the drum until an anchor stops them.
     """
-    return _find_stick_and_slip_by_newton(system, start, MOST_STATE_NEWTON_STEPS)
+    state, fewest = start, 3 * len(start)
+    for step in range(1, MOST_STATE_CHANGES * len(start) + 1):
+        equations = _StateEquations(system, state)
+        point = equations.solve_increment_under_loads(system.q, system.h)
+        round_off = STATE_ROUND_OFF * _round_off_scales_of_margins(system, equations, point)
+        outside = equations.margins_before_nodes_change_state(point) < -round_off
+        wrong = int(np.count_nonzero(outside))
+        if not wrong:
+            return _SettledStates(state, point, step)
+        if wrong >= fewest:
+            outside[:, : np.flatnonzero(outside.any(axis=0))[-1]] = False
+        fewest = min(fewest, wrong)
+        state = _next_stick_and_slip_states(system, state, point, outside)
+    raise NoAnswer("not converged: stick and slip do not settle")
 
 
-def _find_stick_and_slip_by_newton(
-    system: _FrictionalSystem, start: Ints, most_idle_steps: int = MOST_STEPS_WITHOUT_PROGRESS
-) -> _SettledStates:
+def _find_stick_and_slip_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledStates:
     """Find open, sticking and slipping nodes by Newton's method, in which all nodes change at once.
 
     `start` (n,) are the states of the first step. Raises NoAnswer if the number of nodes in a wrong
-    state has not fallen for `most_idle_steps` steps.
+    state has not fallen for MOST_STEPS_WITHOUT_PROGRESS steps.
     """
-    state, fewest, patience = start, 3 * len(start), most_idle_steps
+    state, fewest, patience = start, 3 * len(start), MOST_STEPS_WITHOUT_PROGRESS
     for step in range(1, MOST_STATE_NEWTON_STEPS + 1):
         equations = _StateEquations(system, state)
         point = equations.solve_increment_under_loads(system.q, system.h)
@@ -335,7 +348,7 @@ def _find_stick_and_slip_by_newton(
             return _SettledStates(state, point, step)
         # The search ends if the number of nodes in a wrong state has not fallen for some steps.
         if wrong < fewest:
-            fewest, patience = wrong, most_idle_steps
+            fewest, patience = wrong, MOST_STEPS_WITHOUT_PROGRESS
         else:
             patience -= 1
         if patience < 0:
