@@ -203,9 +203,12 @@ UNSURE = dict.fromkeys(JUDGED_ERRORS, 9.5e-4)
 def test_the_table_of_solid_errors_counts_the_too_small_ones():
     # The row with the ratio 0.1 is too small even by the uncertainty of the truth, but not judged.
     rows = [solid_row(0.4), solid_row(3.0), solid_row(4.0)]
-    rows += [solid_row(0.01, unsure=UNSURE), solid_row(0.1, unsure=UNSURE)]
+    rows += [solid_row(0.04, unsure=UNSURE), solid_row(0.1, unsure=UNSURE)]
+    # No force at all has no error, whose stated error is 0, too.
+    nothing = dict.fromkeys(JUDGED_ERRORS, 0.0)
+    rows.append(solid_row(1.0, stated=nothing, true=nothing, unsure=nothing))
     _, torque, *_ = table_lines_of_stated_over_true_quantiles(rows)
-    assert torque.split() == ["torque", "5", "40%", "2", "3", "1", "0.66", "3.00"]
+    assert torque.split() == ["torque", "6", "50%", "2", "3", "1", "0.66", "3.00"]
 
 
 def test_the_brakes_within_the_tolerance_are_counted_by_stated_and_by_true_errors():

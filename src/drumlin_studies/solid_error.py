@@ -23,6 +23,15 @@ width. Two differences add up to the uncertainty of the truth: the distance betw
 functions and the same functions of one degree less, and the distance between the truth and the one
 whose step has one degree less across the width. The second one shows how much the error of the
 section depends on the degree. The error of the section beyond the finest level is not contained.
+
+Measured to 1 % with limits of 20 to 40 s ("free" 510000 to 510008, "built" 510000 and 510001), far
+fewer brakes than a verdict needs: all 21 stated errors of the seven brakes with a truth are at
+least the true ones. The stated error of p is 2.9 times the true one in the median of two free
+brakes, that of the reaction 3.7 times in the median of three. Both brakes as built and 4 of 7 free
+ones reach 1 % by stated errors; by true errors all seven with a truth do. Of the three that do not
+state 1 %, two are limited by the section (stated 0.7 % and 2.6 % of p on the second level), and one
+by the degree across an overhang of 1.2 thicknesses of the lining (1.3 % with degree 5). The stated
+error of plane stress is 0.9 to 1.24 times the true one wherever this one is above 1 %.
 """
 
 import json
@@ -129,7 +138,8 @@ class SolidErrorRow:
     stated, true : relative errors by the names of JUDGED_ERRORS; `stated` is empty without an
         answer, and `true` without a truth
     unsure : uncertainties of the true errors, by the same names
-    cost : processor time of the solve, divided by the time of a default solve by plane stress
+    cost : processor time of the solve, divided by the time of a default solve by plane stress; 0
+        without an answer
     how : text on the degrees of the solve, across the width and in the section
     plane_true, plane_stated : true and stated errors of plane stress, by the same names;
         `plane_stated` is empty if the solve by plane stress states no errors
@@ -143,7 +153,7 @@ class SolidErrorRow:
     stated: dict[str, float] = field(default_factory=dict)
     true: dict[str, float] = field(default_factory=dict)
     unsure: dict[str, float] = field(default_factory=dict)
-    cost: float = math.nan
+    cost: float = 0.0
     how: str = ""
     plane_true: dict[str, float] = field(default_factory=dict)
     plane_stated: dict[str, float] = field(default_factory=dict)
@@ -171,8 +181,14 @@ class SolidErrorRow:
 
         `name` is one of JUDGED_ERRORS.
         """
-        least = max(LEAST_TRUE_ERROR, self.true[name] - self.unsure[name])
-        return self.stated[name] < least
+        return self.true[name] - self.unsure[name] > max(LEAST_TRUE_ERROR, self.stated[name])
+
+    def is_at_least_true(self, name: str) -> bool:
+        """Whether a stated error is at least the true one, or both are below LEAST_TRUE_ERROR.
+
+        `name` is one of JUDGED_ERRORS.
+        """
+        return max(LEAST_TRUE_ERROR, self.stated[name]) >= self.true[name]
 
     def ratio(self, name: str) -> float:
         """The ratio of stated to true error; inf if the true error is 0.
@@ -453,7 +469,7 @@ def table_lines_of_stated_over_true_quantiles(rows: Sequence[SolidErrorRow]) -> 
     for name in JUDGED_ERRORS:
         if not known:
             continue
-        enough = np.mean([row.stated[name] >= row.true[name] for row in known])
+        enough = np.mean([row.is_at_least_true(name) for row in known])
         small = sum(row.is_surely_too_small(name) for row in known)
         ratios = [row.ratio(name) for row in known if row.is_judged(name)]
         half = sum(ratio < 0.5 for ratio in ratios)
@@ -475,7 +491,7 @@ def table_lines_of_brakes_within_tolerance(rows: Sequence[SolidErrorRow]) -> lis
         lines.append(f"{share:.0%} of {len(apply)} brakes reach the tolerance by stated errors")
         lines.append(f"{len(apply) - len(answered)} of them are given up before their answer")
     if known:
-        share = np.mean([row.is_truly_within_tolerance for row in known])
+        share = sum(row.is_truly_within_tolerance for row in known) / len(known)
         lines.append(f"{share:.0%} of {len(known)} brakes with a truth reach it by true errors")
     if answered:
         cost = np.median([row.cost for row in answered])
