@@ -1,8 +1,10 @@
 """Brakes with widths solved to a tolerance: stated against true errors, and refusals."""
 
 import json
+from dataclasses import asdict
 from functools import partial
 
+import numpy as np
 import pytest
 
 from command_line import drumlin
@@ -10,7 +12,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
 from drumlin.fem import solid
 from drumlin.fem.error_control.adapt import Tolerance
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
@@ -30,10 +32,17 @@ from drumlin.fem.width.ladder import (
 from drumlin.fem.width.prepare import prepare_brake_with_widths
 from drumlin_studies.solid_error import (
     DRAWN,
+    GIVEN_UP,
     JUDGED_ERRORS,
     SolidErrorRow,
     functions_across_width_graded_to_sides,
+    main,
+    read_solid_error_rows,
+    reference_solution_of_solve,
+    response_plus_step,
     response_with_graded_width_functions,
+    row_of_solid_errors,
+    table_lines_of_brakes_within_tolerance,
     table_lines_of_stated_over_true_quantiles,
     table_lines_of_stated_plane_stress_errors,
 )
@@ -173,31 +182,98 @@ def test_without_options_solid_shoes_state_their_errors(brake, truth):
         assert error < found.error[name] < 1e-2, name
 
 
+def solid_row(ratio, **changes):
+    """A row with this ratio of stated to true errors, 1e-3 with solid shoes and 0.02 without."""
+    values = {
+        "stated": dict.fromkeys(JUDGED_ERRORS, ratio * 1e-3),
+        "true": dict.fromkeys(JUDGED_ERRORS, 1e-3),
+        "unsure": dict.fromkeys(JUDGED_ERRORS, 1e-5),
+        "plane_true": dict.fromkeys(JUDGED_ERRORS, 0.02),
+        "plane_stated": dict.fromkeys(JUDGED_ERRORS, ratio * 0.02),
+        "cost": 10 * ratio,
+        "how": "how",
+    }
+    return SolidErrorRow("free", 1, 2e-3, **(values | changes))
+
+
+UNSURE = dict.fromkeys(JUDGED_ERRORS, 9.5e-4)
+"""Uncertainties nearly as large as the true errors of `solid_row`: such errors are not judged."""
+
+
 def test_the_table_of_solid_errors_counts_the_too_small_ones():
-    # A row whose truth is as uncertain as the true error is counted as reached, and not judged.
-    unjudged = 0.1
+    # The row with the ratio 0.1 is too small even by the uncertainty of the truth, but not judged.
+    rows = [solid_row(0.4), solid_row(3.0), solid_row(4.0)]
+    rows += [solid_row(0.04, unsure=UNSURE), solid_row(0.1, unsure=UNSURE)]
+    # No force at all has no error, whose stated error is 0, too.
+    nothing = dict.fromkeys(JUDGED_ERRORS, 0.0)
+    rows.append(solid_row(1.0, stated=nothing, true=nothing, unsure=nothing))
+    _, torque, *_ = table_lines_of_stated_over_true_quantiles(rows)
+    assert torque.split() == ["torque", "6", "50%", "2", "3", "1", "0.66", "3.00"]
 
-    def row(ratio, reached):
-        """A row with this ratio of stated to true errors."""
-        names = dict.fromkeys(JUDGED_ERRORS, 1e-3)
-        stated = dict.fromkeys(JUDGED_ERRORS, ratio * 1e-3)
-        unsure = dict.fromkeys(JUDGED_ERRORS, 1e-3 if ratio == unjudged else 1e-6)
-        plane_true = dict.fromkeys(JUDGED_ERRORS, 0.02)
-        plane_stated = dict.fromkeys(JUDGED_ERRORS, ratio * 0.02)
-        cost = 10 * ratio
-        return SolidErrorRow(
-            "t", names, stated, unsure, cost, reached, "how", plane_true, plane_stated
-        )
 
-    rows = [row(0.5, True), row(3.0, True), row(4.0, False), row(unjudged, True)]
-    _, torque, *_, reached, cost = table_lines_of_stated_over_true_quantiles(rows)
-    assert torque.split()[:4] == ["torque", "3", "33%", "0.50"]
-    assert reached == "75% of 4 brakes reach the tolerance"
-    assert cost.startswith("18 times")
-    small = row(1.0, True)._replace(plane_true=dict.fromkeys(JUDGED_ERRORS, 1e-3))
-    unknown = row(1.0, True)._replace(plane_stated={})
-    _, torque, *_ = table_lines_of_stated_plane_stress_errors(
-        [*rows, row(1.4, True), small, unknown]
-    )
+def test_the_brakes_within_the_tolerance_are_counted_by_stated_and_by_true_errors():
+    large = solid_row(1.0, true=dict.fromkeys(JUDGED_ERRORS, 3e-3))
+    no_truth = solid_row(1.0, true={})
+    given_up = SolidErrorRow("free", 1, 2e-3, f"{GIVEN_UP} 5 s")
+    refused = SolidErrorRow("free", 1, 2e-3, "no equilibrium")
+    rows = [solid_row(1.0), solid_row(3.0), large, no_truth, given_up, refused]
+    stated, before, true, cost = table_lines_of_brakes_within_tolerance(rows)
+    assert stated.startswith("60% of 5 brakes")
+    assert before.startswith("1 of them")
+    assert true.startswith("67% of 3 brakes")
+    assert cost.startswith("10 times")
+
+
+def test_the_table_of_plane_stress_counts_good_and_poor_errors():
+    small = solid_row(1.0, plane_true=dict.fromkeys(JUDGED_ERRORS, 1e-3))
+    rows = [solid_row(ratio) for ratio in (0.5, 3.0, 4.0, 0.1, 1.4)]
+    rows += [small, solid_row(1.0, plane_stated={})]
+    _, torque, *_ = table_lines_of_stated_plane_stress_errors(rows)
     # Of the ratios 0.5, 3, 4, 0.1 and 1.4 the last one is good, and 0.1 is poor.
     assert torque.split() == ["torque", "5", "20%", "20%", "0.10", "1.40", "4.00"]
+
+
+def test_a_brake_that_takes_too_long_is_given_up_and_kept(tmp_path, monkeypatch):
+    row = row_of_solid_errors("built", 3100, 1e-2, seconds=0.2)
+    assert row.title
+    assert not row.stated
+    assert row.reason == f"{GIVEN_UP} 0.2 s of processor time"
+    # A kept row is not solved again.
+    file = tmp_path / "rows.jsonl"
+    file.write_text(json.dumps(asdict(row)) + "\n", encoding="utf-8")
+    assert read_solid_error_rows(file) == [row]
+    monkeypatch.setattr("sys.argv", ["solid_error", "built", "3100", "3101", str(file)])
+    main()
+    assert read_solid_error_rows(file) == [row]
+
+
+def test_a_sum_of_responses_is_the_sum_of_pressures_and_forces(brake):
+    first, second = (
+        step.response
+        for step in solve_on_finer_and_finer_levels(brake, solve_prepared_model, levels=LEVELS[:2])
+    )
+    found = response_plus_step(first, first, second)
+    true = distance_of_plane_stress_from_widths(brake, found, second).brake
+    apart = distance_of_plane_stress_from_widths(brake, first, second).brake
+    for name, error in true.items():
+        assert error < 1e-9, name
+        assert apart[name] > 1e-6, name
+    there = response_plus_step(second, second, first)
+    theta = np.linspace(first.shoes[0].theta[0], first.shoes[0].theta[-1], 101)
+    assert there.shoes[0].pressure_at(theta) == pytest.approx(
+        first.shoes[0].pressure_at(theta), abs=1e-8 * first.shoes[0].peak_pressure
+    )
+
+
+@pytest.mark.slow
+def test_the_truth_of_a_solve_agrees_with_a_direct_one_within_its_uncertainty():
+    brake = DRAWN["free"](510004)
+    found = solve_brake_with_widths_to_tolerance(brake, Tolerance(1e-2, 1e-2), must=False)
+    assert found.shoes[0].order == LEVELS[0].degree
+    reference = reference_solution_of_solve(brake, found)
+    direct = response_with_graded_width_functions(brake, LEVELS[1])
+    far = distance_of_plane_stress_from_widths(brake, found, direct).brake
+    for name, error in distance_of_plane_stress_from_widths(
+        brake, reference.truth, direct
+    ).brake.items():
+        assert error < 0.5 * far[name], name

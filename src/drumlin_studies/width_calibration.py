@@ -97,19 +97,23 @@ is 5.7, because errors of the reference are then taken for true errors. With 4 t
 brakes whose errors fall slowly with the degree, by a factor of 3.5 from degree 2 to degree 7.
 """
 WIDTH_FACTOR_MEANINGS = {
-    "pressure": "Width's part of the error of p in the L2 norm, over the distance of a degree "
-    "across the width from the next two degrees, extrapolated to all degrees with the power "
-    "SLOWEST_FALL. If the factor is too small, stated errors of p are too small. If it is too "
-    "large, solves take a higher degree than they need.",
-    "force": "The same part of the error of a torque or a reaction. The distances of a force "
-    "cancel by accident where those of p do not, and so this factor is larger. If the factor is "
-    "too small, stated errors of forces are too small. If it is too large, they are needlessly "
-    "large.",
-    "section_pressure": "Section's part of the error of p of shoes with several widths, over the "
-    "part that SECTION_DEGREE across the width shows. If the factor is too small, stated errors "
-    "are too small. If it is too large, solves take a finer section than they need.",
-    "section_force": "The same part of the error of a torque or a reaction. A factor that is too "
-    "small or too large has the same effects as that of the pressure.",
+    "pressure": "Multiplies the estimated error of p (L2 norm) that is due to the finite degree "
+    "across the width. The estimate is the distance of an answer from the answers with the next "
+    "two degrees, extrapolated to an infinite degree with the power SLOWEST_FALL. If the factor is "
+    "too small, stated errors of p are too small. If it is too large, solves take a higher degree "
+    "than they need.",
+    "force": "Multiplies the estimated error of a torque or a reaction that is due to the finite "
+    "degree across the width. The distances of a force cancel by accident where those of p do not, "
+    "and so this factor is larger. If the factor is too small, stated errors of forces are too "
+    "small. If it is too large, they are needlessly large.",
+    "section_pressure": "Multiplies the estimated error of p (L2 norm) that is due to the hp "
+    "elements in the section, the x-y plane of the brake, if parts of a shoe have several widths. "
+    "The estimate is made with the low degree SECTION_DEGREE across the width, from two levels of "
+    "these elements. If the factor is too small, stated errors of p are too small. If it is too "
+    "large, solves take a finer section than they need.",
+    "section_force": "Multiplies the estimated error of a torque or a reaction that is due to the "
+    "hp elements in the section, if parts of a shoe have several widths. If the factor is too "
+    "small, stated errors of forces are too small. If it is too large, they are needlessly large.",
 }
 """The meaning of each safety factor, as the file of the factors states it."""
 
