@@ -11,6 +11,12 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.fem.analysis import holding
 from drumlin.fem.analysis.prepared import prepared_model_for_analysis
+from drumlin.fem.analysis.self_locking import (
+    self_locking_friction_of_shoe_groups,
+    shoe_torques_at_friction_coefficients,
+)
+from drumlin.fem.equilibrium.group import ShoeGroup
+from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.models import MODELS
 
@@ -247,3 +253,27 @@ def test_a_worn_in_duo_servo_is_its_law() -> None:
     law = drumlin.solve(brake, "rigid")
     assert worn.torque == pytest.approx(law.torque, rel=1e-3)
     assert abs(solve(brake, elements=40).torque / law.torque - 1) > 0.02
+
+
+@pytest.mark.parametrize(
+    "rotation", ["clockwise", pytest.param("counter-clockwise", marks=pytest.mark.slow)]
+)
+def test_the_limit_of_a_duo_servo_is_where_solves_end_and_takes_few_searches(rotation, monkeypatch):
+    """While the present supports bear, one contact solve a step follows the friction."""
+    searches = []
+    search = ShoeGroup._solve_with_consistent_friction_senses
+
+    def counted(group, first=None):
+        searches.append(group.brake.friction)
+        return search(group, first)
+
+    brake = vary(drumlin.example("duo_servo"), {"rotation": rotation})
+    monkeypatch.setattr(ShoeGroup, "_solve_with_consistent_friction_senses", counted)
+    scene = make_prepared_model(brake, elements=4)
+    (limit,) = self_locking_friction_of_shoe_groups(scene, brake).values()
+    # The friction grows by 60 steps, and 20 more steps halve the last one.
+    assert len(searches) < 10
+    below, above = limit.friction * (1 - 1e-6), limit.friction * (1 + 1e-6)
+    assert shoe_torques_at_friction_coefficients(scene, brake, [below]).sum() > 0
+    with pytest.raises(NoAnswer):
+        shoe_torques_at_friction_coefficients(scene, brake, [above])

@@ -16,10 +16,20 @@ from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import draw_brake_of_support_kind
 
 FAR_HINGE = {"x": "12.5 m", "y": "0 m"}
+PUSH = {"force": "1 kN", "direction": "0 deg"}
+SPRING = {"shoe": "right", "preload": "100 N", "point": {"x": "40 mm", "y": "100 mm"}}
 HARDLY_MEANT = [
     ({"friction": 30}, "friction = 30 is more than any lining has; did you mean 0.3"),
     ({"shoe[0].hinge": FAR_HINGE}, "shoe[0].hinge is 12.5 m away, 83.3 times drum.radius"),
     ({"shoe[0].actuation.point": {"x": "58 m", "y": "0 m"}}, "actuation.point is 58 m away"),
+    (
+        {"shoe[0].force": [PUSH | {"point": {"x": "58 m", "y": "0 m"}}]},
+        "shoe[0].force[0].point is 58 m away, 387 times drum.radius = 150 mm; did you mean 58 mm",
+    ),
+    (
+        {"spring": [SPRING | {"end": {"x": "40 m", "y": "100 mm"}}]},
+        "spring[0].end is 40 m away, 267 times drum.radius = 150 mm; did you mean 40 mm",
+    ),
     ({"shoe[0].lining.width": "40 m"}, "shoe[0].lining.width = 40 m is 267 times drum.radius"),
     ({"shoe[0].lining.width": "0.04 mm"}, "width = 0.04 mm is 0.00027 of"),
     ({"shoe[0].actuation.direction": "75 rad"}, "is 11.9 turns; did you mean 75 deg?"),
@@ -78,6 +88,9 @@ def test_a_mistaken_drum_radius_has_one_note_and_shoes_alike_have_one_note_toget
 def test_arcs_in_radians_are_refused_with_the_degrees(brake):
     with pytest.raises(BadInput, match=r"did you mean -70 deg to 55 deg\?"):
         vary(brake, {"shoe[0].lining.start": "-70 rad", "shoe[0].lining.end": "55 rad"})
+    # Only one of the two angles has the wrong unit.
+    with pytest.raises(BadInput, match=r"did you mean -70 deg to 55 deg\?"):
+        vary(brake, {"shoe[0].lining.start": "-70 rad", "shoe[0].lining.end": "55 deg"})
 
 
 def test_the_note_stands_with_the_answer_in_json_and_with_a_refusal(tmp_path, brake):

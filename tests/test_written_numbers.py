@@ -96,6 +96,8 @@ def test_quantities_are_read_as_people_write_them(si, text, value):
         ("N", "200 kg", "kg is a mass, kgf the weight"),
         ("Pa", "2 kg/cm^2", "kg is a mass, kgf the weight"),
         ("rad", '6"', "unknown unit"),
+        ("rad", "55 grad", "'grad' may be degrees or gons; write 'deg' or 'gon'"),
+        ("rad", "55 Grad", "'Grad' may be degrees or gons; write 'deg' or 'gon'"),
         ("m", "2 Nm", "must be a length"),
         ("N m", "2 N/m", "must be a torque"),
     ],

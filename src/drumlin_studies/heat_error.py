@@ -9,7 +9,7 @@ finer meshes.
 
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -101,10 +101,13 @@ def _draw_temperature_rises_of_part(
     return found
 
 
-def rows_of_hot_brake(seed: int) -> list[dict[str, Any]]:
-    """The rows of stated and true errors of one hot brake, one for each judged tolerance."""
+def rows_of_drawn_brake(draw: Callable[[int], Brake], seed: int) -> list[dict[str, Any]]:
+    """The rows of stated and true errors of one brake, one for each judged tolerance.
+
+    `draw` is a function that draws the brake of a seed, and may raise BadInput.
+    """
     try:
-        brake = draw_hot_brake(seed)
+        brake = draw(seed)
     except BadInput as error:
         sys.stdout.write(f"{seed}: not drawn: {error}\n")
         return []
@@ -132,11 +135,14 @@ def _text_on_outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
     return f"{row['outcome']} ({name} {known[name]:.2g})"
 
 
-def main(first: int, last: int) -> None:
-    """Judge the hot brakes with the seeds from `first` to below `last`, and print the summary."""
+def judge_brakes_of_seeds(draw: Callable[[int], Brake], first: int, last: int) -> None:
+    """Judge the brakes with the seeds from `first` to below `last`, and print the summary.
+
+    `draw` is a function that draws the brake of a seed, and may raise BadInput.
+    """
     rows: list[dict[str, Any]] = []
     for seed in range(first, last):
-        own = rows_of_hot_brake(seed)
+        own = rows_of_drawn_brake(draw, seed)
         rows += own
         sys.stdout.write(f"{seed}: {', '.join(map(_text_on_outcome_and_smallest_ratio, own))}\n")
         sys.stdout.flush()
@@ -146,4 +152,4 @@ def main(first: int, last: int) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:3]))
+    judge_brakes_of_seeds(draw_hot_brake, *map(int, sys.argv[1:3]))

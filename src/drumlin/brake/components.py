@@ -379,12 +379,13 @@ class Lining(Part):
 def hint_about_angles_of_arc(start: float, end: float) -> str:
     """The hint "(did you mean -70 deg to 55 deg?)" for an arc whose end does not follow its start.
 
-    `start` and `end` are the written angles [rad]. Angles of more than two turns are taken as
+    `start` and `end` are the written angles [rad]. An angle of more than two turns is taken as
     degrees that were written as radians. A start of 290 deg before an end of 55 deg is turned back
     by a turn, if the arc is then less than half a turn. In all other cases the hint is "".
     """
-    if max(abs(start), abs(end)) > 4 * math.pi and 0 < math.radians(end - start) < 2 * math.pi:
-        return f" (did you mean {start:.6g} deg to {end:.6g} deg?)"
+    meant = [math.radians(angle) if abs(angle) > 4 * math.pi else angle for angle in (start, end)]
+    if meant != [start, end] and 0 < meant[1] - meant[0] < 2 * math.pi:
+        return f" (did you mean {deg_text(meant[0])} to {deg_text(meant[1])}?)"
     before = start - 2 * math.pi
     if 0 < end - before < math.pi:
         return f" (did you mean {deg_text(before)} to {deg_text(end)}?)"

@@ -183,25 +183,40 @@ def _notes_on_unusual_drum_radius(brake: Brake) -> Iterator[str]:
 
 
 def _notes_on_far_points(brake: Brake, size: float) -> Iterator[str]:
-    """Yield a note for each support or point of actuation far from the drum or the linings."""
+    """Yield a note for each point of a support or load far from the drum or the linings."""
+    for key, point in _points_of_supports_and_loads(brake):
+        away = 0.0 if point is None else _distance_from_surface_centre(brake, point)
+        if away > FAR_AWAY * size:
+            words = _words_for_size(brake, size)
+            meant = _text_of_length_in_other_unit(away, small=False)
+            yield (
+                f"{key} is {away:.4g} m away, {away / size:.3g} times {words}; "
+                f"did you mean {meant}?"
+            )
+
+
+def _points_of_supports_and_loads(brake: Brake) -> Iterator[tuple[str, Point | None]]:
+    """Yield the points of all supports and loads of a brake, each with its key.
+
+    The point of a support that a shoe does not have is None.
+    """
     for i, shoe in enumerate(brake.shoes):
-        abutment = None if shoe.abutment is None else shoe.abutment.point
-        points = {
-            "hinge": shoe.hinge,
-            "pivot": shoe.pivot,
-            "abutment.point": abutment,
-            "actuation.point": shoe.actuation.point,
-        }
-        points |= {f"anchor[{j}].point": anchor.point for j, anchor in enumerate(shoe.anchors)}
-        for name, point in points.items():
-            away = 0.0 if point is None else _distance_from_surface_centre(brake, point)
-            if away > FAR_AWAY * size:
-                words = _words_for_size(brake, size)
-                meant = _text_of_length_in_other_unit(away, small=False)
-                yield (
-                    f"shoe[{i}].{name} is {away:.4g} m away, {away / size:.3g} times {words}; "
-                    f"did you mean {meant}?"
-                )
+        key = f"shoe[{i}]"
+        yield f"{key}.hinge", shoe.hinge
+        yield f"{key}.pivot", shoe.pivot
+        yield f"{key}.abutment.point", None if shoe.abutment is None else shoe.abutment.point
+        yield f"{key}.actuation.point", shoe.actuation.point
+        yield f"{key}.mass.point", None if shoe.mass is None else shoe.mass.point
+        for j, anchor in enumerate(shoe.anchors):
+            yield f"{key}.anchor[{j}].point", anchor.point
+        for j, force in enumerate(shoe.forces):
+            yield f"{key}.force[{j}].point", force.point
+    for part, joints, names in (
+        ("spring", brake.springs, ("point", "end")),
+        ("lever", brake.levers, ("point", "pivot", "strut", "end")),
+    ):
+        for j, joint in enumerate(joints):
+            yield from ((f"{part}[{j}].{name}", getattr(joint, name)) for name in names)
 
 
 def _distance_from_surface_centre(brake: Brake, point: Point) -> float:

@@ -144,6 +144,9 @@ def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
     If the text of a unit can be read in several ways, the first reading with the dimension of `si`
     counts. Raises ValueError if `unit` is unknown or has another dimension than `si`.
     """
+    # The word is a degree in German and a gon in English. pint reads a capital G as giga.
+    if si == "rad" and unit.casefold() == "grad":
+        raise ValueError(f"{unit!r} may be degrees or gons; write 'deg' or 'gon'")
     readings = _readings_of_unit(unit, si)
     # pint may know some readings and not others, which give None.
     found = [_si_factor_and_dimension_by_pint(reading) for reading in readings]

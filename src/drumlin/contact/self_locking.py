@@ -191,8 +191,8 @@ def find_friction_limit_of_contact(
     while mu < largest_friction:
         steps += 1
         target = min(mu + step, largest_friction)
-        after = _find_stable_contact_or_none(problem, target, found.active)
-        if after is not None and _is_contact_continued_at_higher_friction(after, found, areas):
+        after = contact_continued_to_friction(problem, target, found, areas)
+        if after is not None:
             step = min(2 * step, LARGEST_FRICTION_STEP * max(1.0, mu))
             found, mu = after, target
             continue
@@ -211,6 +211,24 @@ def find_friction_limit_of_contact(
         if step < FRICTION_RESOLUTION * max(mu, 1e-3):
             return FrictionLimit(mu, True, found, mu, steps)
     return FrictionLimit(np.inf, False, found, mu, steps)
+
+
+def contact_continued_to_friction(
+    problem: FrictionDependentProblem, friction: float, before: Contact, areas: Floats
+) -> Contact | None:
+    """The stable solution at a higher friction that continues a solution; None if none is found.
+
+    Parameters
+    ----------
+    problem : the contact problem at every friction coefficient
+    friction : the higher friction coefficient mu
+    before : solution at the lower friction
+    areas : areas (n,) of the nodes [m^2]
+    """
+    after = _find_stable_contact_or_none(problem, friction, before.active)
+    if after is None or not _is_contact_continued_at_higher_friction(after, before, areas):
+        return None
+    return after
 
 
 def is_contact_certain_up_to_friction(

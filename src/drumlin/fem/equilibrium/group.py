@@ -131,6 +131,11 @@ class ShoeGroup(GroupProblems):
             ):
                 raise SharedForceWouldPull(refusal) from error
             raise NoAnswer(f"{self.names_of_shoes}: {error}") from error
+        self._require_small_turns_of_shoes(contact)
+        return contact
+
+    def _require_small_turns_of_shoes(self, contact: active_set.Contact) -> None:
+        """Raise NoAnswer if a shoe of a solution turns too far for small displacements."""
         for k, coordinates in enumerate(self.rigid_body_coordinates_of_each_shoe(contact)):
             turns = self.largest_actuation_force * coordinates
             reach.require_small_turns_in_solution(
@@ -139,7 +144,6 @@ class ShoeGroup(GroupProblems):
                 self.gaps_of_unloaded_linings[k],
                 turns,
             )
-        return contact
 
     def friction_at_which_rigid_shoe_locks(self, k: int) -> float:
         """The friction coefficient of the brake at which shoe `k` locks by the rigid-shoe law."""
@@ -373,35 +377,26 @@ class ShoeGroup(GroupProblems):
                 areas=self.contact_node_areas,
             )
             return FollowedFrictionLimit(limit, pulling_part="")
-        low, (at, contact) = self._find_least_friction_with_equilibrium(largest_friction)
-        end = self_locking.find_friction_limit_of_contact(
-            at.contact_problem_as_function_of_friction,
-            largest_friction,
-            (low, contact),
-            self.contact_node_areas,
-        )
+        low, at = self._find_least_friction_with_equilibrium(largest_friction)
+        end = at.limit_of_friction_from(low, largest_friction)
         while low < (last := min(end.friction * (1 - CHECK_DISTANCE_FROM_POLE), largest_friction)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
-            after = at._solve_if_struts_and_cam_push(high)
+            after = at.solution_at_higher_friction(high)
             # Under more friction the group may have a solution again, but the solution that is
             # followed ends between `low` and `high`.
             if after is None:
-                return at._find_friction_limit_by_bisection(end, low, high)
-            low = high
-            changed = after.group.friction_senses != at.friction_senses
-            if changed or after.group.bearing != at.bearing:
-                at, contact = after
-                end = self_locking.find_friction_limit_of_contact(
-                    at.contact_problem_as_function_of_friction,
-                    largest_friction,
-                    (low, contact),
-                    self.contact_node_areas,
-                )
-        return FollowedFrictionLimit(end, pulling_part=at._error_text_if_force_pulls_at_limit(end))
+                return _friction_limit_by_bisection(at, end, low, high)
+            low, before, at = high, at, after
+            if at.problem is not before.problem:
+                end = at.limit_of_friction_from(low, largest_friction)
+        group = at.settled.group
+        return FollowedFrictionLimit(
+            end, pulling_part=group._error_text_if_force_pulls_at_limit(end)
+        )
 
     def _find_least_friction_with_equilibrium(
         self, largest_friction: float
-    ) -> tuple[float, SolvedGroup]:
+    ) -> tuple[float, "_FollowedSolution"]:
         """Find the least friction coefficient of the drum with an equilibrium, and the equilibrium.
 
         The friction grows from 0 in steps of FRICTION_STEP. It need not be 0: a shoe may need the
@@ -411,10 +406,11 @@ class ShoeGroup(GroupProblems):
         while friction < largest_friction:
             found = self._solve_if_struts_and_cam_push(friction)
             if found is not None:
-                return friction, found
+                return friction, _follow_solution(found)
             friction += FRICTION_STEP * max(1.0, friction)
         # No friction has a solution. The next line raises an error with the reason at friction 0.
-        return 0.0, self.group_with_drum_friction(0.0)._solve_with_consistent_friction_senses()
+        found = self.group_with_drum_friction(0.0)._solve_with_consistent_friction_senses()
+        return 0.0, _follow_solution(found)
 
     def _solve_if_struts_and_cam_push(self, friction: float) -> SolvedGroup | None:
         """Solve the group at a friction coefficient of the drum, if struts and cam then push.
@@ -425,35 +421,22 @@ class ShoeGroup(GroupProblems):
             found = self.group_with_drum_friction(friction)._solve_with_consistent_friction_senses()
         except NoAnswer:
             return None
-        pulls = found.group._error_text_if_actuation_force_pulls(
-            found.group.actuation_forces_under_contact_pressures(found.contact.p)
-        )
-        return None if pulls else found
+        return found if found.group._do_struts_and_cam_push(found.contact) else None
 
-    def _find_friction_limit_by_bisection(
-        self, limit_before: self_locking.FrictionLimit, low: float, high: float
-    ) -> FollowedFrictionLimit:
-        """Find by bisection the friction coefficient of the drum at which the solution ends.
+    def _do_struts_and_cam_push(self, contact: active_set.Contact) -> bool:
+        """Whether the struts and the cam push all shoes in a solution of the contact."""
+        forces = self.actuation_forces_under_contact_pressures(contact.p)
+        return not self._error_text_if_actuation_force_pulls(forces)
 
-        Parameters
-        ----------
-        limit_before : limit of the friction under the group's directions of friction at the
-            abutments
-        low : friction coefficient with a solution
-        high : friction coefficient without a solution
-        """
-        at = self
-        while high - low > self_locking.POLE_DISTANCE * high:
-            middle = 0.5 * (low + high)
-            after = at._solve_if_struts_and_cam_push(middle)
-            if after is None:
-                high = middle
-            else:
-                low, at = middle, after.group
-        limit = limit_before._replace(friction=low, pressure_stays_finite=True, last_friction=low)
-        return FollowedFrictionLimit(
-            limit, at.group_with_drum_friction(high)._error_text_on_part_that_would_pull()
-        )
+    def is_followed_solution_possible(self, contact: active_set.Contact) -> bool:
+        """Whether a solution agrees with supports, struts and cam, with small turns of shoes."""
+        if not (self.is_contact_as_assumed(contact) and self._do_struts_and_cam_push(contact)):
+            return False
+        try:
+            self._require_small_turns_of_shoes(contact)
+        except NoAnswer:
+            return False
+        return True
 
     def _error_text_on_part_that_would_pull(self) -> str:
         """The error text that names a cam, strut or support that would have to pull a shoe.
@@ -482,6 +465,124 @@ class ShoeGroup(GroupProblems):
             ):
                 return f"{self.names_of_shoes}: {FOOT_LEAVES_TEXT}"
         return ""
+
+
+class _FollowedSolution(NamedTuple):
+    """A solution of a group whose contact is followed as the friction of the drum grows.
+
+    Attributes
+    ----------
+    settled : the group with its directions of friction and bearing supports, and its contact
+    problem : the contact problem under these directions and supports, at every friction
+    """
+
+    settled: SolvedGroup
+    problem: self_locking.FrictionDependentProblem
+
+    @property
+    def choice(self) -> tuple[object, ...]:
+        """The directions of friction at the abutments, and which one-sided supports bear."""
+        return self.settled.group.friction_senses, self.settled.group.bearing
+
+    def limit_of_friction_from(self, friction: float, largest: float) -> self_locking.FrictionLimit:
+        """The limit of self-locking if directions and supports stay; inf if above `largest`.
+
+        `friction` is the friction coefficient of the solution.
+        """
+        return self_locking.find_friction_limit_of_contact(
+            self.problem,
+            largest,
+            (friction, self.settled.contact),
+            self.settled.group.contact_node_areas,
+        )
+
+    def continued_to_higher_friction(self, friction: float) -> "_FollowedSolution | None":
+        """The solution at a higher friction with the present directions and supports; else None."""
+        group = self.settled.group.group_with_drum_friction(friction)
+        contact = self_locking.contact_continued_to_friction(
+            self.problem, friction, self.settled.contact, group.contact_node_areas
+        )
+        if contact is None or not group.is_followed_solution_possible(contact):
+            return None
+        return self._replace(settled=SolvedGroup(group, contact))
+
+    def solution_at_higher_friction(self, friction: float) -> "_FollowedSolution | None":
+        """The solution at a higher friction coefficient; None if there is none.
+
+        The present directions and supports are tried from the present contact set. Only if they do
+        not hold any more, all of them are tried.
+        """
+        continued = self.continued_to_higher_friction(friction)
+        if continued is not None:
+            return continued
+        found = self.settled.group._solve_if_struts_and_cam_push(friction)
+        if found is None:
+            return None
+        other = self._replace(settled=found)
+        return other if other.choice == self.choice else _follow_solution(found)
+
+
+def _follow_solution(settled: SolvedGroup) -> _FollowedSolution:
+    """The solution of a group, with its contact problem at every friction coefficient."""
+    return _FollowedSolution(settled, settled.group.contact_problem_as_function_of_friction)
+
+
+def _friction_limit_by_bisection(
+    at: _FollowedSolution, limit_before: self_locking.FrictionLimit, low: float, high: float
+) -> FollowedFrictionLimit:
+    """Find by bisection the friction coefficient of the drum at which a solution ends.
+
+    Parameters
+    ----------
+    at : the solution at the friction coefficient `low`
+    limit_before : limit of the friction under the directions of friction of this solution
+    low : friction coefficient with a solution
+    high : friction coefficient without a solution
+    """
+    tried: set[tuple[object, ...]] = set()
+    reach = self_locking.POLE_DISTANCE * low
+    while high - low > self_locking.POLE_DISTANCE * high:
+        if at.choice not in tried:
+            # The solution mostly ends where its directions of friction and its supports cease to
+            # hold. The search for this place takes one contact solve a step.
+            tried.add(at.choice)
+            at, low, end = _bisect_end_of_present_choice(at, low, high)
+        else:
+            # Where one choice takes over from another, both hold up to round-off, and an earlier
+            # choice may come back. The end is then near, and is sought in growing steps.
+            end = low + min(reach, 0.5 * (high - low))
+            reach *= 2
+        after = at.solution_at_higher_friction(end)
+        if after is None:
+            high = end
+        else:
+            low, at = end, after
+    limit = limit_before._replace(friction=low, pressure_stays_finite=True, last_friction=low)
+    beyond = at.settled.group.group_with_drum_friction(high)
+    return FollowedFrictionLimit(limit, beyond._error_text_on_part_that_would_pull())
+
+
+def _bisect_end_of_present_choice(
+    at: _FollowedSolution, low: float, high: float
+) -> tuple[_FollowedSolution, float, float]:
+    """The last solution with the present directions and supports, and the friction of its end.
+
+    Returns the solution, its friction coefficient, and the next one without such a solution.
+
+    Parameters
+    ----------
+    at : the solution at the friction coefficient `low`
+    low : friction coefficient with a solution
+    high : friction coefficient from which on there may be none
+    """
+    while high - low > self_locking.POLE_DISTANCE * high:
+        middle = 0.5 * (low + high)
+        after = at.continued_to_higher_friction(middle)
+        if after is None:
+            high = middle
+        else:
+            low, at = middle, after
+    return at, low, high
 
 
 def divide_pressed_shoes_into_groups(

@@ -1,0 +1,116 @@
+"""Judge the errors that drumlin states for random brakes with further loads and measured friction.
+
+    python -m drumlin_studies.load_error FIRST LAST
+
+draws the brakes with the seeds FIRST to LAST - 1: brakes with friction that depends on the
+pressure, linings of unlike friction, springs with a rate, centrifugal loads and heated parts, and
+duo-servo brakes, whose shoes can leave their anchor. It solves each to the tolerances of
+`heat_error`, and prints the ratios of stated to true errors. True errors are differences from a
+solution on much finer meshes.
+"""
+
+import sys
+from typing import Any
+
+import numpy as np
+
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import vary
+from drumlin.door import example
+from drumlin_studies.heat_error import draw_hot_brake, judge_brakes_of_seeds
+from drumlin_studies.random_brake import draw_random_brake
+from drumlin_studies.random_kinds import draw_brake_of_support_kind
+
+DUO_SERVO_SHARE = 0.25
+"""Probability with which a brake is a duo-servo brake, whose shoes can leave their anchor."""
+FEATURE_SHARE = 0.5
+"""Probability with which a brake has each of the further features."""
+FADED_FRICTION = (0.4, 1.2)
+"""Smallest and largest ratio of the friction at a high pressure to the friction at no pressure."""
+LOAD_SHARES = (0.02, 0.2)
+"""Smallest and largest spring pull and centrifugal force, relative to the largest actuation."""
+
+
+def draw_loaded_brake(seed: int) -> Brake:
+    """Draw the random brake of a seed, with some of the features that this module judges.
+
+    Raises BadInput if a feature is not modelled for the brake.
+    """
+    rng = np.random.default_rng([seed, 42])
+    if rng.random() < DUO_SERVO_SHARE:
+        brake = _draw_duo_servo_brake(rng)
+    elif rng.random() < FEATURE_SHARE:
+        brake = draw_hot_brake(seed)
+    else:
+        brake = draw_random_brake(seed) if seed % 2 else draw_brake_of_support_kind(seed)
+    changes = _draw_friction_of_linings(rng, brake)
+    push = max(shoe.largest_load for shoe in brake.shoes)
+    if rng.random() < FEATURE_SHARE:
+        changes["spring"] = [_draw_spring_data(rng, brake, push)]
+    if rng.random() < FEATURE_SHARE and not brake.surface.is_plane_and_not_drum:
+        changes |= _draw_centrifugal_load(rng, brake, push)
+    return vary(brake, changes)
+
+
+def _draw_duo_servo_brake(rng: np.random.Generator) -> Brake:
+    """Draw a variation of the example of a duo-servo brake, which turns either way."""
+    return vary(
+        example("duo_servo"),
+        {
+            "rotation": str(rng.choice(["clockwise", "counter-clockwise"])),
+            "friction": float(rng.uniform(0.1, 0.45)),
+            "shoe.lining.material.E": float(np.exp(rng.uniform(np.log(1e8), np.log(3e9)))),
+            "shoe.lining.clearance": float(rng.uniform(0.0, 1e-4)),
+        },
+    )
+
+
+def _draw_friction_of_linings(rng: np.random.Generator, brake: Brake) -> dict[str, Any]:
+    """Draw a friction table over the pressure for the brake, and friction of the first lining."""
+    changes: dict[str, Any] = {}
+    if brake.friction == 0:
+        return changes
+    if rng.random() < FEATURE_SHARE:
+        shoe = brake.shoes[0]
+        # The table spans some three times the mean pressure of a shoe without self-energising.
+        length = brake.scale_factor * (shoe.lining.end - shoe.lining.start)
+        mean = shoe.largest_load / (shoe.lining.width * length)
+        faded = brake.friction * float(rng.uniform(*FADED_FRICTION))
+        changes["friction"] = {"pressure": [0.0, 3 * mean], "mu": [brake.friction, faded]}
+    if rng.random() < FEATURE_SHARE:
+        changes["shoe[0].lining.friction"] = float(rng.uniform(0.7, 1.0)) * brake.friction
+    return changes
+
+
+def _draw_spring_data(rng: np.random.Generator, brake: Brake, push: float) -> dict[str, Any]:
+    """Draw a spring with a rate that pulls the first shoe back against its actuation.
+
+    `push` is the largest load [N] of a shoe.
+    """
+    actuation = brake.shoes[0].actuation
+    at = actuation.point.xy
+    end = at - brake.size * np.sign(actuation.force or 1.0) * actuation.unit_vector_of_force
+    preload = push * float(rng.uniform(*LOAD_SHARES))
+    return {
+        "shoe": brake.shoes[0].name,
+        "point": dict(zip("xy", at.tolist(), strict=True)),
+        "end": dict(zip("xy", end.tolist(), strict=True)),
+        "preload": preload,
+        "rate": preload / (0.1 * brake.size),
+    }
+
+
+def _draw_centrifugal_load(rng: np.random.Generator, brake: Brake, push: float) -> dict[str, Any]:
+    """Draw a mass for each shoe, and the speed at which it pulls by a share of `push` [N]."""
+    changes: dict[str, Any] = {}
+    mass = float(rng.uniform(0.5, 2.0))
+    for i, shoe in enumerate(brake.shoes):
+        middle = brake.size * np.array([np.cos(shoe.lining.middle), np.sin(shoe.lining.middle)])
+        point = dict(zip("xy", middle.tolist(), strict=True))
+        changes[f"shoe[{i}].mass"] = {"mass": mass, "point": point}
+    force = push * float(rng.uniform(*LOAD_SHARES))
+    return changes | {"shoe_speed": float(np.sqrt(force / (mass * brake.size)))}
+
+
+if __name__ == "__main__":
+    judge_brakes_of_seeds(draw_loaded_brake, *map(int, sys.argv[1:3]))
