@@ -107,6 +107,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "ANALYSIS_DEGREE": "a degree whose measured error is said; more degrees take longer",
     },
     "fem/analysis/wide_moduli.py": {"MODULUS_STEP": "step whose error is said with the answer"},
+    "fem/error_control/first_level.py": {"FIRST_LEVEL_FACTORS": DEFINITION},
     "fem/error_control/adapt.py": {
         "DEFAULT_TOLERANCE": "what a solve aims at, as README says",
         "SHORTEST_KNOWN_CONTACT": SAID,
