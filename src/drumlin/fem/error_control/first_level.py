@@ -44,7 +44,7 @@ SAMPLE_SAFETY = 2.0
 """Safety factor on the largest error of the first level in a sample, for brakes out of the sample.
 
 The stated error of a brake that is not in the sample is this factor times the largest error of the
-sample. On twelve sweeps with 100 samples each, no distance of a first level from its last level was
+sample. On eleven sweeps with 100 samples each, no distance of a first level from its last level was
 larger than 1.9 times the largest error of the sample. The sweeps vary clearance, radius, hinge,
 arc, modulus, friction and thickness of drum brakes, shoes of T-section, a duo-servo brake, a block
 and manufacturing tolerances. With a smaller factor some stated errors are too small. With a larger
