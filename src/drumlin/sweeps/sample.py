@@ -24,7 +24,7 @@ from drumlin.sweeps.certificate import FIRST_LEVEL, SampleMember, certificate_of
 EVERY_CASE = "every case"
 """The value of the key `certify` with which each case states its own errors."""
 
-EVERY_NTH = "every [0-9]{1,6}(st|nd|rd|th)"
+EVERY_NTH = "every [0-9]{1,6}(st|[nr]d|th)"
 """The pattern of the value of the key `certify` that draws a case of each N, such as N = 10."""
 
 SMALLEST_SAMPLE = 3
