@@ -107,9 +107,9 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "ANALYSIS_DEGREE": "a degree whose measured error is said; more degrees take longer",
     },
     "fem/analysis/wide_moduli.py": {"MODULUS_STEP": "step whose error is said with the answer"},
+    "fem/error_control/first_level.py": {"FIRST_LEVEL_FACTORS": DEFINITION},
     "fem/error_control/adapt.py": {
         "DEFAULT_TOLERANCE": "what a solve aims at, as README says",
-        "SHORTEST_KNOWN_CONTACT": SAID,
     },
     "fem/hp/corner.py": {
         "SMALLEST_ROOT": "limit of a search",
@@ -123,7 +123,10 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "HALF_FORCE_PART": DEFINITION,
         "LONGEST_CORNER_CONTACT": DEFINITION,
     },
-    "fem/error_control/singular_points.py": {"CONTACT_END_BITS": ROUND_OFF},
+    "fem/error_control/singular_points.py": {
+        "CONTACT_END_BITS": ROUND_OFF,
+        "SHORTEST_KNOWN_CONTACT": SAID,
+    },
     "fem/hp/element.py": {"SLOPES_PER_BATCH": SPEED},
     "fem/error_control/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
     "fem/hp/ring.py": {"FULL_TURN": DEFINITION, "SAME_ANGLE": ROUND_OFF},

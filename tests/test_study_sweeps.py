@@ -16,6 +16,10 @@ def test_throughput_and_kill(tmp_path):
     result = module.study(short=True)
     assert result.same and result.killed_same
     assert picked(result.measured[module.SHARED], "workers") == [1, 2]
+    assert picked(result.sampled, "workers") == [1, 2]
+    for row in result.sampled:
+        # Three drawn cases and the extremes of five keys leave at most one of four cases.
+        assert row["cases"] == 4 and row["itself"] >= 3 and 0 <= row["distance"] < 1
     for kill in result.kills:
         assert 0 <= kill.found < kill.left < 100
     errors = picked(result.meshes, "error")

@@ -137,6 +137,9 @@ def test_a_short_contact_in_the_middle_of_a_lining_is_not_said_to_be_at_its_end(
     )
     (warning,) = saying(response.notes, "warning")
     assert "too short to know its pressure" in warning and "unbounded" not in warning
+    # Nor do other elements with widths know it, so that they are not tried.
+    unknown = response.plane_stress_error.unknown
+    assert "too short to know its pressure" in unknown and "section" not in unknown
 
 
 def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():

@@ -21,6 +21,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.base.journal import Journal
 from drumlin.sweeps.cases import Row, SweepCase, solve_all_cases_of_sweep
+from drumlin.sweeps.sample import solve_all_cases_with_sample
 from drumlin.sweeps.workers import Workers, provide_workers_for_cases_of_sweep
 
 KEEP = {"MALLOC_TRIM_THRESHOLD_": str(2**28), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
@@ -65,11 +66,17 @@ class Throughput(NamedTuple):
         return self.cases / self.seconds
 
 
-def time_sweep_with_processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
-    """The measured time of a sweep by processes of this machine."""
+def time_sweep_with_processes(
+    cases: Sequence[SweepCase], workers: int, sample: Sequence[int] = ()
+) -> Throughput:
+    """The measured time of a sweep by processes of this machine.
+
+    `sample` are the positions of the cases whose levels certify the others, too. Without them each
+    case certifies itself.
+    """
     start, before = time.perf_counter(), _processor_time_of_all_processes()
     with provide_workers_for_cases_of_sweep(workers) as found:
-        made = _time_sweep_with_started_workers("processes", cases, found, start)
+        made = _time_sweep_with_started_workers("processes", cases, found, start, sample)
     return made._replace(processor=_processor_time_of_all_processes() - before)
 
 
@@ -144,7 +151,11 @@ def _processor_time_of_all_processes() -> float:
 
 
 def _time_sweep_with_started_workers(
-    by: str, cases: Sequence[SweepCase], found: Workers, start: float
+    by: str,
+    cases: Sequence[SweepCase],
+    found: Workers,
+    start: float,
+    sample: Sequence[int] = (),
 ) -> Throughput:
     """The measured time of a sweep by workers that have been started.
 
@@ -161,12 +172,16 @@ def _time_sweep_with_started_workers(
         The started workers.
     start : float
         Clock reading at which the start of the workers began [s].
+    sample : sequence of int
+        Positions of the cases whose levels certify the others, too.
     """
     # Twenty cheap cases for each worker make all of them load the modules before the clock starts.
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
     solve_all_cases_of_sweep(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
-    rows = solve_all_cases_of_sweep(cases, executor=found.executor, workers=found.workers)
+    rows = solve_all_cases_with_sample(
+        cases, sample, executor=found.executor, workers=found.workers
+    )
     spent = time.perf_counter() - ready
     return Throughput(by, found.workers, len(cases), ready - start, spent, rows)
 
@@ -187,6 +202,38 @@ def rows_of_cases_per_second(measured: Sequence[Throughput]) -> list[Row]:
             | {
                 "rate": one.solved_sweep_cases_per_second,
                 "gain": one.solved_sweep_cases_per_second / alone.solved_sweep_cases_per_second,
+            }
+        )
+    return found
+
+
+def rows_of_times_certified_by_sample(
+    full: Sequence[Throughput], sampled: Sequence[Throughput]
+) -> list[Row]:
+    """A table row for each number of workers: the time of a sweep with and without a sample.
+
+    `gain` is the time without a sample divided by the time with it. `itself` is the number of cases
+    with a sample that certify themselves, and `distance` the largest distance of a torque from the
+    torque without a sample, divided by its stated error.
+    """
+    found = []
+    for one in sampled:
+        alone = next(other for other in full if (other.by, other.workers) == (one.by, one.workers))
+        by_itself = 0
+        distances = [0.0]
+        for row, own in zip(one.rows, alone.rows, strict=True):
+            by_itself += row.get("certified") != "sample"
+            if row.get("certified") == "sample":
+                distances.append(abs(row["torque"] / own["torque"] - 1) / row["error_torque"])
+        found.append(
+            {
+                "workers": one.workers,
+                "cases": one.cases,
+                "itself": by_itself,
+                "full": alone.seconds,
+                "sampled": one.seconds,
+                "gain": alone.seconds / one.seconds,
+                "distance": max(distances),
             }
         )
     return found

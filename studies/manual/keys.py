@@ -285,6 +285,9 @@ SWEEP: tuple[Table, ...] = (
         "cases": "number of random draws",
         "seed": "seed of the random draws",
         "pressure": "unit of stresses in the table and its headings",
+        "certify": "which cases by finite elements are solved on all levels for their errors: "
+            "`every case`; or a sample that also gives the other cases their errors: `every 10th`, "
+            "another number, or the number of cases to draw",
         "model": "one table `[model.NAME]` for each model, with its options",
         "vary": "the table `[vary]`: keys of the brake file, such as "
             "`\"shoe[0].lining.thickness\"`, each with a list, a range or a distribution of "

@@ -20,6 +20,7 @@ from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin.sweeps.cases import Row, solve_all_cases_of_sweep
 from drumlin.sweeps.file import Sweep, read_sweep_from_toml_file
+from drumlin.sweeps.sample import positions_of_sample
 from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from drumlin_studies.throughput import (
     KEEP,
@@ -28,6 +29,7 @@ from drumlin_studies.throughput import (
     kill_and_finish_sweep,
     row_of_torque_distribution,
     rows_of_cases_per_second,
+    rows_of_times_certified_by_sample,
     time_and_error_rows_of_coarser_meshes,
     time_sweep_with_dask_keeping_memory,
     time_sweep_with_dask_workers,
@@ -48,6 +50,7 @@ class Result:
 
     measured: dict[str, list[Throughput]]
     same: bool
+    sampled: list[Row]
     meshes: list[Row]
     kills: list[Kill]
     killed_cases: int
@@ -82,6 +85,12 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
                 measured[name].append(way(sweep.cases[: counts[name]], workers))
     # Rows do not depend on who solved the cases.
     same = all(one.rows == those[0].rows for those in measured.values() for one in those)
+    say(f"{OWN}, certified by sample")
+    own = sweeps[OWN].cases[: counts[OWN]]
+    sample = positions_of_sample(own, 3 if short else "every 10th", seed=1)
+    sampled = rows_of_times_certified_by_sample(
+        measured[OWN], [time_sweep_with_processes(own, workers, sample) for workers in WORKERS]
+    )
     say("coarser meshes")
     meshes = time_and_error_rows_of_coarser_meshes(
         sweeps[OWN].cases[: 1 if short else 12],
@@ -98,6 +107,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     return Result(
         measured,
         same,
+        sampled,
         meshes,
         kills,
         len(cases),
@@ -123,7 +133,10 @@ def report(result: Result, folder: Path) -> Path:
     ]
     write_text(
         folder / "results.json",
-        json.dumps({"throughput": rows, "meshes": result.meshes}, indent=1) + "\n",
+        json.dumps(
+            {"throughput": rows, "sampled": result.sampled, "meshes": result.meshes}, indent=1
+        )
+        + "\n",
     )
     kills = []
     for i, kill in enumerate(result.kills):

@@ -24,6 +24,7 @@ from drumlin.fem.error_control.degrees import (
     prepared_model_of_mesh_files,
     solve_meshes_of_files,
 )
+from drumlin.fem.error_control.first_level import solve_on_first_level
 from drumlin.fem.error_control.levels import LEVELS, SolvedLevel
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
@@ -125,6 +126,27 @@ def solve(
         response = replace(response, plane_stress_error=own)
     response = replace(response, seconds=seconds)
     return response_with_figures_of_merit(brake, response)
+
+
+def solve_first_level_of_brake(
+    brake: Brake,
+    *,
+    penalty: float = PENALTY,
+    model_error: bool = False,
+    cache: Cache | None = None,
+) -> Response:
+    """The response of a brake on the first level of a solve, which states no errors of its own.
+
+    The parameters are those of `solve`. Raises NoAnswer if the first level has no solution.
+    """
+    require_positive_penalty(penalty)
+    brake.check_shoes_can_be_meshed()
+    answer = partial(solve_prepared_model, penalty=penalty)
+    response = response_with_figures_of_merit(brake, solve_on_first_level(brake, answer, cache))
+    if not model_error:
+        return response
+    own = estimate_error_of_plane_stress(brake, response, penalty=penalty, cache=cache)
+    return replace(response, plane_stress_error=own)
 
 
 def _require_tolerance_without_elements(

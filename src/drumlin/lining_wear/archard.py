@@ -49,7 +49,6 @@ from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.optimize
 
 from drumlin.base.arrays import Bools, Floats, slices_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
@@ -637,7 +636,10 @@ def _solve_steady_power_law_wear(
             C @ contact_unknowns_at_wear_rates(contact_with_wear_rates_as_pressures(z * size).p) - h
         ) / np.abs(h).max()
 
-    root = scipy.optimize.root(unbalanced_loads_under_motions, guess / size, tol=1e-13)
+    # scipy.optimize takes time to load, and only a wear exponent other than 1 needs it.
+    from scipy.optimize import root as root_of_equations  # noqa: PLC0415
+
+    root = root_of_equations(unbalanced_loads_under_motions, guess / size, tol=1e-13)
     if not root.success:
         raise NoAnswer("no worn-in pressure in equilibrium found")
     contact = contact_with_wear_rates_as_pressures(root.x * size)

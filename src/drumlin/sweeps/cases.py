@@ -27,6 +27,14 @@ from drumlin.fem.preparation.cache import Cache
 from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Response, ShoeResponse
+from drumlin.sweeps.certificate import (
+    CERTIFIED,
+    FIRST_LEVEL,
+    Certificate,
+    SampleMember,
+    first_level_of_sample_member,
+    response_certified_by_sample,
+)
 from drumlin.sweeps.workers import SayLine, message_on_waiting_for_workers
 
 Row = dict[str, Any]
@@ -85,12 +93,15 @@ class SweepCase(NamedTuple):
     changes : new values of the brake, by key of the brake file
     model : name of the model
     options : options of the model
+    certify : None if the model states the errors of each case by itself; otherwise the case belongs
+        to a sample, or takes its errors from the certificate of a sample
     """
 
     brake: Brake
     changes: Mapping[str, Any]
     model: str = "fem"
     options: Mapping[str, Any] = {}
+    certify: SampleMember | Certificate | None = None
 
 
 class CaseAnswer(NamedTuple):
@@ -117,12 +128,17 @@ def solve_case_and_return_brake_and_response(
     shoe was condensed before, and else store it there. Raises BadInput and NoAnswer as the model
     does.
     """
-    # Without changes the brake needs no check, since the base brake has been checked before.
-    brake = vary(case.brake, case.changes) if case.changes else case.brake
+    brake = _brake_of_case(case)
     options = dict(case.options)
     if case.model in {"fem", "solid"}:
         options["cache"] = cache
     return brake, model_with_name_that_applies_to_brake(case.model, brake).solve(brake, **options)
+
+
+def _brake_of_case(case: SweepCase) -> Brake:
+    """The brake of a case with its changed values."""
+    # Without changes the brake needs no check, since the base brake has been checked before.
+    return vary(case.brake, case.changes) if case.changes else case.brake
 
 
 def solve_case_and_return_results_or_failure(case: SweepCase, cache: Cache | None = None) -> Row:
@@ -138,12 +154,34 @@ def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> C
     error, a fault of drumlin, is not kept and not tried again.
     """
     try:
-        return CaseAnswer(
-            results_of_response_by_name(*solve_case_and_return_brake_and_response(case, cache))
-        )
+        return CaseAnswer(_results_of_case(case, cache))
     # An error in one case must not end the sweep. It is written into the row of the case.
     except Exception as error:
         return _answer_of_failed_case(case, error)
+
+
+def _results_of_case(case: SweepCase, cache: Cache | None) -> Row:
+    """The results of a case by name; the column CERTIFIED says whose levels state its errors."""
+    # A case with a certificate is solved on the first level, and on all levels if it is of a kind
+    # that the sample has not.
+    if isinstance(case.certify, Certificate):
+        brake = _brake_of_case(case)
+        by_sample = response_certified_by_sample(
+            brake, case.changes, case.certify, case.options, cache
+        )
+        if by_sample is not None:
+            row = results_of_response_by_name(brake, by_sample)
+            return {"status": row["status"], CERTIFIED: "sample"} | row
+    brake, response = solve_case_and_return_brake_and_response(case, cache)
+    row = results_of_response_by_name(brake, response)
+    if case.certify is None:
+        return row
+    row = {"status": row["status"], CERTIFIED: "itself"} | row
+    if isinstance(case.certify, SampleMember) and response.converged:
+        member = first_level_of_sample_member(brake, case.changes, response, case.options, cache)
+        if member is not None:
+            row[FIRST_LEVEL] = member
+    return row
 
 
 def _answer_of_failed_case(case: SweepCase, error: Exception) -> CaseAnswer:
@@ -320,8 +358,8 @@ def _positions_of_unsolved_cases(
 def journal_keys_of_cases(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
     """Yield for each case the data by which the journal recognises the case.
 
-    These data are a digest of the base brake, the changed values, the model and its options. A
-    changed mesh file is represented by a digest of its content.
+    These data are a digest of the base brake, the changed values, the model, its options and the
+    certificate. A changed mesh file is represented by a digest of its content.
     """
     brake_digests: dict[int, str] = {}
     # A mesh file is read once, even if many cases name it.
@@ -334,12 +372,15 @@ def journal_keys_of_cases(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]
         for key, value in changes.items():
             if is_key_of_mesh_file(key) and isinstance(value, str | Path):
                 changes[key] = file_digest(Path(value))
-        yield {
+        data = {
             "brake": brake_digests[id(case.brake)],
             "changes": changes,
             "model": case.model,
             "options": dict(case.options),
         }
+        if case.certify is not None:
+            data["certify"] = case.certify.journal_data()
+        yield data
 
 
 def digest_of_brake_data(brake: Brake) -> str:

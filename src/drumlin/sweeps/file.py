@@ -37,6 +37,7 @@ from drumlin.foundation.model import validated_names_of_effects_to_include
 from drumlin.models import MODELS
 from drumlin.sweeps.cases import SweepCase, is_key_of_mesh_file, paths_of_mesh_files
 from drumlin.sweeps.options import MODEL_OPTIONS
+from drumlin.sweeps.sample import EVERY_CASE, positions_of_sample
 
 MAX_FILE_NESTING = 50
 """Largest allowed depth of tables and lists within one another in a sweep file.
@@ -123,6 +124,7 @@ class SweepFile(Part):
     cases: Annotated[int, Field(ge=1, le=MOST_CASES)] | None = None
     seed: Annotated[int, Field(ge=0)] = 0
     pressure: Literal["Pa", "MPa"] = "Pa"
+    certify: str | int = EVERY_CASE
     model: Annotated[
         dict[str, dict[str, Any]], Field(default_factory=lambda: {"fem": {}}, min_length=1)
     ]
@@ -139,6 +141,8 @@ class Sweep(NamedTuple):
     units : SI unit of each varied key; None if the key takes words
     cases : all cases, in the order of the table
     pressure : unit of stresses in the table, "Pa" or "MPa"
+    sample : positions of the cases whose levels certify the other cases too; empty if each case
+        states its own errors
     """
 
     title: str
@@ -146,6 +150,7 @@ class Sweep(NamedTuple):
     units: dict[str, str | None]
     cases: list[SweepCase]
     pressure: str = "Pa"
+    sample: tuple[int, ...] = ()
 
 
 Done = Callable[[int, int], None]
@@ -221,7 +226,8 @@ def sweep_from_file_data(
     for change in changes:
         cases += [SweepCase(brake, change, name, options) for name, options in models.items()]
     units = {key: si_unit_of_brake_key(brake, key) for key in specs}
-    return Sweep(file.title or brake.title, brake, units, cases, file.pressure)
+    sample = positions_of_sample(cases, file.certify, file.seed)
+    return Sweep(file.title or brake.title, brake, units, cases, file.pressure, sample)
 
 
 def _base_brake_of_sweep(brake: str | dict[str, Any], base: Path) -> Brake:

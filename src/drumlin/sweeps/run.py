@@ -9,8 +9,9 @@ from pathlib import Path
 
 from drumlin.base.errors import NoAnswer, Stopped
 from drumlin.base.journal import Journal, checksum_of_source_and_libraries
-from drumlin.sweeps.cases import Row, solve_all_cases_of_sweep
+from drumlin.sweeps.cases import Row
 from drumlin.sweeps.file import Sweep, read_sweep_from_toml_file
+from drumlin.sweeps.sample import solve_all_cases_with_sample
 from drumlin.sweeps.table import table_lines_of_cases
 from drumlin.sweeps.workers import provide_workers_for_cases_of_sweep
 
@@ -40,7 +41,9 @@ def solve_sweep_file(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
     """
     prepared = read_sweep_from_toml_file(Path(path))
     with provide_workers_for_cases_of_sweep(jobs) as (pool, workers):
-        rows = solve_all_cases_of_sweep(prepared.cases, executor=pool, workers=workers)
+        rows = solve_all_cases_with_sample(
+            prepared.cases, prepared.sample, executor=pool, workers=workers
+        )
     return rows_of_sweep_table(prepared, rows, Path(path))
 
 
@@ -104,8 +107,9 @@ def solve_sweep_with_journal(
                 provide_workers_for_cases_of_sweep(jobs, scheduler, say) as (pool, workers),
                 progress(prepared.title) as done,
             ):
-                return solve_all_cases_of_sweep(
+                return solve_all_cases_with_sample(
                     prepared.cases,
+                    prepared.sample,
                     executor=pool,
                     workers=workers,
                     journal=journal,

@@ -8,6 +8,7 @@ from drumlin.brake.schema import DIALECT, UnitSchema, schema_reduced_to_file_con
 from drumlin.models import MODELS
 from drumlin.sweeps.file import DISTRIBUTIONS, Range, SweepFile
 from drumlin.sweeps.options import MODEL_OPTIONS
+from drumlin.sweeps.sample import EVERY_CASE, EVERY_NTH, SMALLEST_SAMPLE
 
 
 def json_schema_of_sweep_file() -> dict[str, Any]:
@@ -15,6 +16,15 @@ def json_schema_of_sweep_file() -> dict[str, Any]:
     schema = TypeAdapter(SweepFile).json_schema(schema_generator=UnitSchema)
     schema["properties"]["vary"] = _json_schema_of_vary_table()
     schema["properties"]["model"] = _json_schema_of_model_table()
+    schema["properties"]["certify"] = {
+        "description": "which cases by finite elements are solved on all levels for their errors",
+        "default": EVERY_CASE,
+        "anyOf": [
+            {"const": EVERY_CASE},
+            {"type": "string", "pattern": f"^{EVERY_NTH}$"},
+            {"type": "integer", "minimum": SMALLEST_SAMPLE},
+        ],
+    }
     return {
         "$schema": DIALECT,
         "title": "drumlin sweep file",

@@ -20,7 +20,7 @@ from drumlin.fem.error_control.levels import (
     SolvedLevel,
     solve_on_finer_and_finer_levels,
 )
-from drumlin.fem.error_control.singular_points import contact_arcs_merged_over_narrow_gaps
+from drumlin.fem.error_control.singular_points import reason_if_contact_is_too_short
 from drumlin.fem.hp.corner import (
     TIP_TOLERANCE,
     pressure_error_left_at_lining_corners,
@@ -36,13 +36,6 @@ from drumlin.response.resultants import (
     largest_value_of_piecewise_polynomial,
 )
 
-SHORTEST_KNOWN_CONTACT = 1000 * SMALLEST_COLUMN
-"""Length of a contact, in lining thicknesses, below which its pressure counts as unknown.
-
-An error of 1e-4 needs elements at the ends of the contact whose size is a thousandth of the
-contact's length, but round-off limits the size to about SMALLEST_COLUMN. For a shorter contact the
-response states the error 1 for the pressure.
-"""
 PEAK_NEAR_END = 0.5
 """Pressure p in the hp element at a lining's end, relative to the peak, that makes the peak
 unknown.
@@ -286,21 +279,12 @@ def errors_with_singular_points_included(
             "pressure": error.shoes[i]["pressure"] + at_singular_points,
             "peak": 1.0 if missing_peak == 1.0 else error.shoes[i]["peak"] + missing_peak,
         }
-        length = _length_of_shortest_contact(brake, shoe, answer)
-        if length < SHORTEST_KNOWN_CONTACT * shoe.lining.thickness:
-            text = (
-                f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know "
-                "its pressure; torque and forces do not need it"
-            )
+        reason = reason_if_contact_is_too_short(brake, shoe, answer)
+        if reason is not None:
+            text = f"{reason}; torque and forces do not need it"
             errors = _errors_of_shoe_with_unknown_pressure(errors)
         shoes.append(errors)
     return Errors.brake_errors_from_torque_and_shoe_errors(error.brake["torque"], shoes), text
-
-
-def _length_of_shortest_contact(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> float:
-    """The length [m] of the shortest contact of a shoe; inf for a shoe that does not touch."""
-    arcs = contact_arcs_merged_over_narrow_gaps(shoe, answer)
-    return min((end - start for start, end in arcs), default=math.inf) * brake.size
 
 
 def _errors_of_shoe_with_unknown_pressure(errors: Mapping[str, float]) -> dict[str, float]:

@@ -25,7 +25,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
 from drumlin.brake.friction import FrictionCurve
 from drumlin.fem.hp.corner import logarithmic_pressures_at_pointed_gap_kinks
-from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Singularity, SingularPoint
+from drumlin.fem.hp.division import SMALLEST_COLUMN, UNRESOLVED_LENGTH, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import polynomial_values_at_gauss_points
@@ -47,6 +47,13 @@ CONTACT_END_BITS = 20
 The digits count relative to the length of the contact: twenty binary digits are a millionth of it.
 With 36 digits all stored reference values are the same. With 10 digits the error of p is up to six
 times 1e-4 where it is 1e-4 with 20 digits, because the elements then end beside the contact.
+"""
+SHORTEST_KNOWN_CONTACT = 1000 * SMALLEST_COLUMN
+"""Length of a contact, in lining thicknesses, below which its pressure counts as unknown.
+
+An error of 1e-4 needs elements at the ends of the contact whose size is a thousandth of the
+contact's length, but round-off limits the size to about SMALLEST_COLUMN. For a shorter contact the
+response states the error 1 for the pressure.
 """
 
 
@@ -341,6 +348,33 @@ def contact_arcs_merged_over_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> 
         else:
             arcs.append([start, end])
     return arcs
+
+
+def reason_if_contact_is_too_short(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> str | None:
+    """Why the pressure of a shoe cannot be known: a contact shorter than SHORTEST_KNOWN_CONTACT.
+
+    None if all contacts of the shoe are longer.
+    """
+    arcs = contact_arcs_merged_over_narrow_gaps(shoe, answer)
+    length = min((end - start for start, end in arcs), default=math.inf) * brake.size
+    if length >= SHORTEST_KNOWN_CONTACT * shoe.lining.thickness:
+        return None
+    return (
+        f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know its "
+        "pressure"
+    )
+
+
+def reason_if_any_contact_is_too_short(brake: Brake, response: Response) -> str | None:
+    """Why the pressure of a shoe of a brake cannot be known, see `reason_if_contact_is_too_short`.
+
+    None if all contacts of the brake are long enough.
+    """
+    for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
+        reason = reason_if_contact_is_too_short(brake, shoe, answer)
+        if reason is not None:
+            return reason
+    return None
 
 
 def _openings_within_contact_arcs_of_lining(

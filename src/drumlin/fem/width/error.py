@@ -21,7 +21,10 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_loads_at_actuation
 from drumlin.fem.error_control.levels import LEVEL_RULE, LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import (
+    reason_if_any_contact_is_too_short,
+    singular_points_of_all_linings,
+)
 from drumlin.fem.hp.division import Level, ShoeDivision
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache, first_shoes_of_equal_shape
@@ -151,8 +154,12 @@ def coarse_solutions_with_and_without_widths(
     Raises
     ------
     NoAnswer
-        if the brake has no answer in plane stress, or none with widths
+        if the brake has no answer in plane stress, or none with widths, and if a contact is too
+        short for any elements
     """
+    reason = reason_if_any_contact_is_too_short(brake, response)
+    if reason is not None:
+        raise NoAnswer(reason)
     brake = brake_with_loads_at_actuation(brake)
     try:
         section = plane_stress_solution_on_coarse_division(

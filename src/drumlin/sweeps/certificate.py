@@ -1,0 +1,137 @@
+"""Certificates of a sweep: what the cases of its sample tell about its other cases.
+
+The finite elements state the errors of an answer from the difference of two levels. If a sweep is
+certified by sample, some of its cases are solved on all levels, as they would be without a sample.
+The other cases are solved on the first level only and take their errors from the sample.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+from drumlin.base.errors import NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.fem.error_control.estimate import QUANTITIES
+from drumlin.fem.error_control.first_level import (
+    errors_of_first_level,
+    first_level_with_errors_of_sample,
+    kind_of_contact,
+)
+from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.solve import solve_first_level_of_brake
+from drumlin.response.response import Response
+
+CERTIFIED = "certified"
+"""The name of the column that says whose levels state the errors of a case.
+
+It is "itself" for the levels of the case, and "sample" for the levels of the sample.
+"""
+
+FIRST_LEVEL = "first_level"
+"""The name under which the row of a case in the sample keeps the errors of its first level.
+
+The table of the sweep does not show it.
+"""
+
+
+class SampleMember(NamedTuple):
+    """The mark of a case in the sample: it is solved on all levels and tells about its first."""
+
+    def journal_data(self) -> str:
+        """The text by which the journal recognises cases with this mark."""
+        return "sample"
+
+
+class Certificate(NamedTuple):
+    """What the sample tells about the first level of the cases that are not in the sample.
+
+    Attributes
+    ----------
+    kinds : kinds of cases in the sample, see `_kind_of_case`
+    errors : largest relative errors of the first level in the sample, by the names of QUANTITIES
+    """
+
+    kinds: tuple[str, ...]
+    errors: Mapping[str, float]
+
+    def journal_data(self) -> str:
+        """A digest by which the journal recognises cases with this certificate."""
+        text = json.dumps([self.kinds, self.errors], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def certificate_of_sample(rows: Iterable[Mapping[str, Any]]) -> Certificate:
+    """The certificate that the rows of the solved cases in a sample give."""
+    members = [row[FIRST_LEVEL] for row in rows if FIRST_LEVEL in row]
+    kinds = sorted({str(member["kind"]) for member in members})
+    largest = {}
+    for name in QUANTITIES:
+        largest[name] = max((float(member[name]) for member in members), default=0.0)
+    return Certificate(tuple(kinds), largest)
+
+
+def first_level_of_sample_member(
+    brake: Brake,
+    changes: Mapping[str, Any],
+    last: Response,
+    options: Mapping[str, Any],
+    cache: Cache | None,
+) -> dict[str, Any] | None:
+    """The kind of a case in the sample, and the errors of its first level by name.
+
+    None if the first level has no solution.
+
+    Parameters
+    ----------
+    brake : the brake with its changed values
+    changes : the changed values, by key of the brake file
+    last : response of the last level
+    options : options of the finite elements; the error of plane stress does not matter here
+    cache : keeps the condensed bodies of earlier solves
+    """
+    plain = {name: value for name, value in options.items() if name != "model_error"}
+    try:
+        first = solve_first_level_of_brake(brake, **plain, cache=cache)
+    except NoAnswer:
+        return None
+    errors = errors_of_first_level(brake, first, last)
+    return {"kind": _kind_of_case(brake, changes, first)} | errors
+
+
+def response_certified_by_sample(
+    brake: Brake,
+    changes: Mapping[str, Any],
+    certificate: Certificate,
+    options: Mapping[str, Any],
+    cache: Cache | None,
+) -> Response | None:
+    """The response of a case on the first level, with the errors of the sample.
+
+    None if the case must be solved on all levels: its first level has no solution, or the case is
+    of a kind that is not in the sample.
+
+    Parameters
+    ----------
+    brake : the brake with its changed values
+    changes : the changed values, by key of the brake file
+    certificate : what the sample tells
+    options : options of the finite elements
+    cache : keeps the condensed bodies of earlier solves
+    """
+    try:
+        first = solve_first_level_of_brake(brake, **options, cache=cache)
+    except NoAnswer:
+        return None
+    if not first.converged or _kind_of_case(brake, changes, first) not in certificate.kinds:
+        return None
+    return first_level_with_errors_of_sample(brake, first, certificate.errors)
+
+
+def _kind_of_case(brake: Brake, changes: Mapping[str, Any], first: Response) -> str:
+    """A text that is equal for cases of one kind: of the same changed words and kind of contact.
+
+    The changed words are values such as "clockwise" or the name of a file.
+    """
+    words = {key: value for key, value in changes.items() if isinstance(value, str)}
+    return json.dumps([words, kind_of_contact(brake, first)], sort_keys=True)

@@ -1,0 +1,179 @@
+"""Sweeps that are certified by a sample: which cases it has, and what the other cases state."""
+
+import pytest
+
+from conftest import ROOT, STUDY
+from drumlin.base.errors import BadInput
+from drumlin.base.journal import Journal
+from drumlin.brake.file import vary
+from drumlin.fem.error_control.estimate import (
+    QUANTITIES,
+    relative_differences_of_two_levels,
+)
+from drumlin.fem.error_control.first_level import kind_of_contact
+from drumlin.fem.solve import solve, solve_first_level_of_brake
+from drumlin.sweeps.cases import solve_all_cases_of_sweep, solve_case_and_return_results_or_failure
+from drumlin.sweeps.certificate import Certificate
+from drumlin.sweeps.file import sweep_from_file_data
+from drumlin.sweeps.sample import solve_all_cases_with_sample
+
+BRAKE = str(STUDY / "brake.toml")
+STUDIES = ROOT / "studies"
+
+
+def over(first, last, count, **more):
+    return {"from": first, "to": last, "count": count} | more
+
+
+def sweep(vary_, **more):
+    return sweep_from_file_data({"brake": BRAKE, "vary": vary_} | more)
+
+
+FRICTION = {"friction": over(0.1, 0.5, 20)}
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"certify": "every tenth"}, "certify = 'every tenth': allowed"),
+        ({"certify": "every 1st"}, "certify = 'every 1st': allowed"),
+        ({"certify": "every 10th"}, "a sample of 2 of 20 cases"),
+        ({"certify": 2}, "certify = 2: is a sample of 2 of 20"),
+        ({"certify": 21}, "allowed: 3 to 20"),
+        ({"certify": 4, "model": {"sine": {}}}, r"certify = 4: is for \[model.fem\]"),
+        (
+            {"certify": 4, "model": {"fem": {"elements": 20}}},
+            "does not go with model.fem.elements = 20",
+        ),
+        (
+            {"certify": 4, "model": {"fem": {"tolerance": 1e-3}}},
+            "does not go with model.fem.tolerance = 0.001",
+        ),
+        ({"certify": 1.5}, "certify"),
+    ],
+)
+def test_what_no_sample_can_certify_is_refused_by_its_key(more, words):
+    with pytest.raises(BadInput, match=words):
+        sweep(FRICTION, **more)
+
+
+def test_sample_has_every_value_of_an_inner_key_and_the_extremes_of_all():
+    keys = {"friction": over(0.1, 0.5, 40), "shoe.lining.thickness": over("6 mm", "10 mm", 10)}
+    made = sweep(keys, certify="every 10th", model={"sine": {}, "fem": {}})
+    assert all(made.cases[i].model == "fem" for i in made.sample)
+    assert 40 <= len(made.sample) <= 44
+    taken = [made.cases[i].changes for i in made.sample]
+    for key in keys:
+        every = {case.changes[key] for case in made.cases}
+        found = {changes[key] for changes in taken}
+        assert {min(every), max(every)} <= found
+        # A fixed step of ten cases would find one thickness only.
+        assert len(found) > len(every) / 2
+    again = sweep(keys, certify="every 10th", model={"sine": {}, "fem": {}}, seed=1)
+    assert again.sample != made.sample
+    assert sweep(keys).sample == sweep(keys, certify="every case").sample == ()
+
+
+def test_rows_say_who_certifies_them_and_go_on_from_a_journal(tmp_path):
+    made = sweep({"friction": over(0.25, 0.35, 6)}, certify=3)
+    told = []
+    rows = solve_all_cases_with_sample(made.cases, made.sample, done=lambda *at: told.append(at))
+    assert told[-1] == (6, 6)
+    for i, (row, case) in enumerate(zip(rows, made.cases, strict=True)):
+        assert row["certified"] == ("itself" if i in made.sample else "sample")
+        assert not any(isinstance(value, dict) for value in row.values())
+        own = solve_case_and_return_results_or_failure(case)
+        if i in made.sample:
+            assert row == own | {"certified": "itself"}
+            continue
+        # The row states more than its distance from its own last level, and not absurdly more.
+        moved = abs(row["torque"] / own["torque"] - 1)
+        assert 0 < moved < row["error_torque"] < 1e-2
+        assert own["error_pressure"] < row["error_pressure"] < 0.1
+    with Journal(tmp_path / "kept") as journal:
+        solve_all_cases_with_sample(made.cases[:5], made.sample[:2], journal=journal)
+        assert solve_all_cases_with_sample(made.cases, made.sample, journal=journal) == rows
+
+
+def test_case_of_a_kind_that_the_sample_has_not_certifies_itself(brake):
+    (case,) = sweep({"shoe.lining.clearance": ["0.1 mm"]}).cases
+    own = solve_all_cases_of_sweep([case])[0]
+    strange = Certificate(("another kind",), dict.fromkeys(QUANTITIES, 1e-3))
+    row = solve_case_and_return_results_or_failure(case._replace(certify=strange))
+    assert row == own | {"certified": "itself"}
+    # Its contact has ends that have lifted off, which the contact of the brake itself has not.
+    brakes = brake, vary(brake, case.changes)
+    kinds = [kind_of_contact(b, solve_first_level_of_brake(b)) for b in brakes]
+    assert "corner" in kinds[0] and kinds[0] != kinds[1]
+
+
+def test_refused_case_has_the_words_of_its_own_solve():
+    (case,) = sweep({"shoe.lining.clearance": ["50 mm"]}).cases
+    own = solve_case_and_return_results_or_failure(case)
+    strange = Certificate((), dict.fromkeys(QUANTITIES, 0.0))
+    assert own["status"].startswith("failed")
+    assert solve_case_and_return_results_or_failure(case._replace(certify=strange)) == own
+
+
+SWEEPS = {
+    "hinge": (BRAKE, {"shoe.hinge.radius": over("100 mm", "135 mm", 30)}, "every 10th", 0),
+    "modulus": (
+        BRAKE,
+        {"shoe.lining.material.E": over("50 MPa", "5 GPa", 30, scale="log")},
+        "every 10th",
+        0,
+    ),
+    "partial contact": (
+        BRAKE,
+        {"shoe.lining.misfit.radius": over("149.6 mm", "150.4 mm", 40)},
+        "every 10th",
+        0,
+    ),
+    # Of sixty seeds the next ones have samples that tell least about the other cases.
+    "two keys": (
+        BRAKE,
+        {"friction": over(0.1, 0.6, 8), "shoe.lining.thickness": over("4 mm", "12 mm", 5)},
+        "every 10th",
+        33,
+    ),
+    "flexible shoes": (
+        str(STUDIES / "double_shoe" / "flexible.toml"),
+        {
+            "shoe.body.thickness": over("4 mm", "10 mm", 7),
+            "shoe.lining.misfit.radius": over("149.8 mm", "150.2 mm", 6),
+        },
+        "every 10th",
+        24,
+    ),
+    "T-sections": (
+        str(STUDIES / "plane_stress" / "brake.toml"),
+        {
+            "shoe.lining.material.E": over("100 MPa", "2 GPa", 5, scale="log"),
+            "friction": over(0.2, 0.5, 4),
+        },
+        3,
+        48,
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SWEEPS)
+def test_no_case_is_further_from_its_own_last_level_than_its_sample_says(name):
+    file, keys, certify, seed = SWEEPS[name]
+    made = sweep(keys, brake=file, certify=certify, seed=seed)
+    rows = solve_all_cases_with_sample(made.cases, made.sample)
+    by_sample = 0
+    for row, case in zip(rows, made.cases, strict=True):
+        if row["certified"] == "itself":
+            continue
+        by_sample += 1
+        one = vary(case.brake, case.changes)
+        first, last = solve_first_level_of_brake(one), solve(one)
+        assert row["torque"] == first.effect
+        steps = relative_differences_of_two_levels(one, first, last).steps
+        moved = steps[1:].reshape(-1, len(QUANTITIES)).max(axis=0)
+        for quantity, found in zip(QUANTITIES, moved.tolist(), strict=True):
+            distance = steps[0] if quantity == "torque" else found
+            assert distance < row[f"error_{quantity}"] < 0.5, (name, case.changes)
+    assert by_sample > len(rows) / 2
