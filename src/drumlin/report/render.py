@@ -11,6 +11,7 @@ import math
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -40,6 +41,10 @@ ARROW_LENGTH = 0.28
 
 FIELD_WIDTH, FIELD_HEIGHT = 1500, 1300
 """Width and height [pixels] of the picture of stress and pressure."""
+
+
+DRAWING_PACKAGES = ("pyvista", "vtkmodules")
+"""The packages that draw pictures in space; the extra `fields` installs them."""
 
 
 class NoPicture(Exception):
@@ -97,6 +102,8 @@ def draw_picture_in_own_process(
     -------
     None, or one line that says why the picture could not be drawn
     """
+    if not all(map(find_spec, DRAWING_PACKAGES)):
+        return "no field picture: pyvista needs the extra drumlin[fields]"
     child = (
         f"import sys; sys.path.append(sys.argv.pop(1)); from {module} import main; sys.exit(main())"
     )
