@@ -10,16 +10,48 @@ import os
 import signal
 import sys
 import types
+from pathlib import Path
 
 LACKS = os.environ.get("DRUMLIN_TEST_LACKS", "").split(",")
 """Further packages that this process must not find, and "long double"."""
 
-WINDOWS_SIGNALS = """SIGINT SIGTERM SIGABRT SIGFPE SIGILL SIGSEGV SIG_DFL SIG_IGN signal getsignal
-raise_signal default_int_handler Signals Handlers strsignal valid_signals set_wakeup_fd""".split()
+WINDOWS_SIGNALS = [
+    "SIGINT",
+    "SIGTERM",
+    "SIGABRT",
+    "SIGFPE",
+    "SIGILL",
+    "SIGSEGV",
+    "SIG_DFL",
+    "SIG_IGN",
+    "signal",
+    "getsignal",
+    "raise_signal",
+    "default_int_handler",
+    "Signals",
+    "Handlers",
+    "strsignal",
+    "valid_signals",
+    "set_wakeup_fd",
+]
 """What the module signal has on Windows too, according to the documentation of Python."""
 
-POSIX_FUNCTIONS = """fork forkpty wait wait3 wait4 waitpid killpg setsid getuid geteuid getpgid
-sched_getaffinity sched_setaffinity nice""".split()
+POSIX_FUNCTIONS = [
+    "fork",
+    "forkpty",
+    "wait",
+    "wait3",
+    "wait4",
+    "waitpid",
+    "killpg",
+    "setsid",
+    "getuid",
+    "geteuid",
+    "getpgid",
+    "sched_getaffinity",
+    "sched_setaffinity",
+    "nice",
+]
 """Functions of os that Windows lacks; the library itself has taken what it needs before."""
 
 windows_signal = types.ModuleType("signal")
@@ -53,9 +85,8 @@ def import_of_windows(name, globals=None, *more, **named):
 
 def rename_of_windows(source, target, **options):
     """Rename a file unless this process has it open: Windows refuses that."""
-    for handle in os.listdir("/proc/self/fd"):
-        link = f"/proc/self/fd/{handle}"
-        if os.path.exists(link) and os.path.realpath(link) == os.path.realpath(source):
+    for handle in Path("/proc/self/fd").iterdir():
+        if handle.exists() and handle.resolve() == Path(source).resolve():
             raise PermissionError(13, "The process cannot access the file", str(source))
     return plain_rename(source, target, **options)
 

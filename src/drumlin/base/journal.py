@@ -216,8 +216,8 @@ class Journal(AbstractContextManager["Journal"]):
         if not re.fullmatch(re.escape(HEAD) + rb'[^"]*"\}\n', head):
             raise BadInput(f"{path}: is no journal; move it away, or write elsewhere")
         names = (path.with_name(f"{path.name}.{n}") for n in count(1))
-        # The file stays locked until it is renamed, so that no other run reads it meanwhile. Windows
-        # has no such lock, and renames no open file.
+        # The file stays locked until it is renamed, so that no other run reads it meanwhile.
+        # Windows has no such lock, and renames no open file.
         if fcntl is None:
             self.close()
         aside = path.rename(next(name for name in names if not os.path.lexists(name)))

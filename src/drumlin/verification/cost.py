@@ -5,12 +5,10 @@ This least work is one assembly of the stiffness, one factorisation and one back
 
 import math
 import multiprocessing
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from pathlib import Path
 from statistics import median
 from typing import Any, NamedTuple
 
