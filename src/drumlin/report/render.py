@@ -274,7 +274,7 @@ def _title_and_legend_text_of_picture(marks: dict[str, Any], factor: float) -> s
     return (
         f"{marks['title']}\n"
         f"Displacements x {factor:g} (undeformed outline grey), {surface} black.\n"
-        f"Red arrows: pressure of the {surface} on the lining. "
+        f"Orange arrows: pressure of the {surface} on the lining. "
         "Black arrows: actuation. Discs: pins and feet."
     )
 
@@ -333,7 +333,7 @@ def _add_pressure_arrows_to_picture(plotter: Any, grid: Any, size: float, *, fla
     cloud = pv.PolyData(points[chosen] - arrows)
     cloud["arrow"], cloud["size"] = arrows, np.linalg.norm(arrows, axis=1)
     tip = pv.Arrow(tip_length=0.25, tip_radius=0.05, shaft_radius=0.016)
-    plotter.add_mesh(cloud.glyph(orient="arrow", scale="size", geom=tip), color=RED)
+    plotter.add_mesh(cloud.glyph(orient="arrow", scale="size", geom=tip), color=RED, lighting=False)
 
 
 def _indices_of_evenly_spread_points(points: Floats, size: float, *, flat: bool) -> Any:
