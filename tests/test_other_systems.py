@@ -5,6 +5,7 @@ Python's processes get `other_system/sitecustomize.py` on their path, which take
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -108,18 +109,17 @@ SOLVE_SOFT = f"""
 import json, sys
 import drumlin
 brake, found = drumlin.read_brake({BRAKE!r}), {{}}
-for E in ("210 GPa", "1 kPa", "100 Pa", "10 Pa"):
-    for elements in (None, 20):
-        options = {{}} if elements is None else {{"elements": elements}}
+for E in ("210 GPa", "1 kPa", "400 Pa"):
+    for options in ({{"tolerance": 0.05}}, {{"elements": 20}}):
         try:
             softer = drumlin.vary(brake, {{"shoe.body.material.E": E}})
             answer = drumlin.solve(softer, **options)
-            found[f"{{E}}, {{elements}}"] = dict(
+            found[f"{{E}}, {{options}}"] = dict(
                 torque=answer.torque, error=answer.error, notes=answer.notes,
                 peaks=[shoe.peak_pressure for shoe in answer.shoes],
             )
         except drumlin.NoAnswer as error:
-            found[f"{{E}}, {{elements}}"] = str(error)
+            found[f"{{E}}, {{options}}"] = str(error)
 json.dump(found, sys.stdout)
 """
 
@@ -142,15 +142,17 @@ def test_where_long_double_is_double_the_answer_says_what_is_lost(tmp_path):
             outcomes.add("refused")
             assert "lost digits" in found and reason in found, found
             continue
-        # A mesh states no error: it may lose what long double need not refine.
-        error = found["error"] or {"torque": 1e-5, "peak": 1e-5}
-        assert abs(found["torque"] / right["torque"] - 1) < error["torque"]
+        notes = [line for line in found["notes"] if line.startswith("note:") and reason in line]
+        outcomes.add("noted" if notes else "silent")
+        assert notes or "refined" not in str(right["notes"])
+        # Both are solved on the same elements, so that they differ by round-off alone. Without a
+        # note it is less than that which long double need not refine.
+        stated = re.findall(r"certain only to ([0-9.e-]+)", str(notes))
+        most = max(map(float, stated), default=1e-5)
+        assert abs(found["torque"] / right["torque"] - 1) < most
         for peak, other in zip(found["peaks"], right["peaks"], strict=True):
-            assert abs(peak / other - 1) < error["peak"]
-        noted = any(line.startswith("note:") and reason in line for line in found["notes"])
-        outcomes.add("noted" if noted else "silent")
-        assert noted or "refined" not in str(right["notes"])
-    assert outcomes == {"silent", "noted", "refused"}, {k: v for k, v in double.items()}
+            assert abs(peak / other - 1) < most
+    assert outcomes == {"silent", "noted", "refused"}, double
 
 
 def test_extras_and_classifiers_say_what_is_tried():
