@@ -99,12 +99,12 @@ def version_of_package(name):
 
 
 builtins.__import__ = import_of_windows
-os.rename = rename_of_windows
+os.rename = rename_of_windows  # type: ignore[assignment]
 importlib.metadata.version = version_of_package
 for name in LACKS:
     if name and name != "long double":
-        sys.modules[name] = None
+        sys.modules[name] = None  # type: ignore[assignment]
 if "long double" in LACKS:
     import numpy as np
 
-    np.longdouble = np.float64
+    np.longdouble = np.float64  # type: ignore[assignment]
