@@ -81,7 +81,7 @@ def play(page, address):
     brake = read_brake(STUDY / "brake.toml")
     assert torque() == pytest.approx(drumlin.solve(brake).torque, rel=1e-4)
     page.find_element(By.ID, "friction").send_keys(Keys.ARROW_RIGHT * 8)
-    assert page.find_element(By.ID, "friction-value").text == "0.34"
+    assert page.find_element(By.ID, "friction-value").get_attribute("value") == "0.34"
     # The address in the page's link tells when the answer has settled.
     wait.until(lambda page: "friction=0.34" in page.current_url)
     expected = drumlin.solve(vary(brake, {"friction": 0.34}))
@@ -92,6 +92,13 @@ def play(page, address):
     E = float(dict(parse_qsl(page.current_url.split("?")[1]))["shoe"]) * 1e9
     expected = drumlin.solve(vary(brake, {"friction": 0.34, "shoe.body.material.E": E}))
     assert torque() == pytest.approx(expected.torque, rel=1e-4)
+    # A number that is typed counts to its last digit, and the slider follows.
+    field = page.find_element(By.ID, "hinge-value")
+    field.send_keys(Keys.CONTROL, "a")
+    field.send_keys("4.137", Keys.ENTER)
+    wait.until(lambda page: "hinge=4.137" in page.current_url)
+    slider = page.find_element(By.ID, "hinge").get_attribute("value")
+    assert float(slider) == pytest.approx(4.137)
     link = page.find_element(By.ID, "link").get_attribute("href")
     before = torque()
     # A page of its own must show the same state by the link alone.

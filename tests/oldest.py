@@ -15,7 +15,11 @@ TOOLS = ("mypy", "ruff", "import-linter", "drumlin")
 def oldest(data: dict[str, Any]) -> list[str]:
     """The required packages, each with the oldest allowed version."""
     extras = data["project"]["optional-dependencies"]
-    used = [line for name in ("distributed", "manual", "parquet", "dev") for line in extras[name]]
+    used = [
+        line
+        for name in ("distributed", "fields", "manual", "parquet", "dev")
+        for line in extras[name]
+    ]
     wanted = dict.fromkeys([*data["project"]["dependencies"], *used])
     return [line.replace(">=", "==") for line in wanted if not line.startswith(TOOLS)]
 

@@ -6,7 +6,6 @@ the machine, so that lines from different machines can be compared.
 """
 
 import json
-import resource
 import subprocess
 import sys
 import time
@@ -20,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 import drumlin
+from drumlin.base.resource_use import processor_time_of_ended_child_processes
 from drumlin.brake.brake import Brake
 from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.studies import REPOSITORY, paths_of_example_brakes
@@ -106,10 +106,9 @@ def measure_processor_time(call: Callable[[], object]) -> float:
 
 def measure_python_process_time(*arguments: str) -> float:
     """Run Python with these arguments in a new process; returns its processor time [s]."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    before = processor_time_of_ended_child_processes()
     subprocess.run([sys.executable, *arguments], stdout=subprocess.DEVNULL, check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return processor_time_of_ended_child_processes() - before
 
 
 def median_ratio_of_two_measured_times(

@@ -24,6 +24,7 @@ import numpy as np
 
 from drumlin import peers
 from drumlin.base.errors import BadInput, DrumlinError
+from drumlin.base.resource_use import peak_memory_of_process
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_brake_to_tolerance
@@ -46,7 +47,6 @@ from drumlin.response.norms import (
     relative_error_of_number,
 )
 from drumlin.response.response import Response, length_of_edge_zone_without_peak
-from drumlin.verification.cost import peak_memory_of_process
 from drumlin.verification.reference import ReferenceResponses, peak_pressure_between_edge_zones
 from drumlin_studies import pointwise
 
@@ -519,7 +519,7 @@ def _status_text_of_refused_or_failed_solve(error: DrumlinError) -> str:
     return f"{'refused' if isinstance(error, BadInput) else 'failed'}: {error}"
 
 
-def peak_memory_of_solve_in_new_process(brake: Brake, method: Method) -> int:
+def peak_memory_of_solve_in_new_process(brake: Brake, method: Method) -> float:
     """The peak memory [bytes] of a whole solve by a method, minus the loaded program's.
 
     The solve runs in a process of its own.
@@ -542,7 +542,7 @@ def _multiprocessing_start_context() -> Any:
     return context
 
 
-def _peak_memory_growth_by_solve_in_this_process(brake: Brake, method: Method) -> int:
+def _peak_memory_growth_by_solve_in_this_process(brake: Brake, method: Method) -> float:
     """The growth of this process's peak memory [bytes] by a whole solve of a brake by a method."""
     before = peak_memory_of_process()
     solve_from_start_by_method(brake, method)

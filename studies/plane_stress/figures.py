@@ -6,11 +6,12 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import number_as_text
-from drumlin.report.figures import STYLE
+from drumlin.report.figures import FULL_WIDTH, STYLE
 from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of_model
 from drumlin.response.response import ShoeResponse, length_of_edge_zone_without_peak
 from drumlin_studies.plane_stress import (
@@ -23,45 +24,60 @@ from drumlin_studies.plane_stress import (
 
 PANELS = {
     "torque": "torque",
-    "pressure": "mean p over the width (L2)",
-    "uneven": "p across the width off its mean",
-    "corrected_torque": "torque, corrected",
+    "pressure": "mean pressure over the width (L2)",
+    "uneven": "spread of pressure across the width",
+    "corrected_torque": "torque, corrected for the width",
 }
 
 
 def draw_error_maps(charts: Sequence[PlaneErrorMap]) -> Figure:
-    """Maps of errors, a row for each map and a panel for each error of the worst shoe."""
-    with mpl.rc_context(STYLE | {"axes.grid": False}):
-        figure = Figure(figsize=(15.5, 3.9 * len(charts)), layout="constrained")
-        grid = figure.subplots(len(charts), len(PANELS), squeeze=False)
-        for row, chart in zip(grid, charts, strict=True):
-            for axes, (key, title) in zip(row, PANELS.items(), strict=True):
-                _draw_map_panel(axes, chart, key, f"{chart.name}: {title}")
+    """Maps of errors of the worst shoe, two panels side by side, for a page of 170 mm.
+
+    One bar gives the colours of all panels; the fields give the numbers.
+    """
+    with mpl.rc_context(STYLE | {"axes.grid": False, "font.size": 7.5}):
+        rows = len(charts) * len(PANELS) // 2
+        figure = Figure(figsize=(FULL_WIDTH, 2.1 * rows + 0.6), layout="constrained")
+        grid = figure.subplots(rows, 2, squeeze=False)
+        panels = [(chart, key) for chart in charts for key in PANELS]
+        for axes, (chart, key) in zip(grid.flat, panels, strict=True):
+            drawn = _draw_map_panel(axes, chart, key, f"{chart.name}: {PANELS[key]}")
+        bar = figure.colorbar(drawn, ax=list(grid.flat), location="bottom", aspect=40, extend="min")
+        bar.set_label("numbers in the fields, and colours by their size [%]")
+        bar.set_ticks(COLOUR_BAR_ERRORS, labels=list(map("{:g}".format, COLOUR_BAR_ERRORS)))
+        bar.minorticks_off()
     return figure
 
 
-def _draw_map_panel(axes: Axes, chart: PlaneErrorMap, key: str, title: str) -> None:
-    """Draw a map of an error: a colour and a number [%] for each brake."""
+COLOUR_BAR_ERRORS = (0.03, 0.1, 0.3, 1, 3, 10, 30, 100)
+"""Errors [%] at the ticks of the colour bar; smaller errors have the colour of its lower end."""
+
+
+def _draw_map_panel(axes: Axes, chart: PlaneErrorMap, key: str, title: str) -> Any:
+    """Draw a map of an error: a colour and a number [%] for each brake; returns the image."""
     error = 100 * chart.errors[key]
-    axes.imshow(
-        np.log10(np.maximum(np.abs(error), 0.03)),
+    least, most = COLOUR_BAR_ERRORS[0], COLOUR_BAR_ERRORS[-1]
+    drawn = axes.imshow(
+        np.maximum(np.abs(error), 1e-3 * least),
         origin="lower",
         aspect="auto",
-        cmap="YlOrRd",
-        vmin=-1.5,
-        vmax=1.8,
+        cmap="Blues",
+        norm=LogNorm(least, most),
     )
     for j, i in np.ndindex(*error.shape):
-        signed = key in {"torque", "corrected_torque"}
-        said = number_as_text(float(error[j, i]), f"{'+' if signed else ''}.2g")
-        color = "white" if abs(error[j, i]) > 18 else INK
-        axes.text(i, j, said, ha="center", va="center", fontsize=9, color=color)
+        # Two digits behind the point, and fewer only where the number has two before it.
+        sign = "+" if key in {"torque", "corrected_torque"} else ""
+        digits = 2 if abs(error[j, i]) < 9.995 else 0
+        said = number_as_text(float(error[j, i]), f"{sign}.{digits}f")
+        color = "white" if abs(error[j, i]) > 5 else INK
+        axes.text(i, j, said, ha="center", va="center", fontsize=7, color=color)
     x, y = chart.axes
     axes.set_xticks(range(len(chart.x)), list(map("{:g}".format, chart.x)))
     axes.set_yticks(range(len(chart.y)), list(map("{:g}".format, chart.y)))
     axes.set_xlabel(x)
     axes.set_ylabel(y)
-    axes.set_title(f"{title} [%]", fontsize=9.5)
+    axes.set_title(title, fontsize=8, fontweight="normal")
+    return drawn
 
 
 def draw_face_pressures(three: SolidAndPlane, worn: WornSolid) -> Figure:

@@ -6,7 +6,6 @@ share those of other cases.
 
 import importlib.util
 import json
-import signal
 import tempfile
 import time
 from collections.abc import Callable
@@ -157,7 +156,6 @@ def report(result: Result, folder: Path) -> Path:
         kills=kills,
         with_dask=any(one.by != "processes" for those in result.measured.values() for one in those),
         keep=" and ".join(f"{name}={value}" for name, value in KEEP.items()),
-        signal=int(signal.SIGKILL),
         fine=FINE,
         files=files,
     )

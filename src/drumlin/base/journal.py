@@ -217,6 +217,9 @@ class Journal(AbstractContextManager["Journal"]):
             raise BadInput(f"{path}: is no journal; move it away, or write elsewhere")
         names = (path.with_name(f"{path.name}.{n}") for n in count(1))
         # The file stays locked until it is renamed, so that no other run reads it meanwhile.
+        # Windows has no such lock, and renames no open file.
+        if fcntl is None:
+            self.close()
         aside = path.rename(next(name for name in names if not os.path.lexists(name)))
         self.notes.append(
             f"{path}: was of another drumlin and is kept as {aside.name}; every case is solved anew"

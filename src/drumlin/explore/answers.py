@@ -13,7 +13,7 @@ from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import require_friction_without_pressure
-from drumlin.explore.knobs import LARGEST_WEAR, KnobSetting, brake_at_knob_setting, knobs_for_brake
+from drumlin.explore.knobs import KnobSetting, brake_at_knob_setting, knobs_for_brake
 from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
@@ -28,13 +28,13 @@ from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     WORN_OUT_FRACTION,
     brake_with_worn_linings,
-    sliding_distance_of_e_fold_pressure_change,
     wear_brake_linings_until_worn_in,
 )
 from drumlin.models import MODELS, model_with_name_that_applies_to_brake
 from drumlin.response import Response
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
+from drumlin.response.response import ModelError
 
 EXPLORE_LEVEL = LEVELS[1]
 """The fixed division of the shoes into hp elements, for shoes without a mesh file.
@@ -109,13 +109,10 @@ class _WearRun(NamedTuple):
     ----------
     setup : the brake prepared for the computation of wear
     states : worn depths and pressures at increasing sliding distances
-    unit : the unit 1/(k K) of the sliding distance [m], with the wear coefficient k and the
-        lining's stiffness K = E/t
     """
 
     setup: WearSetup
     states: list[WearState]
-    unit: float
 
 
 class _WornBrake(NamedTuple):
@@ -134,11 +131,13 @@ class StatedError(NamedTuple):
     pressure : relative difference of the pressure (L2) on the shoe where it is largest
     own : estimated errors that `drumlin.solve` states for its accurate answer; None if it states
         none
+    plane_stress : estimated errors of plane stress itself; None for solid shoes
     """
 
     torque: float
     pressure: float
     own: Mapping[str, float] | None
+    plane_stress: ModelError | None
 
 
 class LatestValueCache:
@@ -225,13 +224,15 @@ class Explorer:
     def _brake_worn_over_distance(
         self, scene: PreparedModel, brake: Brake, wear: float
     ) -> _WornBrake:
-        """The brake with linings that are worn over the sliding distance `wear`.
+        """The brake with linings that are worn over the sliding distance `wear` [km].
 
-        `wear` is in units 1/(k K), with the wear coefficient k and the lining's stiffness K = E/t.
         Raises NoAnswer where a lining is worn out before.
         """
-        run = self._worn.get(brake, lambda: _wear_linings_over_range_of_wear_slider(scene, brake))
-        state = interpolate_wear_state_at_distance(run.states, wear * run.unit)
+        (slider,) = (knob for knob in self.knobs if knob.name == "wear")
+        run = self._worn.get(
+            brake, lambda: _wear_linings_over_distance(scene, brake, 1e3 * slider.high)
+        )
+        state = interpolate_wear_state_at_distance(run.states, 1e3 * wear)
         for surface in run.setup.surfaces:
             # A lining that has lost more than the allowed part of its thickness has no answer.
             deepest, lining = state.depth[surface.part].max(), brake.shoes[surface.shoe].lining
@@ -240,7 +241,7 @@ class Explorer:
                     f"shoe {surface.name!r}: worn out, "
                     f"{deepest * 1e3:.3g} mm would be worn off its lining"
                 )
-        return _WornBrake(brake_with_worn_linings(run.setup, state), wear * run.unit)
+        return _WornBrake(brake_with_worn_linings(run.setup, state), 1e3 * wear)
 
     def locking_friction_of_groups(self, brake: Brake, model: str = "fem") -> LockingFriction:
         """The friction coefficient at which each group of shoes locks itself, by finite elements.
@@ -284,7 +285,9 @@ class Explorer:
         brake, found, model = answer.brake, answer.found, answer.setting.model
         if brake is None or found is None:
             return None
-        options = {"tolerance": WIDTH_TOLERANCE} if model == "solid" else {}
+        options: dict[str, Any] = {"model_error": True}
+        if model == "solid":
+            options = {"tolerance": WIDTH_TOLERANCE}
 
         def solve_accurately_and_compare() -> StatedError | None:
             """Solve the brake accurately and compare; None if the accurate solution fails."""
@@ -295,7 +298,10 @@ class Explorer:
             # The shoe with the largest difference in pressure counts.
             apart = max(map(relative_distance_of_pressures, found.shoes, finer.shoes))
             return StatedError(
-                abs(relative_error_of_number(found.effect, finer.effect)), apart, finer.error
+                abs(relative_error_of_number(found.effect, finer.effect)),
+                apart,
+                finer.error,
+                finer.plane_stress_error,
             )
 
         known: StatedError | None = self._stated.get((brake, model), solve_accurately_and_compare)
@@ -307,14 +313,13 @@ def _brake_with_unit_friction(brake: Brake) -> Brake:
     return brake.brake_with_scaled_friction(1.0)
 
 
-def _wear_linings_over_range_of_wear_slider(scene: PreparedModel, brake: Brake) -> _WearRun:
-    """The wear of a brake's linings up to the largest sliding distance of the page's slider."""
+def _wear_linings_over_distance(scene: PreparedModel, brake: Brake, distance: float) -> _WearRun:
+    """The wear of a brake's linings up to a sliding distance [m]."""
     setup, law = wear_setup_by_finite_elements(scene, brake), WearLaw(DEFAULT_WEAR_COEFFICIENT)
-    unit = sliding_distance_of_e_fold_pressure_change(setup, law)
     states = wear_brake_linings_until_worn_in(
-        setup, law, distance=LARGEST_WEAR * unit, tolerance=WEAR_TOLERANCE
+        setup, law, distance=distance, tolerance=WEAR_TOLERANCE
     )
-    return _WearRun(setup, states, unit)
+    return _WearRun(setup, states)
 
 
 def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> ExploredAnswer:

@@ -1,10 +1,10 @@
-"""The sliders of the page (class `Knob`) and their positions.
+"""The sliders of the page for loads, fit, wear and moduli, and the positions of all sliders.
 
 The positions of all sliders, called a setting, are turned into a changed brake and into a link.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 from urllib.parse import urlencode
@@ -15,20 +15,27 @@ from drumlin.base.round_numbers import round_numbers_about
 from drumlin.base.texts import printable_single_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Beam, Lining
+from drumlin.brake.components import Beam
 from drumlin.brake.drive import Drive
+from drumlin.explore.geometry_knobs import geometry_knobs_for_brake
+from drumlin.explore.knob import (
+    Changes,
+    Knob,
+    linings_by_brake_file_key,
+    nearest_1_2_5_power_of_ten,
+    rounded_numbers,
+    text_of_angle_in_degrees,
+)
 from drumlin.fem.width.functions import has_parts_of_different_widths
 from drumlin.fem.width.prepare import reason_against_width_model
+from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT
 from drumlin.models import applicable_models
 
-Changes = dict[str, Any]
-"""New values of a brake file by their keys, such as {"friction": 0.3}; `vary` takes them."""
-
 LARGEST_WEAR = 50.0
-"""Upper end of the slider of wear: a sliding distance in units 1/(k K).
+"""Least upper end of the slider of wear: a sliding distance in units 1/(k K) of the file's brake.
 
 k is the wear coefficient and K = E/t the stiffness of the lining. The pressure of a stiff brake no
-longer changes after some 46 of these units.
+longer changes after some 46 of these units. The slider ends at the next round number of kilometres.
 """
 
 FRICTION_STEP_OF_KNOB = 0.005
@@ -53,58 +60,6 @@ CYLINDER_AND_CAM_KNOBS = {
     "chamber.pressure": _DriveKnob("pressure in the chamber", "bar", 1e5),
 }
 """Label and unit of the slider of a cylinder or cam, by the key that the brake file gives."""
-
-
-class Knob(NamedTuple):
-    """A slider of the page, which changes one quantity of the brake.
-
-    Attributes
-    ----------
-    name : name of the slider in the link
-    label : text beside the slider on the page
-    unit : unit of the slider's values
-    low, high : ends of the slider's range [unit]
-    step : smallest change of the value [unit]
-    start : value of the brake file [unit]
-    changes : function that turns a value [unit] into new values of the brake file by key
-    log : whether equal distances on the slider change the value by equal factors
-    """
-
-    name: str
-    label: str
-    unit: str
-    low: float
-    high: float
-    step: float
-    start: float
-    changes: Callable[[float], Changes]
-    log: bool = False
-
-    @property
-    def title(self) -> str:
-        """The label of the slider, followed by its unit in brackets."""
-        return f"{self.label} [{self.unit}]" if self.unit else self.label
-
-    def nearest_value_in_range(self, value: float) -> float:
-        """The value within the slider's range that is nearest to `value` [unit of the slider]."""
-        return min(max(value, self.low), self.high)
-
-
-WEAR_KNOB = Knob(
-    name="wear",
-    label="wear: sliding distance",
-    unit="1/(k K)",
-    low=0.0,
-    high=LARGEST_WEAR,
-    step=0.25,
-    start=0.0,
-    changes=lambda value: {},
-)
-"""The slider for the wear of the linings.
-
-It changes no key of the brake file. The linings of the brake that the other sliders make are worn
-in a computation.
-"""
 
 
 @dataclass(frozen=True)
@@ -185,16 +140,12 @@ def knobs_for_brake(brake: Brake) -> tuple[Knob, ...]:
         # On a plane there are no sliders of misfit and wear: a flat lining has no radius, and the
         # page computes no wear.
         None if is_flat else _lining_radius_misfit_knob(brake, fine),
-        None if is_flat else WEAR_KNOB,
+        None if is_flat else _wear_knob(brake),
         _youngs_modulus_knob(brake, "lining", "lining modulus", "MPa", 1e6),
         _youngs_modulus_knob(brake, "shoe", "shoe modulus", "GPa", 1e9),
+        *geometry_knobs_for_brake(brake),
     ]
     return tuple(knob for knob in knobs if knob is not None)
-
-
-def nearest_1_2_5_power_of_ten(value: float) -> float:
-    """The number nearest to `value` (in ratio) that is 1, 2 or 5 times a power of ten."""
-    return min(round_numbers_about(value), key=lambda number: abs(math.log(value / number)))
 
 
 def _friction_coefficient_knob(brake: Brake) -> Knob:
@@ -301,7 +252,7 @@ def _line_of_action_shift_knob(brake: Brake, R: float) -> Knob:
     """
     return Knob(
         name="shift",
-        label="line of action, moved out",
+        label="line of the force, moved away from the hinge",
         unit="mm",
         low=-nearest_1_2_5_power_of_ten(R / 5),
         high=nearest_1_2_5_power_of_ten(R / 5),
@@ -331,7 +282,7 @@ def _line_of_action_angle_knob(brake: Brake) -> Knob:
     """The slider that turns the lines of action of all forces, in degrees."""
     return Knob(
         name="turn",
-        label="line of action, turned",
+        label="line of the force, turned",
         unit="deg",
         low=-30.0,
         high=30.0,
@@ -346,19 +297,8 @@ def _new_directions_of_turned_forces(brake: Brake, by: float) -> Changes:
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
         direction = shoe.actuation.direction + shoe.frame.sense * by
-        changes[f"shoe[{i}].actuation.direction"] = direction
+        changes[f"shoe[{i}].actuation.direction"] = text_of_angle_in_degrees(direction)
     return changes
-
-
-def _linings_by_brake_file_key(brake: Brake) -> dict[str, Lining]:
-    """The linings of all shoes by their key in the brake file, such as "shoe[0].lining[1]"."""
-    linings: dict[str, Lining] = {}
-    for i, shoe in enumerate(brake.shoes):
-        parts = shoe.lining.linings
-        for k, part in enumerate(parts):
-            number = f"[{k}]" if len(parts) > 1 else ""
-            linings[f"shoe[{i}].lining{number}"] = part
-    return linings
 
 
 def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
@@ -367,7 +307,7 @@ def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
     Where the shoes have different clearances, or tables of clearance, the slider's value is added
     to the clearances of the brake file.
     """
-    linings = _linings_by_brake_file_key(brake)
+    linings = linings_by_brake_file_key(brake)
     given = [lining.clearance for lining in linings.values()]
     same = len(set(given)) == 1 and isinstance(given[0], float | int)
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
@@ -386,7 +326,7 @@ def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
 
     # The slider reaches twice as far into clearance as into interference.
     reach = max(100 * step, 2 * abs(start))
-    label = "clearance" if same else "clearance, added to the file's"
+    label = "gap between lining and drum" if same else "gap, added to the file's"
     return Knob(
         "clearance", label, "mm", -reach, 2 * reach, step, start, lining_clearances_at_knob_value
     )
@@ -400,7 +340,7 @@ def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
     """
     R = brake.size
     given = []
-    linings = _linings_by_brake_file_key(brake)
+    linings = linings_by_brake_file_key(brake)
     for lining in linings.values():
         radius = lining.misfit.radius
         given.append(0.0 if radius is None else radius - R)
@@ -416,8 +356,35 @@ def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
         return made
 
     reach = max(200 * step, 2 * abs(start))
-    label = "misfit: radius over the drum's" + ("" if same else ", added to the file's")
+    label = "lining radius minus drum radius" + ("" if same else ", added to the file's")
     return Knob("misfit", label, "mm", -reach, reach, step, start, lining_radii_at_knob_value)
+
+
+def _wear_knob(brake: Brake) -> Knob | None:
+    """The slider for the wear of the linings: a sliding distance in kilometres.
+
+    It changes no key of the brake file. The linings of the brake that the other sliders make are
+    worn in a computation. It is None where the file has no modulus of a lining.
+    """
+    units = []
+    for lining in linings_by_brake_file_key(brake).values():
+        if lining.material is not None and lining.thickness:
+            K = lining.material.E_through / lining.thickness
+            units.append(1e-3 / (DEFAULT_WEAR_COEFFICIENT * K))
+    if not units:
+        return None
+    least = LARGEST_WEAR * max(units)
+    high = next(number for number in round_numbers_about(least) if number >= least)
+    return Knob(
+        name="wear",
+        label="distance slid since new",
+        unit="km",
+        low=0.0,
+        high=high,
+        step=high / 200,
+        start=0.0,
+        changes=lambda value: {},
+    )
 
 
 def _youngs_modulus_knob(
@@ -528,7 +495,7 @@ def brake_at_knob_setting(brake: Brake, knobs: Sequence[Knob], setting: KnobSett
     for knob in knobs:
         if knob.name in setting.values:
             changes |= knob.changes(setting.values[knob.name])
-    return vary(brake, changes) if changes else brake
+    return vary(brake, rounded_numbers(changes)) if changes else brake
 
 
 def link_query_of_setting(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:

@@ -20,11 +20,18 @@ from drumlin.base.round_numbers import round_numbers_about
 from drumlin.base.texts import printable_single_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
+from drumlin.brake.fields import Part, Point
 from drumlin.brake.writing import brake_file_text
-from drumlin.explore.answers import Explorer
+from drumlin.explore.answers import ExploredAnswer, Explorer
+from drumlin.explore.geometry_knobs import geometry_knobs_for_brake
+from drumlin.explore.knob import (
+    Knob,
+    linings_by_brake_file_key,
+    rounded_numbers,
+    text_of_angle_in_degrees,
+)
 from drumlin.explore.knobs import (
     LONGEST_LINK,
-    Knob,
     KnobSetting,
     element_models_of_page,
     link_query_of_setting,
@@ -204,6 +211,7 @@ def _slider_data_of_knob(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
         "name": knob.name,
         "title": knob.title,
         "value": value,
+        "file": knob.start,
         "changed": knob.name in setting.values,
         "low": place_of_knob_value_on_slider(knob.low),
         "high": place_of_knob_value_on_slider(knob.high),
@@ -238,8 +246,20 @@ def _reply_with_picture_data(request: _Request) -> Reply:
         "locking": self_locking_as_html(answer, known),
         "error": error_of_finite_elements_as_html(answer, None, asked=False),
         "torque": None if answer.found is None else answer.found.effect,
+        "shape": _drawing_of_changed_shape(request, answer.brake),
     }
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
+
+
+def _drawing_of_changed_shape(request: _Request, brake: Brake | None) -> dict[str, Any] | None:
+    """The drawing of a brake whose shape differs from the file's; None where it does not."""
+    names = {knob.name for knob in geometry_knobs_for_brake(request.explorer.brake)}
+    if brake is None or not names & set(request.setting.values):
+        return None
+    lines = drawing_lines_of_brake(brake)
+    hinges = [[float(x[0]), float(y[0])] for x, y in zip(*lines["hinges"], strict=True)]
+    paths = {key: svg_path_of_lines(lines[key]) for key in ("bodies", "linings", "drum")}
+    return {"size": brake.size * 1e3, "hinges": hinges, **paths}
 
 
 def _reply_with_self_locking_limit_and_errors(request: _Request) -> Reply:
@@ -274,10 +294,46 @@ def _reply_with_brake_file(request: _Request) -> Reply:
     if answer.distance:
         head += "# Its clearances are tables of what wear has left.\n"
     try:
-        text = brake_file_text(_brake_with_absolute_mesh_paths(answer.brake))
+        rounded = _brake_with_rounded_worn_clearances(answer) if answer.distance else answer.brake
+        rounded = _brake_with_absolute_mesh_paths(rounded)
+        text = brake_file_text(_part_with_rounded_points(rounded))
     except BadInput as error:
         return Reply(422, HTML, escape(str(error)))
     return Reply(200, TOML, head + text, f"{_file_name_for_any_system(name)}_explored.toml")
+
+
+def _brake_with_rounded_worn_clearances(answer: ExploredAnswer) -> Brake:
+    """A copy of the worn brake whose tables of clearance have rounded angles and depths."""
+    # The caller has made sure that the finite elements have an answer.
+    assert answer.brake is not None
+    tables = {}
+    for key, lining in linings_by_brake_file_key(answer.brake).items():
+        if isinstance(lining.clearance, tuple):
+            tables[f"{key}.clearance"] = [
+                [text_of_angle_in_degrees(angle), f"{depth * 1e3:.6g} mm"]
+                for angle, depth in lining.clearance
+            ]
+    return vary(answer.brake, tables) if tables else answer.brake
+
+
+def _part_with_rounded_points(part: Part) -> Part:
+    """A copy of a part of a brake in which all points have rounded coordinates.
+
+    A point that the file gives by radius and angle has coordinates with all digits.
+    """
+    if isinstance(part, Point):
+        return part.model_copy(update={"x": rounded_numbers(part.x), "y": rounded_numbers(part.y)})
+
+    def round_points_of_value(value: Any) -> Any:
+        """The value of a field, with rounded points in its parts."""
+        if isinstance(value, Part):
+            return _part_with_rounded_points(value)
+        return tuple(map(round_points_of_value, value)) if isinstance(value, tuple) else value
+
+    fields = type(part).model_fields
+    return part.model_copy(
+        update={name: round_points_of_value(getattr(part, name)) for name in fields}
+    )
 
 
 def _brake_with_absolute_mesh_paths(brake: Brake) -> Brake:

@@ -26,6 +26,7 @@ from drumlin.explore.answers import (
     LockingFriction,
     StatedError,
 )
+from drumlin.explore.geometry_knobs import ARC_REACH, RADIUS_REACH
 from drumlin.report.figures import evenly_spaced_pressure_curve_of_shoe, title_of_model_in_figures
 from drumlin.response import Response
 from drumlin.response.balance import brake_with_forces_of_response
@@ -50,8 +51,8 @@ PRESSURE_SCALE_DISTANCE = 0.45
 It is relative to the drum's radius, on a plane to the length of the first lining.
 """
 
-LARGEST_ROUNDING_ERROR = 1e-12
-"""Relative error up to which the page writes "only rounding" in place of the number."""
+SMALLEST_SHOWN_ERROR = 1e-6
+"""Relative error below which the page writes "less than 0.0001 %" in place of the number."""
 
 PLACE_STEP = 1e-3
 """Resolution [deg or mm] of the places of a pressure curve, which are sent as whole numbers."""
@@ -305,35 +306,50 @@ def self_locking_as_html(answer: ExploredAnswer, locking: LockingFriction | None
 def error_of_finite_elements_as_html(
     answer: ExploredAnswer, stated: StatedError | None, *, asked: bool
 ) -> str:
-    """A line of HTML on the error of the finite elements.
+    """Lines of HTML on the errors of the finite elements and of plane stress.
 
     `stated` is the difference from the accurate answer of `drumlin.solve`. `asked` is whether the
     page has waited for this answer; if not, the line says that the error follows.
     """
     if answer.found is None or answer.brake is None or (asked and stated is None):
         return ""
-    words = "finite elements on a fixed division; their error is found out when the sliders rest"
-    if stated is not None:
-        own = "which states no error of its own"
-        if stated.own is not None:
-            torque, pressure = stated.own["torque"], stated.own["pressure"]
-            own = f"whose own errors are estimated as {torque:.1e} and {pressure:.1e}"
-        command = "drumlin solve"
-        if answer.found.model == "solid":
-            command += f" --model solid --tolerance {WIDTH_TOLERANCE:g}"
-        words = (
-            "error of the finite elements on this fixed division: "
-            f"{answer.brake.surface.effect} {_relative_error_as_text(stated.torque)}, "
-            f"p {_relative_error_as_text(stated.pressure)} (L2, worst shoe) "
-            f"from {command}, {own}"
+    if stated is None:
+        return "<p>quick answer; its error follows when the sliders rest</p>"
+    effect = answer.brake.surface.effect
+    torque, pressure = map(_relative_error_as_text, stated[:2])
+    lines = [f"this quick answer is off by {torque} ({effect}) and {pressure} (pressure)"]
+    command = "drumlin solve"
+    if answer.found.model == "solid":
+        command += f" --model solid --tolerance {WIDTH_TOLERANCE:g}"
+    if stated.own is not None:
+        own = (stated.own["torque"], stated.own["pressure"])
+        torque, pressure = map(_relative_error_as_text, own)
+        lines[0] += f"; {command} on the saved file is off by at most some {torque} and {pressure}"
+    plane = stated.plane_stress
+    if plane is not None and not plane.unknown:
+        texts = [
+            f"{_relative_error_as_text(plane.brake[key])} ({word})"
+            for key, word in (
+                ("torque", effect),
+                ("pressure", "mean pressure over the width"),
+                ("reaction", "load on the pin"),
+            )
+        ]
+        lines.append(f"error because the shoes are computed as flat plates: {', '.join(texts)}")
+    elif plane is not None:
+        lines.append(
+            f"error because the shoes are computed as flat plates: not known, {plane.unknown}"
         )
-    worn = f"; wear in steps of {WEAR_TOLERANCE:g} of p" if answer.distance else ""
-    return f"<p>{words}{worn}</p>"
+    if answer.distance:
+        lines[0] += f"; wear adds some {_relative_error_as_text(WEAR_TOLERANCE)} of the pressure"
+    return "".join(f"<p>{escape(line)}</p>" for line in lines)
 
 
 def _relative_error_as_text(error: float) -> str:
-    """A relative error as text: a number, or "only rounding" up to LARGEST_ROUNDING_ERROR."""
-    return f"{error:.1e}" if error > LARGEST_ROUNDING_ERROR else "only rounding"
+    """A relative error in per cent, or "less than 0.0001 %" below SMALLEST_SHOWN_ERROR."""
+    if error < SMALLEST_SHOWN_ERROR:
+        return f"less than {SMALLEST_SHOWN_ERROR * 100:.4f} %"
+    return f"{error * 100:.2g} %"
 
 
 def table_rows_by_shoe_and_model(
@@ -385,7 +401,7 @@ def html_table_of_text_rows(rows: Sequence[Sequence[str]]) -> str:
     return f"<table>{lines}</table>"
 
 
-# The functions below draw the brake of the file. This drawing does not change with the sliders.
+# The functions below draw the brake. Only the sliders of its shape change this drawing.
 
 
 def drawing_lines_of_brake(brake: Brake) -> Mapping[str, Lines]:
@@ -443,7 +459,7 @@ def _angles_or_positions_of_lining_ends(brake: Brake) -> Floats:
 def lowest_and_highest_place_of_linings(brake: Brake) -> tuple[float, float]:
     """The lowest and highest angle [deg], on a plane length [mm], of all linings, with a margin."""
     ends = _angles_or_positions_of_lining_ends(brake) * brake.surface.shown
-    room = 0.04 * brake.size * PAGE_MM if brake.surface.is_plane_and_not_drum else 5.0
+    room = 0.04 * brake.size * PAGE_MM if brake.surface.is_plane_and_not_drum else 2.0 + ARC_REACH
     return float(ends.min()) - room, float(ends.max()) + room
 
 
@@ -490,7 +506,8 @@ def half_side_of_picture(brake: Brake) -> float:
     if brake.surface.is_plane_and_not_drum:
         xy = _points_that_plane_picture_must_hold(brake)
         return float(0.55 * np.ptp(xy, axis=0).max()) * PAGE_MM
-    R = brake.size
+    # A slider enlarges the drum, and the picture keeps its scale.
+    R = (1 + RADIUS_REACH) * brake.size
     room = []
     for shoe in brake.shoes:
         # Pressure curves of internal shoes are drawn outside the drum, those of external shoes

@@ -67,6 +67,13 @@ DOUBLE_SPACING = float(np.finfo(float).eps)
 
 No smaller relative error is stated for a solution that iterative refinement has corrected.
 """
+LONG_DOUBLE_IS_WIDER = float(np.finfo(np.longdouble).eps) < DOUBLE_SPACING
+"""Whether long double has more digits than double, so that iterative refinement gains digits.
+
+On Windows and on Macs with Apple's processors both are the same. A refinement there would state a
+round-off error that is up to 25 times too small: its residuals do not see the digits that the
+stiffness itself has lost. Soft shoes are then solved without refinement, or refused.
+"""
 LARGEST_SILENT_OVERLAP = 0.01
 """Largest overlap of a mesh-file shoe with the drum, in lining thicknesses, without a warning.
 
@@ -118,6 +125,8 @@ well, and the solution with the smaller last correction is taken.
 """
 TOO_FAR_REASON = "stiffnesses or sizes are too far apart for the arithmetic"
 """Reason that is printed if a solution has lost too many digits by round-off."""
+NO_LONG_DOUBLE_REASON = "this computer has no long double, in which drumlin refines such shoes"
+"""Reason that is added where a computer with long double would have refined the solution."""
 REFINED_REMARK = "refined in the whole system, condensed it loses digits"
 """Remark printed with a solution that was corrected by iterative refinement of the full system."""
 
@@ -411,15 +420,50 @@ def _solve_group_of_coupled_shoes(
     # Shoes of the solid model are never refined, but are judged as strictly as a group that could
     # be refined.
     strict = refinable or settled.group.scene.model == "solid"
+    if refinable and not LONG_DOUBLE_IS_WIDER:
+        return _shoe_results_without_long_double(settled.group, answers)
     most = LARGEST_UNREFINED_ROUND_OFF if strict else LARGEST_REFINED_ROUND_OFF
     lost = _largest_round_off_of_pressure(answers)
     if lost < most and _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
         return answers
     if not refinable:
-        balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
-        why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
-        raise LostDigits(f"{settled.group.names_of_shoes}: lost digits, {why}; {TOO_FAR_REASON}")
+        raise _lost_digits_of_group(settled.group, answers, most)
     return _shoe_results_after_refinement(solution, settled.contact)
+
+
+def _lost_digits_of_group(
+    group: ShoeGroup, answers: dict[int, _ShoeResult], most: float
+) -> LostDigits:
+    """The exception for a group whose round-off error exceeds `most`, or that does not balance."""
+    lost = _largest_round_off_of_pressure(answers)
+    balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
+    why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
+    return LostDigits(f"{group.names_of_shoes}: lost digits, {why}; {TOO_FAR_REASON}")
+
+
+def _shoe_results_without_long_double(
+    group: ShoeGroup, answers: dict[int, _ShoeResult]
+) -> dict[int, _ShoeResult]:
+    """The results of a group that long double would refine, with a note if round-off is large.
+
+    Hp elements state the round-off error. Elements of degree 1 or 2 state no error, so that they
+    are judged as strictly as with long double. Raises LostDigits for a larger round-off error.
+    """
+    degrees = [
+        body.line.interpolation_degree_along_contact_line for body in group.substructures_of_shoes
+    ]
+    most = LARGEST_UNREFINED_ROUND_OFF if max(degrees) <= 2 else LARGEST_REFINED_ROUND_OFF
+    lost = _largest_round_off_of_pressure(answers)
+    if lost >= most or not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
+        error = _lost_digits_of_group(group, answers, most)
+        raise LostDigits(f"{error}; {NO_LONG_DOUBLE_REASON}")
+    if lost < LARGEST_UNREFINED_ROUND_OFF:
+        return answers
+    noted = {}
+    for i, answer in answers.items():
+        certain = f"its pressure is certain only to {answer.response.lost.pressure:.0e}"
+        noted[i] = replace(answer, note=f"note: {answer.note}; {certain}: {NO_LONG_DOUBLE_REASON}")
+    return noted
 
 
 def _group_solution_by_substructures(group: ShoeGroup, contact: Contact) -> _GroupSolution:

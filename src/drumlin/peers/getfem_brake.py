@@ -19,7 +19,6 @@ elastic stiffness, and starts from the last state of each shoe.
 
 import json
 import re
-import resource
 import sys
 import tempfile
 import time
@@ -494,7 +493,6 @@ def main(source: str, target: str) -> None:
     result = runs[-1] | {
         "seconds": [run["seconds"] for run in runs],
         "version": getfem_version(),
-        "peak_memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
     }
     Path(target).write_text(json.dumps(result), encoding="utf-8")
 

@@ -5,7 +5,6 @@ A peer is another public finite-element program, CalculiX or GetFEM.
 
 import math
 import os
-import resource
 import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,6 +16,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.resource_use import processor_time_of_ended_child_processes
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.friction import require_friction_without_pressure
 from drumlin.brake.further_loads import require_springs_of_constant_pull
@@ -431,7 +431,7 @@ def run_command_of_peer_program(
     for name in ("PYTHONPATH", "PYTHONHOME"):
         environment.pop(name, None)
     # The processor time of the command is the growth of the time of all child processes.
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    before = processor_time_of_ended_child_processes()
     try:
         done = subprocess.run(
             command,
@@ -446,8 +446,7 @@ def run_command_of_peer_program(
         )
     except subprocess.TimeoutExpired as error:
         raise NoAnswer(f"{command[0]}: still running after {longest:g} s") from error
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    spent = processor_time_of_ended_child_processes() - before
     return EndedProcess(done.returncode, done.stdout, spent)
 
 

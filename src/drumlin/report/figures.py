@@ -20,6 +20,9 @@ from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.report.palette import CATEGORIES, color_of_model, line_style_of_model
 from drumlin.response.response import ShoeResponse
 
+FULL_WIDTH = 170 / 25.4
+"""Width [inches] of a printed page's text, 170 mm, for which a wide figure is drawn."""
+
 STYLE = {
     "font.size": 10,
     "axes.spines.top": False,
@@ -31,6 +34,7 @@ STYLE = {
     "axes.titlelocation": "left",
     "axes.titlesize": 10.5,
     "legend.frameon": False,
+    "legend.fontsize": 9,
     "svg.hashsalt": "drumlin",
     "svg.fonttype": "path",
 }
@@ -38,6 +42,9 @@ STYLE = {
 
 With a fixed hash salt, equal figures give identical SVG files.
 """
+
+PRINT_STYLE = {"font.size": 8, "axes.titlesize": 8, "legend.fontsize": 8}
+"""Settings of matplotlib for figures of FULL_WIDTH: their text is 8 points high in print."""
 
 MODEL_TITLES = {
     "fem": "finite elements",
@@ -56,7 +63,7 @@ MODEL_TITLES = {
 }
 """The name of each model in figures, by its short name in files and options."""
 
-BOX_HALF_WIDTH = 0.11
+BOX_HALF_WIDTH = 0.16
 """Half the width of the name written beside a curve, relative to the width of the axes."""
 
 BOX_HALF_HEIGHT = 0.05
@@ -96,9 +103,10 @@ def draw_legend_below_figure(figure: Figure, axes: Axes, **more: Any) -> None:
     """
     handles, labels = axes.get_legend_handles_labels()
     handle_of = dict(zip(labels, handles, strict=True))
-    # A column of the legend is some 2.2 inches wide.
-    columns = min(len(handle_of), max(2, int(figure.get_figwidth() / 2.2)))
-    options = {"loc": "outside lower center", "ncols": columns, "fontsize": 9} | more
+    # A column of the legend is some 22 letters and a line wide, 2.2 inches at 10 points.
+    width = 0.22 * mpl.rcParams["font.size"]
+    columns = min(len(handle_of), max(2, int(figure.get_figwidth() / width)))
+    options = {"loc": "outside lower center", "ncols": columns} | more
     figure.legend(handle_of.values(), handle_of.keys(), **options)
 
 
@@ -124,7 +132,7 @@ def write_name_beside_curve(
     if place is None:
         return
     y = low + place.height * (high - low)
-    axes.text(float(x[place.point]), y, words, color=color, fontsize=9, ha="center", va="center")
+    axes.text(float(x[place.point]), y, words, color=color, ha="center", va="center")
 
 
 class _FreePlace(NamedTuple):
@@ -218,10 +226,12 @@ def draw_pressure_along_lining_of_each_shoe(
     columns : number of panels side by side
     surface : friction surface, drum or plane
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(STYLE | PRINT_STYLE):
         columns = min(columns, len(panels))
         rows = math.ceil(len(panels) / columns)
-        figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
+        # Two panels side by side fill a page of 170 mm, and one panel a column of 85 mm.
+        size = (FULL_WIDTH / 2 * columns, 2.1 * rows + 0.3)
+        figure = Figure(figsize=size, layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
         few = max(len(responses) for _, responses in panels) <= 2
         top = _upper_end_of_pressure_axis(panels)
@@ -267,8 +277,10 @@ def _draw_pressure_panel(
     }
     for model, (theta, p) in curves.items():
         x, y = theta * unit, p * 1e-6
+        # Worn-in linings have the pressure of the law. The wide curve is seen on both sides of it.
+        width = 4.0 if model == "worn" else 1.8
         axes.plot(
-            x, y, **line_style_of_model(model), lw=1.8, label=title_of_model_in_figures(model)
+            x, y, **line_style_of_model(model), lw=width, label=title_of_model_in_figures(model)
         )
         mark_where_curve_leaves_axes(axes, x, y, color_of_model(model))
         if model == "fem":

@@ -14,6 +14,7 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -37,10 +38,14 @@ RECORDED_PACKAGES = ("numpy", "scipy", "scikit-fem", "meshio", "pyvista", "matpl
 
 
 def software_versions() -> dict[str, str]:
-    """The versions of drumlin, Python and RECORDED_PACKAGES, and a description of this machine."""
+    """The versions of drumlin, Python and RECORDED_PACKAGES, and a description of this machine.
+
+    A package of an extra that is not installed, such as pyvista, is left out.
+    """
     found = {"drumlin": drumlin.__version__, "Python": platform.python_version()}
     for name in RECORDED_PACKAGES:
-        found[name] = importlib.metadata.version(name)
+        with suppress(importlib.metadata.PackageNotFoundError):
+            found[name] = importlib.metadata.version(name)
     found["machine"] = f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}"
     return found
 

@@ -7,7 +7,7 @@ in their line styles.
 from typing import Any
 
 BLUE, RED, GREEN, OCHRE, PURPLE = "#0072b2", "#d55e00", "#00c663", "#feaa00", "#7d1fce"
-SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#473815", "#1d2733"
+SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#635135", "#1d2733"
 """The colours of curves, nine with those in the line above; INK is also used for text and outlines.
 """
 

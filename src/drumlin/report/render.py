@@ -11,6 +11,7 @@ import math
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -40,6 +41,10 @@ ARROW_LENGTH = 0.28
 
 FIELD_WIDTH, FIELD_HEIGHT = 1500, 1300
 """Width and height [pixels] of the picture of stress and pressure."""
+
+
+DRAWING_PACKAGES = ("pyvista", "vtkmodules")
+"""The packages that draw pictures in space; the extra `fields` installs them."""
 
 
 class NoPicture(Exception):
@@ -97,6 +102,8 @@ def draw_picture_in_own_process(
     -------
     None, or one line that says why the picture could not be drawn
     """
+    if not all(map(find_spec, DRAWING_PACKAGES)):
+        return "no field picture: pyvista needs the extra drumlin[fields]"
     child = (
         f"import sys; sys.path.append(sys.argv.pop(1)); from {module} import main; sys.exit(main())"
     )
@@ -267,7 +274,7 @@ def _title_and_legend_text_of_picture(marks: dict[str, Any], factor: float) -> s
     return (
         f"{marks['title']}\n"
         f"Displacements x {factor:g} (undeformed outline grey), {surface} black.\n"
-        f"Red arrows: pressure of the {surface} on the lining. "
+        f"Orange arrows: pressure of the {surface} on the lining. "
         "Black arrows: actuation. Discs: pins and feet."
     )
 
@@ -326,7 +333,7 @@ def _add_pressure_arrows_to_picture(plotter: Any, grid: Any, size: float, *, fla
     cloud = pv.PolyData(points[chosen] - arrows)
     cloud["arrow"], cloud["size"] = arrows, np.linalg.norm(arrows, axis=1)
     tip = pv.Arrow(tip_length=0.25, tip_radius=0.05, shaft_radius=0.016)
-    plotter.add_mesh(cloud.glyph(orient="arrow", scale="size", geom=tip), color=RED)
+    plotter.add_mesh(cloud.glyph(orient="arrow", scale="size", geom=tip), color=RED, lighting=False)
 
 
 def _indices_of_evenly_spread_points(points: Floats, size: float, *, flat: bool) -> Any:

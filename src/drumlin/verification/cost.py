@@ -5,13 +5,10 @@ This least work is one assembly of the stiffness, one factorisation and one back
 
 import math
 import multiprocessing
-import resource
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from pathlib import Path
 from statistics import median
 from typing import Any, NamedTuple
 
@@ -20,6 +17,7 @@ from scipy.sparse.linalg import splu
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
+from drumlin.base.resource_use import peak_memory_of_process
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
@@ -67,7 +65,8 @@ class Cost(NamedTuple):
     ----------
     unknowns : number of unknowns of all distinct shoes
     contact_nodes : number of nodes of all distinct shoes on the friction surface
-    memory : largest resident memory of the process up to the end of the first solve [bytes]
+    memory : largest resident memory of the process up to the end of the first solve [bytes]; nan
+        where the system does not tell it
     solve : time of a whole solve, from the brake to its pressures
     further : time of a further load case: another friction coefficient with the same stiffness
     assembly : time of assembling the stiffness of all distinct shoes
@@ -77,7 +76,7 @@ class Cost(NamedTuple):
 
     unknowns: int
     contact_nodes: int
-    memory: int
+    memory: float
     solve: float
     further: float
     assembly: float
@@ -255,14 +254,14 @@ class _SolidCost(NamedTuple):
     ----------
     unknowns : number of unknowns of all distinct shoes
     nodes : number of nodes of all distinct shoes on the friction surface
-    memory : largest resident memory of the process [bytes]
+    memory : largest resident memory of the process [bytes]; nan where the system does not tell it
     first : processor time of the whole solve [s]
     further : processor time of a further load case [s]: another friction coefficient
     """
 
     unknowns: int
     nodes: int
-    memory: int
+    memory: float
     first: float
     further: float
 
@@ -351,18 +350,6 @@ def measured_time_and_memory_lines(brake: Brake, **options: Any) -> list[str]:
         f"further load case {found.further * 1e3:.1f} ms "
         f"= 1/{1 / found.further_ratio:.0f} of the first",
     ]
-
-
-def peak_memory_of_process() -> int:
-    """The largest resident memory of this process so far [bytes]."""
-    # On Linux getrusage also counts memory of the parent process, so VmHWM is read instead.
-    status = Path("/proc/self/status")
-    if status.exists():
-        line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
-        return 1024 * int(line.split()[1])
-    size = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    # getrusage gives bytes on macOS, elsewhere units of 1024 bytes.
-    return size if sys.platform == "darwin" else 1024 * size
 
 
 def _median_seconds_of_call(call: Callable[[], object], repeats: int) -> float:

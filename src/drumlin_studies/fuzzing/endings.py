@@ -11,7 +11,6 @@ import io
 import json
 import os
 import re
-import resource
 import signal
 import subprocess
 import sys
@@ -25,6 +24,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import run_and_return_exit_status
+from drumlin.base.resource_use import processor_time_of_ended_child_processes
 from drumlin_studies.fuzzing.inputs import BrokenInput
 
 LONGEST_RUN = 10.0
@@ -123,7 +123,13 @@ class RunTooLong(BaseException):
 
 @contextlib.contextmanager
 def _limit_run_time() -> Iterator[None]:
-    """Raise RunTooLong in a `with` block that takes too much processor time or wall-clock time."""
+    """Raise RunTooLong in a `with` block that takes too much processor time or wall-clock time.
+
+    Windows has no such timers; there the block may take any time.
+    """
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
 
     def raise_run_too_long(*_: object) -> None:
         """Raise RunTooLong when a timer ends."""
@@ -155,7 +161,7 @@ def run_command_of_input_in_new_process(given: BrokenInput, **more: Any) -> Endi
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_files_of_broken_input(given, folder)
-        start = _processor_time_of_ended_child_processes()
+        start = processor_time_of_ended_child_processes()
         words = [os.fsencode(word) for word in given.words]
         try:
             done = subprocess.run(
@@ -168,18 +174,9 @@ def run_command_of_input_in_new_process(given: BrokenInput, **more: Any) -> Endi
             )
         except subprocess.TimeoutExpired:
             return Ending(-1, "", "no end", {}, LONGEST_WAIT)
-        seconds = _processor_time_of_ended_child_processes() - start
+        seconds = processor_time_of_ended_child_processes() - start
         out, err = (text.decode(errors="replace") for text in (done.stdout, done.stderr))
         return Ending(done.returncode, out, err, contents_of_written_files(folder, given), seconds)
-
-
-def _processor_time_of_ended_child_processes() -> float:
-    """Processor time [s] of the child processes that have ended.
-
-    On a busy machine the wall-clock time would depend on other programs.
-    """
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 _NOT_FINITE = re.compile(r"(?<![\w'\"/.-])[-+]?(?:nan|inf|NaN|Infinity)(?![\w'\"/.])")

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -168,10 +168,14 @@ def _wait_until_sweep_journal_is_unlocked(journal: Path) -> None:
 
 
 def _lock_open_file(handle: int) -> None:
-    """Lock an open file. Raises BlockingIOError if another process has locked it."""
-    import fcntl  # noqa: PLC0415
+    """Lock an open file, on systems that have such locks.
 
-    fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    Raises BlockingIOError if another process has locked it.
+    """
+    with suppress(ImportError):
+        import fcntl  # noqa: PLC0415
+
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def _keys_of_cases_in_sweep_journal(journal: Path) -> list[str]:

@@ -1,0 +1,159 @@
+"""The sliders of the page for the shape of a brake on a drum: radius, arc, hinges, thicknesses.
+
+Each slider starts at the file's brake. Where the shoes differ, its value is added to all of them.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from drumlin.brake.brake import Brake
+from drumlin.brake.components import Bar
+from drumlin.explore.knob import (
+    Changes,
+    Knob,
+    linings_by_brake_file_key,
+    nearest_1_2_5_power_of_ten,
+    text_of_angle_in_degrees,
+)
+
+ARC_REACH = 10.0
+"""Largest change [deg] of a lining's end by its slider; the axis of the page has room for it."""
+
+RADIUS_REACH = 0.1
+"""Largest change of the drum's radius by its slider, relative to the radius of the file.
+
+The picture of the brake keeps its scale, and has room for a drum that is larger by this part.
+"""
+
+
+def geometry_knobs_for_brake(brake: Brake) -> tuple[Knob, ...]:
+    """The sliders for the shape of a brake; none on a plane or with mesh files of shoes."""
+    if brake.surface.is_plane_and_not_drum or any(shoe.mesh for shoe in brake.shoes):
+        return ()
+    linings, bodies = {}, {}
+    for key, lining in linings_by_brake_file_key(brake).items():
+        if lining.thickness:
+            linings[f"{key}.thickness"] = lining.thickness
+    for i, shoe in enumerate(brake.shoes):
+        if isinstance(shoe.body, Bar):
+            bodies[f"shoe[{i}].body.thickness"] = shoe.body.thickness
+    knobs = (
+        _drum_radius_knob(brake),
+        _lining_arc_knob(brake),
+        _hinge_radius_knob(brake),
+        _thickness_knob("lining-thickness", "thickness of the lining", linings),
+        _thickness_knob("shoe-thickness", "thickness of the shoe", bodies),
+    )
+    return tuple(knob for knob in knobs if knob is not None)
+
+
+def _drum_radius_knob(brake: Brake) -> Knob:
+    """The slider of the drum's radius [mm]; linings and shoes follow, hinges and forces stay."""
+    R = brake.size * 1e3
+
+    def radii_at_knob_value(value: float) -> Changes:
+        """New radius of the drum, and of linings that have a radius of their own."""
+        made: Changes = {"drum.radius": value * 1e-3}
+        for key, lining in linings_by_brake_file_key(brake).items():
+            if lining.misfit.radius is not None:
+                made[f"{key}.misfit.radius"] = lining.misfit.radius + (value - R) * 1e-3
+        return made
+
+    return Knob(
+        name="radius",
+        label="radius of the drum",
+        unit="mm",
+        low=(1 - RADIUS_REACH) * R,
+        high=(1 + RADIUS_REACH) * R,
+        step=nearest_1_2_5_power_of_ten(R / 1000),
+        start=R,
+        changes=radii_at_knob_value,
+    )
+
+
+def _lining_arc_knob(brake: Brake) -> Knob:
+    """The slider that moves both ends of each shoe's lining outwards, in degrees."""
+
+    def lining_ends_at_knob_value(value: float) -> Changes:
+        """New angles of the outer ends of all linings; linings side by side keep their gaps."""
+        made: Changes = {}
+        for i, shoe in enumerate(brake.shoes):
+            parts = shoe.lining.linings
+            last = len(parts) - 1
+            first_key, last_key = (
+                (f"shoe[{i}].lining[0]", f"shoe[{i}].lining[{last}]")
+                if last
+                else (f"shoe[{i}].lining",) * 2
+            )
+            by = math.radians(value)
+            made[f"{first_key}.start"] = text_of_angle_in_degrees(parts[0].start - by)
+            made[f"{last_key}.end"] = text_of_angle_in_degrees(parts[last].end + by)
+        return made
+
+    return Knob(
+        name="arc",
+        label="lining longer at each end by",
+        unit="deg",
+        low=-ARC_REACH,
+        high=ARC_REACH,
+        step=0.5,
+        start=0.0,
+        changes=lining_ends_at_knob_value,
+    )
+
+
+def _hinge_radius_knob(brake: Brake) -> Knob | None:
+    """The slider that moves all hinges away from the drum's centre, in mm; None without hinges."""
+    hinges = {
+        f"shoe[{i}].hinge": shoe.hinge.xy
+        for i, shoe in enumerate(brake.shoes)
+        if shoe.hinge is not None and np.linalg.norm(shoe.hinge.xy) > 0
+    }
+    if not hinges:
+        return None
+    reach = nearest_1_2_5_power_of_ten(brake.size * 1e3 / 5)
+
+    def hinges_at_knob_value(value: float) -> Changes:
+        """New places of all hinges, moved by the value [mm] along their radius."""
+        made: Changes = {}
+        for key, xy in hinges.items():
+            x, y = xy * (1 + value * 1e-3 / np.linalg.norm(xy))
+            made[key] = {"x": float(x), "y": float(y)}
+        return made
+
+    return Knob(
+        name="hinge",
+        label="hinge farther from the centre by",
+        unit="mm",
+        low=-reach,
+        high=reach,
+        step=reach / 50,
+        start=0.0,
+        changes=hinges_at_knob_value,
+    )
+
+
+def _thickness_knob(name: str, label: str, given: dict[str, float]) -> Knob | None:
+    """The slider of a thickness [mm], from half to twice that of the file; None if none is given.
+
+    `given` are the thicknesses [m] of the file by their keys. Where they differ, the slider shows
+    the largest one, and the others change in proportion.
+    """
+    if not given:
+        return None
+    start = max(given.values()) * 1e3
+    proportional: Callable[[float], Changes] = lambda value: {  # noqa: E731
+        key: thickness * value / start for key, thickness in given.items()
+    }
+    return Knob(
+        name=name,
+        label=label if len(set(given.values())) == 1 else f"{label}, the largest",
+        unit="mm",
+        low=0.5 * start,
+        high=2 * start,
+        step=nearest_1_2_5_power_of_ten(start / 200),
+        start=start,
+        changes=proportional,
+    )

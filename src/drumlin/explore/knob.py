@@ -1,0 +1,87 @@
+"""A slider of the page (class `Knob`), and what several kinds of sliders need."""
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from drumlin.base.round_numbers import round_numbers_about
+from drumlin.brake.brake import Brake
+from drumlin.brake.components import Lining
+
+Changes = dict[str, Any]
+"""New values of a brake file by their keys, such as {"friction": 0.3}; `vary` takes them."""
+
+
+SAVED_DIGITS = 9
+"""Significant digits of a number that a slider sets.
+
+More digits would hold the rounding of additions and units, such as 0.34000000000000002, and a saved
+brake file would show them. Fewer digits would change the torque in the digits that the page shows.
+"""
+
+
+def rounded_numbers(value: Any) -> Any:
+    """The value with all numbers in it rounded to SAVED_DIGITS; texts stay as they are."""
+    if isinstance(value, float):
+        return float(f"{value:.{SAVED_DIGITS}g}")
+    if isinstance(value, dict):
+        return {key: rounded_numbers(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [rounded_numbers(item) for item in value]
+    return value
+
+
+def text_of_angle_in_degrees(angle: float) -> str:
+    """An angle [rad] as the rounded text of a brake file, such as "10 deg"."""
+    return f"{math.degrees(angle):.{SAVED_DIGITS}g} deg"
+
+
+class Knob(NamedTuple):
+    """A slider of the page, which changes one quantity of the brake.
+
+    Attributes
+    ----------
+    name : name of the slider in the link
+    label : text beside the slider on the page
+    unit : unit of the slider's values
+    low, high : ends of the slider's range [unit]
+    step : smallest change of the value [unit]
+    start : value of the brake file [unit]
+    changes : function that turns a value [unit] into new values of the brake file by key
+    log : whether equal distances on the slider change the value by equal factors
+    """
+
+    name: str
+    label: str
+    unit: str
+    low: float
+    high: float
+    step: float
+    start: float
+    changes: Callable[[float], Changes]
+    log: bool = False
+
+    @property
+    def title(self) -> str:
+        """The label of the slider, followed by its unit in brackets."""
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
+
+    def nearest_value_in_range(self, value: float) -> float:
+        """The value within the slider's range that is nearest to `value` [unit of the slider]."""
+        return min(max(value, self.low), self.high)
+
+
+def nearest_1_2_5_power_of_ten(value: float) -> float:
+    """The number nearest to `value` (in ratio) that is 1, 2 or 5 times a power of ten."""
+    return min(round_numbers_about(value), key=lambda number: abs(math.log(value / number)))
+
+
+def linings_by_brake_file_key(brake: Brake) -> dict[str, Lining]:
+    """The linings of all shoes by their key in the brake file, such as "shoe[0].lining[1]"."""
+    linings: dict[str, Lining] = {}
+    for i, shoe in enumerate(brake.shoes):
+        parts = shoe.lining.linings
+        for k, part in enumerate(parts):
+            number = f"[{k}]" if len(parts) > 1 else ""
+            linings[f"shoe[{i}].lining{number}"] = part
+    return linings
