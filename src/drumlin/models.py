@@ -9,6 +9,7 @@ from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.brake import Brake
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
+from drumlin.laws.own import Shape, make_law_of_shape
 from drumlin.laws.pressure_friction import (
     reason_if_law_has_uneven_pressure,
     solve_brake_by_law_of_even_pressure,
@@ -160,7 +161,7 @@ def _make_model_of_law(
     return Model(name, assumes, reason_why_law_does_not_apply, solver)
 
 
-MODELS: Mapping[str, Model] = {
+MODELS: dict[str, Model] = {
     model.name: model
     for model in (
         Model(
@@ -209,7 +210,41 @@ MODELS: Mapping[str, Model] = {
         ),
     )
 }
-"""All models by name, in the order in which comparisons show them."""
+"""All models by name, in the order in which comparisons show them.
+
+`register_law_of_shape` adds the laws of the user.
+"""
+
+BUILT_IN_MODELS = frozenset(MODELS)
+"""Names of the models that drumlin has by itself, which no law of the user may take."""
+
+
+def register_law_of_shape(name: str, assumes: str, shape: Shape) -> None:
+    """Add a law of the user to MODELS, or replace an earlier law of the user with this name.
+
+    Parameters
+    ----------
+    name : name of the law
+    assumes : assumptions of the law, in words
+    shape : function that returns the pressures at angles from the hinge, up to a factor
+
+    Raises
+    ------
+    BadInput
+        for a name that is no word, or that a model of drumlin has
+    """
+    if not name.isidentifier() or name in BUILT_IN_MODELS:
+        raise BadInput(
+            f"name = {name!r}: must be a word of letters, digits and underscores that is none of "
+            f"{', '.join(MODELS)}"
+        )
+    law = make_law_of_shape(name, assumes, shape)
+    MODELS[name] = _make_model_of_law(
+        name,
+        assumes,
+        partial(hinged.reason_against_hinged_shoe_law, law),
+        partial(hinged.solve_brake_with_hinged_shoes_by_law, law),
+    )
 
 
 def model_with_name_that_applies_to_brake(name: str, brake: Brake) -> Model:
@@ -252,7 +287,7 @@ def options_that_user_has_given(**options: Any) -> dict[str, Any]:
 
 
 OWN_OPTIONS: Mapping[str, tuple[str, ...]] = {
-    "fem": ("elements", "kind", "penalty", "tolerance", "finite-width"),
+    "fem": ("elements", "kind", "penalty", "tolerance", "finite-width", "fields"),
     "solid": ("across", "penalty", "tolerance", "fields"),
     "foundation": ("sections", "lift"),
 }

@@ -7,8 +7,11 @@ finer and finer divisions until the a posteriori error estimate is small enough.
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.files import require_name_of_fields_file
+from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import key_of_friction_over_pressure
 from drumlin.brake.further_loads import brake_with_spring_pulls
@@ -63,6 +66,7 @@ def solve(
     finite_width: bool = False,
     model_error: bool = False,
     self_locking: bool = False,
+    fields: Path | None = None,
     cache: Cache | None = None,
 ) -> Response:
     """Solve a brake by finite elements, on finer and finer divisions up to a tolerance.
@@ -85,18 +89,21 @@ def solve(
         fem/width/error.py; not needed together with `finite_width`
     self_locking : whether the response states how far the friction is from locking the brake;
         without effect for friction that depends on the pressure
+    fields : name of a .vtu file for the displacements and stresses inside the shoes and the ring,
+        in plane stress; not together with `finite_width`
     cache : keeps the condensed bodies of earlier solves
 
     Raises
     ------
     BadInput
-        for `elements` or a `kind` together with a tolerance or without effect on any shoe, and for
-        a correction that does not apply to the brake
+        for `elements` or a `kind` together with a tolerance or without effect on any shoe, for a
+        correction that does not apply to the brake, and for a file name that does not end in .vtu
     NoAnswer
         if a given tolerance is not reached on a brake without mesh files, if the correction for the
         widths cannot be computed, and if the contact has no solution
     """
     require_positive_penalty(penalty)
+    require_name_of_fields_file(fields)
     _require_tolerance_without_elements(tolerance, elements, kind)
     brake.check_shoes_can_be_meshed()
     if finite_width:
@@ -105,6 +112,13 @@ def solve(
         brake, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
     )
     seconds = dict(response.seconds)
+    if fields is not None:
+        # The module of the fields takes time to import, and is needed only for a file of fields.
+        from drumlin.fem.analysis import fields as inside  # noqa: PLC0415
+
+        with add_elapsed_time(seconds, "fields"):
+            bodies = inside.stress_and_displacement_fields_of_bodies(scene, brake, response)
+            inside.write_fields_to_vtu_file(fields, bodies)
     if finite_width:
         with add_elapsed_time(seconds, "correction for the widths"):
             response = correct_response_for_shoe_widths(
@@ -251,7 +265,7 @@ def _response_with_note_on_curve_balance(brake: Brake, response: Response) -> Re
     if max(more_force, more_moment) <= REPORTED_IMBALANCE:
         return response
     note = (
-        f"p(theta) on the round drum balances to {curve.force:.1e} (force) and "
-        f"{curve.moment:.1e} (moment) only: the lining's elements are not quite as round"
+        f"p(theta) on the round drum balances to {error_as_text(curve.force)} (force) and "
+        f"{error_as_text(curve.moment)} (moment) only: the lining's elements are not quite as round"
     )
     return replace(response, notes=(*response.notes, note))
