@@ -272,7 +272,7 @@ def test_the_division_of_the_section_is_that_of_plane_stress(flexible):
         (
             "sensitivity",
             {"model": "solid", "elements": 12},
-            'elements and kind belong to model="fem", not to \'solid\'',
+            "elements and kind belong to model=\"fem\", not to 'solid'",
         ),
         (
             "wear",

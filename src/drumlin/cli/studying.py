@@ -56,6 +56,9 @@ def sweep(
         str | None,
         typer.Option(metavar="ADDRESS", help="a Dask scheduler, in place of this machine's cores"),
     ] = None,
+    keep_journal: Annotated[
+        bool, typer.Option("--keep-journal", help="keep the journal when all cases are solved")
+    ] = False,
 ) -> None:
     """Solve a brake for many values of its keys, as one table with a row a case.
 
@@ -83,7 +86,8 @@ def sweep(
     table = table_of_solved_sweep(made, finished.rows, sweep_file.parent)
     with show_spinner_beside_words(f"writing {table_file.name}"):
         table.write(table_file)
-    finished.delete_journal_if_complete()
+    if not keep_journal:
+        finished.delete_journal_if_complete()
     _print_outcome_of_sweep(table, table_file)
 
 
