@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
+from drumlin.base.files import require_name_of_fields_file
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.brake import Brake
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
@@ -39,18 +41,28 @@ class Model(NamedTuple):
 # The functions below import a model only when they are called, so that `drumlin --help` is fast.
 
 
-def _solve_by_finite_elements(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
+def _solve_by_finite_elements(
+    brake: Brake, *, worn_in: bool = False, fields: Path | None = None, **options: Any
+) -> Response:
     """Solve a brake by finite elements in plane stress.
 
-    With `worn_in` the linings are worn until their pressure no longer changes.
+    With `worn_in` the linings are worn until their pressure no longer changes. `fields` is the name
+    of a .vtu file for the displacements and stresses inside the shoes and the ring.
     """
+    require_name_of_fields_file(fields)
     if worn_in:
         from drumlin.lining_wear.worn_in import solve_worn_in_brake as by_worn_in
 
         return by_worn_in(brake, **options)
     from drumlin.fem.solve import solve as by_elements
 
-    return by_elements(brake, **options)
+    if fields is None:
+        return by_elements(brake, **options)
+    from drumlin.fem.analysis.fields import write_fields_of_solved_model
+
+    return by_elements(
+        brake, use_model=partial(write_fields_of_solved_model, fields, brake), **options
+    )
 
 
 def _reason_why_not_finite_elements(brake: Brake) -> str | None:

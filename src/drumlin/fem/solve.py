@@ -4,13 +4,12 @@ A solve divides the brake into elements, condenses its bodies and solves its con
 finer and finer divisions until the a posteriori error estimate is small enough.
 """
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.files import require_name_of_fields_file
 from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import key_of_friction_over_pressure
@@ -66,7 +65,7 @@ def solve(
     finite_width: bool = False,
     model_error: bool = False,
     self_locking: bool = False,
-    fields: Path | None = None,
+    use_model: Callable[[PreparedModel, Response], None] | None = None,
     cache: Cache | None = None,
 ) -> Response:
     """Solve a brake by finite elements, on finer and finer divisions up to a tolerance.
@@ -89,21 +88,20 @@ def solve(
         fem/width/error.py; not needed together with `finite_width`
     self_locking : whether the response states how far the friction is from locking the brake;
         without effect for friction that depends on the pressure
-    fields : name of a .vtu file for the displacements and stresses inside the shoes and the ring,
-        in plane stress; not together with `finite_width`
+    use_model : called with the prepared model and its response in plane stress, before any
+        correction, for instance to write the stresses inside the shoes
     cache : keeps the condensed bodies of earlier solves
 
     Raises
     ------
     BadInput
-        for `elements` or a `kind` together with a tolerance or without effect on any shoe, for a
-        correction that does not apply to the brake, and for a file name that does not end in .vtu
+        for `elements` or a `kind` together with a tolerance or without effect on any shoe, and for
+        a correction that does not apply to the brake
     NoAnswer
         if a given tolerance is not reached on a brake without mesh files, if the correction for the
         widths cannot be computed, and if the contact has no solution
     """
     require_positive_penalty(penalty)
-    require_name_of_fields_file(fields)
     _require_tolerance_without_elements(tolerance, elements, kind)
     brake.check_shoes_can_be_meshed()
     if finite_width:
@@ -112,13 +110,8 @@ def solve(
         brake, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
     )
     seconds = dict(response.seconds)
-    if fields is not None:
-        # The module of the fields takes time to import, and is needed only for a file of fields.
-        from drumlin.fem.analysis import fields as inside  # noqa: PLC0415
-
-        with add_elapsed_time(seconds, "fields"):
-            bodies = inside.stress_and_displacement_fields_of_bodies(scene, brake, response)
-            inside.write_fields_to_vtu_file(fields, bodies)
+    if use_model is not None:
+        use_model(scene, response)
     if finite_width:
         with add_elapsed_time(seconds, "correction for the widths"):
             response = correct_response_for_shoe_widths(

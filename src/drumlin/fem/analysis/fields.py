@@ -393,6 +393,13 @@ def write_fields_to_vtu_file(path: Path, parts: Sequence[Any]) -> None:
         meshio.write(partial, mesh, file_format="vtu")
 
 
+def write_fields_of_solved_model(
+    path: Path, brake: Brake, scene: PreparedModel, response: Response
+) -> None:
+    """Write the fields of all bodies of a solved model as one .vtu file for ParaView."""
+    write_fields_to_vtu_file(path, stress_and_displacement_fields_of_bodies(scene, brake, response))
+
+
 def mesh_of_fields(parts: Sequence[Any]) -> meshio.Mesh:
     """The `Fields` or `SolidFields` of all shoes as one mesh with fields at nodes and cells."""
     cells, numbers, shoes, first = [], [], [], 0
