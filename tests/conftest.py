@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 from collections.abc import Container, Generator, Iterable
 
 # This is set before numpy is loaded, since the dense systems are many and small.
@@ -160,3 +161,12 @@ class Skips:
             session.exitstatus = pytest.ExitCode.OK
         if self.notes and not self.failed:
             self.cache.set(self.KEY, sorted(set(self.found)))
+
+
+@pytest.fixture(autouse=True)
+def no_law_of_a_test_stays():
+    """Laws that a test registers, as the example of `drumlin.law` does, end with the test."""
+    yield
+    models = sys.modules.get("drumlin.models")
+    for name in set(models.MODELS) - models.BUILT_IN_MODELS if models else ():
+        del models.MODELS[name]

@@ -170,8 +170,8 @@ def test_it_corrects_brakes_on_a_plane(root):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"model_error": False}, "--no-model-error: --finite-width states the error that remains"),
-        ({"worn_in": True}, "--finite-width: does not apply to worn-in linings"),
+        ({"model_error": False}, "model_error=False: finite_width states the error that remains"),
+        ({"worn_in": True}, "finite_width: does not apply to worn-in linings"),
     ],
 )
 def test_options_that_contradict_it_are_refused(brake, options, said):
@@ -183,7 +183,7 @@ def test_the_option_belongs_to_the_finite_elements_and_to_answers(root):
     file = root / "studies" / "double_shoe" / "brake.toml"
     done = drumlin("solve", file, "--model", "sine", "--finite-width")
     assert done.returncode == 2
-    assert "--finite-width belong to --model fem" in " ".join(done.stderr.split())
+    assert "--finite-width and --fields belong to --model fem" in " ".join(done.stderr.split())
     for command in ("wear", "hold", "sensitivity"):
         done = drumlin(command, file, "--finite-width")
         assert done.returncode == 2

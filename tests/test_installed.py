@@ -20,7 +20,7 @@ from command_line import drumlin
 from conftest import ROOT, STUDY
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.schema import json_schema_of_brake_file
-from drumlin.studies import paths_of_example_brakes
+from drumlin.studies import paths_of_all_examples, paths_of_example_brakes
 from drumlin.sweeps.schema import json_schema_of_sweep_file
 from picking import picked
 
@@ -29,11 +29,13 @@ SWEEPS = sorted((ROOT / "studies" / "sweeps").glob("*.toml"))
 
 def test_every_example_is_listed_printed_and_is_a_brake(tmp_path):
     listed = [line.split("  ")[0] for line in drumlin("init").stdout.splitlines()]
-    assert listed == list(paths_of_example_brakes()) and {
+    assert listed == list(paths_of_all_examples()) and {
         "double_shoe",
         "double_shoe_flexible",
         "post_brake",
         "pad",
+        "sweep_grid",
+        "notebook_engineer",
     } <= set(listed)
     for name, path in paths_of_example_brakes().items():
         (tmp_path / "my.toml").write_text(drumlin("init", name).stdout)

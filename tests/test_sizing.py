@@ -260,7 +260,7 @@ def test_a_plane_asks_for_a_braking_force():
     solved = drumlin.solve(brake, "short")
     found = drumlin.size(brake, FORCE, torque="500 N", model="short")
     assert found.value == pytest.approx(1000 * 500 / solved.effect, rel=1e-12)
-    with pytest.raises(BadInput, match=r"--torque = '500 N m'"):
+    with pytest.raises(BadInput, match=r"torque = '500 N m'"):
         drumlin.size(brake, FORCE, torque="500 N m", model="short")
 
 
@@ -270,14 +270,14 @@ def test_a_plane_asks_for_a_braking_force():
         ("frictoin", {"torque": 1.0}, "unknown key"),
         ("title", {"torque": 1.0}, "title: must be a key of the brake with a number"),
         ("shoe.left.lining.friction", {"torque": 1.0}, "friction: has no value in the brake file"),
-        ("friction", {}, "--torque, --peak-pressure: give at least one of both"),
-        ("friction", {"torque": -1.0}, "--torque = -1: must be greater than 0"),
-        ("friction", {"peak_pressure": "0 MPa"}, "--peak-pressure = 0: must be greater"),
-        ("friction", {"torque": "400"}, "--torque = '400'"),
-        ("friction", {"torque": 1.0, "low": 0.4, "high": 0.3}, "--from = 0.4: must be less than"),
-        ("shoe.lining.clearance", {"torque": 1.0}, "give --from and --to"),
+        ("friction", {}, "torque, peak_pressure: give at least one of both"),
+        ("friction", {"torque": -1.0}, "torque = -1: must be greater than 0"),
+        ("friction", {"peak_pressure": "0 MPa"}, "peak_pressure = 0: must be greater"),
+        ("friction", {"torque": "400"}, "torque = '400'"),
+        ("friction", {"torque": 1.0, "low": 0.4, "high": 0.3}, "low = 0.4: must be less than"),
+        ("shoe.lining.clearance", {"torque": 1.0}, "give low and high"),
         ("shoe.hinge.x", {"torque": 1.0}, "of the different shoes; name one"),
-        ("friction", {"torque": 1.0, "model": "none"}, "--model = 'none'"),
+        ("friction", {"torque": 1.0, "model": "none"}, "model = 'none'"),
         ("friction", {"torque": 1.0, "model": "sine", "elements": 12}, "elements"),
     ],
 )

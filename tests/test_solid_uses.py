@@ -263,22 +263,22 @@ def test_the_division_of_the_section_is_that_of_plane_stress(flexible):
 @pytest.mark.parametrize(
     ("use", "options", "line"),
     [
-        ("hold", {"model": "sine"}, "--model = 'sine': does not do this; allowed: fem, solid"),
+        ("hold", {"model": "sine"}, "model = 'sine': does not do this; allowed: fem, solid"),
         (
             "wear",
             {"model": "sine"},
-            "--model = 'sine': does not wear; allowed: fem, solid, foundation",
+            "model = 'sine': does not wear; allowed: fem, solid, foundation",
         ),
         (
             "sensitivity",
             {"model": "solid", "elements": 12},
-            "--elements and --kind belong to --model fem, not to 'solid'",
+            "elements and kind belong to model=\"fem\", not to 'solid'",
         ),
         (
             "wear",
             {"model": "solid", "sections": 12},
-            "--elements and --kind belong to --model fem, --guided to fem and solid, "
-            "--sections and --lift to foundation",
+            'elements and kind belong to model="fem", guided to fem and solid, '
+            "sections and lift to foundation",
         ),
     ],
 )
@@ -293,7 +293,7 @@ def test_an_elastic_ring_is_refused(root):
         with pytest.raises(BadInput) as error:
             use(root / "studies" / "post_brake" / "brake.toml", "solid")
         assert str(error.value) == (
-            "--model = 'solid': does not apply to this brake: its drum is an elastic ring, whose "
+            "model = 'solid': does not apply to this brake: its drum is an elastic ring, whose "
             "own width is not modelled; allowed: fem"
         )
 

@@ -12,7 +12,11 @@ from drumlin.fem.error_control.estimate import (
 )
 from drumlin.fem.error_control.first_level import kind_of_contact
 from drumlin.fem.solve import solve, solve_first_level_of_brake
-from drumlin.sweeps.cases import solve_all_cases_of_sweep, solve_case_and_return_results_or_failure
+from drumlin.sweeps.cases import (
+    journal_keys_of_cases,
+    solve_all_cases_of_sweep,
+    solve_case_and_return_results_or_failure,
+)
 from drumlin.sweeps.certificate import Certificate
 from drumlin.sweeps.file import sweep_from_file_data
 from drumlin.sweeps.sample import solve_all_cases_with_sample
@@ -77,7 +81,9 @@ def test_sample_has_every_value_of_an_inner_key_and_the_extremes_of_all():
 def test_rows_say_who_certifies_them_and_go_on_from_a_journal(tmp_path):
     made = sweep({"friction": over(0.25, 0.35, 6)}, certify=3)
     told = []
-    rows = solve_all_cases_with_sample(made.cases, made.sample, done=lambda *at: told.append(at))
+    rows = solve_all_cases_with_sample(
+        made.cases, made.sample, done=lambda *at: told.append(at)
+    ).rows
     assert told[-1] == (6, 6)
     for i, (row, case) in enumerate(zip(rows, made.cases, strict=True)):
         assert row["certified"] == ("itself" if i in made.sample else "sample")
@@ -92,7 +98,9 @@ def test_rows_say_who_certifies_them_and_go_on_from_a_journal(tmp_path):
         assert own["error_pressure"] < row["error_pressure"] < 0.1
     with Journal(tmp_path / "kept") as journal:
         solve_all_cases_with_sample(made.cases[:5], made.sample[:2], journal=journal)
-        assert solve_all_cases_with_sample(made.cases, made.sample, journal=journal) == rows
+        again = solve_all_cases_with_sample(made.cases, made.sample, journal=journal)
+        assert again.rows == rows
+        assert all(key in journal for key in journal_keys_of_cases(again.cases))
 
 
 def test_case_of_a_kind_that_the_sample_has_not_certifies_itself(brake):
@@ -162,7 +170,7 @@ SWEEPS = {
 def test_no_case_is_further_from_its_own_last_level_than_its_sample_says(name):
     file, keys, certify, seed = SWEEPS[name]
     made = sweep(keys, brake=file, certify=certify, seed=seed)
-    rows = solve_all_cases_with_sample(made.cases, made.sample)
+    rows = solve_all_cases_with_sample(made.cases, made.sample).rows
     by_sample = 0
     for row, case in zip(rows, made.cases, strict=True):
         if row["certified"] == "itself":

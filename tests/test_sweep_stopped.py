@@ -65,7 +65,9 @@ def undisturbed(sweep_file):
 def start(
     *arguments: object, program: str = MAIN, stderr: int | None = None
 ) -> subprocess.Popen[str]:
-    command = [sys.executable, "-c", program, "sweep", *map(str, arguments)]
+    # The journal of the finished sweep tells which cases were solved.
+    words = [*map(str, arguments), "--keep-journal"]
+    command = [sys.executable, "-c", program, "sweep", *words]
     return subprocess.Popen(command, env=PYTHON, stdout=subprocess.PIPE, stderr=stderr, text=True)
 
 

@@ -12,7 +12,8 @@ cases. `size` finds the value of a key that gives a wanted torque or peak pressu
 linings, `hold` turns the drum from rest against the shoes, `sensitivity` gives derivatives of the
 torque, `self_locking` finds the friction at which the brake locks, and `fields` gives displacements
 and stresses. `reference` computes reference values with uncertainties,
-and `check` compares a table of p(theta) with them. `vary` makes a brake with changed values, and
+and `check` compares a table of p(theta) with them. `law` registers a pressure law of your own.
+`vary` makes a brake with changed values, and
 `write_brake` writes its file. Wrong input raises BadInput, and a brake without an answer raises
 NoAnswer, each with a message of one line. All numbers are in SI units.
 
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
         example,
         fields,
         hold,
+        law,
         reference,
         self_locking,
         sensitivity,
@@ -57,6 +59,7 @@ __all__ = [
     "example",
     "fields",
     "hold",
+    "law",
     "read_brake",
     "reference",
     "self_locking",

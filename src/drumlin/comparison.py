@@ -8,7 +8,7 @@ import io
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain, pairwise
 from statistics import median
@@ -18,6 +18,7 @@ import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import spreadsheet_cell_without_formula
+from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.heat import brake_with_heat_in_parts, names_of_heated_parts
@@ -28,7 +29,7 @@ from drumlin.response.norms import (
     relative_error_of_number,
 )
 from drumlin.response.response import EDGE_ZONE, Response
-from drumlin.response.show import text_of_contact_arcs
+from drumlin.response.show import plot_pressure_of_each_shoe, text_of_contact_arcs
 
 COLD = "cold"
 """Name, in comparisons, of the finite element result of a heated brake as it is when cold."""
@@ -53,7 +54,7 @@ class Outcome:
     model: str
     response: Response | None
     failure: str
-    seconds: float
+    seconds: float = field(compare=False)
     repeats: int
 
 
@@ -320,7 +321,7 @@ def table_as_csv_text(table: Sequence[dict[str, Any]]) -> str:
     return text.getvalue()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison(Generic[BrakeKind]):
     """A brake and its results by every model that applies; the finite elements come first.
 
@@ -344,6 +345,40 @@ class Comparison(Generic[BrakeKind]):
     def rows(self) -> list[dict[str, Any]]:
         """The rows of the table of the comparison, with errors relative to the finite elements."""
         return comparison_table_rows(self.brake, self.outcomes, case=self.case)
+
+    def __repr__(self) -> str:
+        """The comparison as a table of text."""
+        return "\n".join([self.case, *text_lines_of_aligned_columns(self._shown_cells())])
+
+    def _repr_html_(self) -> str:
+        """The comparison as an HTML table, which notebooks display."""
+        return html_table_with_caption(self.case, self._shown_cells())
+
+    def _shown_cells(self) -> list[tuple[str, ...]]:
+        """The cells of the table as it is shown: headings, and the rows of the whole brake.
+
+        Columns without a value are left out.
+        """
+        rows = [row for row in self.rows if row["shoe"] == "all"]
+        shown = []
+        for column in comparison_columns_for_brake(self.brake):
+            has_values = any(row.get(column.key) is not None for row in rows)
+            if column.key not in {"case", "rotation", "shoe"} and has_values:
+                shown.append(column)
+        head = tuple(column.title for column in shown)
+        return [head, *(tuple(column.text(row) for column in shown) for row in rows)]
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw the pressure of every shoe by every model, in MPa over degrees, on a plane over mm.
+
+        The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. The
+        method returns the axes.
+        """
+        for model, response in self.responses.items():
+            axes = plot_pressure_of_each_shoe(response, axes, prefix=f"{model}, ")
+        if axes is not None:
+            axes.set_title(self.case)
+        return axes
 
 
 def compare(

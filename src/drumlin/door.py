@@ -7,12 +7,13 @@ when it is called, so that `import drumlin` is fast.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
 
-from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.errors import BadInput, DrumlinError, NoAnswer
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
@@ -21,10 +22,11 @@ if TYPE_CHECKING:
     from drumlin.fem.analysis.fields import Fields
     from drumlin.fem.analysis.holding import Hold
     from drumlin.fem.analysis.sensitivity import Sensitivity
+    from drumlin.laws.own import Shape
     from drumlin.lining_wear.whole_brake import WearRun
     from drumlin.response.response import Response
     from drumlin.sizing import Sizing
-    from drumlin.sweeps.cases import Row
+    from drumlin.sweeps.sweep_table import SweepTable
     from drumlin.verification.check import Verdict
     from drumlin.verification.reference import Reference
 
@@ -42,6 +44,32 @@ Say = Callable[[str], None]
 
 def _ignore_progress_line(_: str) -> None:
     """Ignore a line about the progress of a computation."""
+
+
+# Type variables for the arguments and the result of a public function.
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+
+
+def _errors_name_arguments(
+    function: Callable[Arguments, Result],
+) -> Callable[Arguments, Result]:
+    """Make a public function whose errors name its arguments, not options of the command line.
+
+    The rooms below word their messages for the command line. The command line, which calls the
+    same functions, prints these messages as they were.
+    """
+
+    @wraps(function)
+    def public_function(*arguments: Arguments.args, **options: Arguments.kwargs) -> Result:
+        """Call the function, and reword its errors."""
+        try:
+            return function(*arguments, **options)
+        except DrumlinError as error:
+            error.name_arguments_in_place_of_options()
+            raise
+
+    return public_function
 
 
 class _Source(NamedTuple):
@@ -62,10 +90,19 @@ class _Source(NamedTuple):
 
 
 def _read_brake_if_path(brake: BrakeOrPath) -> Brake:
-    """Return the brake itself; if `brake` is a path, read the brake from this file."""
-    from drumlin.brake import read_any
+    """Return the brake itself; if `brake` is a path, read the brake from this file.
 
-    return read_any(brake) if isinstance(brake, str | Path) else brake
+    Raises BadInput for anything else.
+    """
+    from drumlin.brake import Brake, read_any
+
+    if isinstance(brake, str | Path):
+        return read_any(brake)
+    if not isinstance(brake, Brake):
+        raise BadInput(
+            f"brake: must be a Brake or the path of a brake file, not {type(brake).__name__}"
+        )
+    return brake
 
 
 def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _Source:
@@ -102,6 +139,7 @@ def _option_value_in_si(option: str, value: float | str, unit: str) -> float:
     return option_value_in_si(option, value, unit) if isinstance(value, str) else value
 
 
+@_errors_name_arguments
 def solve(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -134,7 +172,8 @@ def solve(
     model_error : whether the error of plane stress itself is estimated, with `finite_width` the
         error that remains; not for worn-in linings ("fem")
     across : degree of the polynomials across the width; None: as the error needs ("solid")
-    fields : path of a .vtu file for displacements and stresses in the shoes ("solid")
+    fields : path of a .vtu file for displacements and stresses in the shoes, in plane stress also
+        in an elastic ring; not with `finite_width` or `worn_in` ("fem", "solid")
     sections : number of sections along each beam ("foundation")
     lift : names of simplifications of the model to remove, or ["all"] ("foundation")
 
@@ -181,6 +220,8 @@ def solve(
     # The model is checked before the options: an unknown model is the more helpful message.
     chosen = model_with_name_that_applies_to_brake(model, whole)
     check_options_belong_to_model(model, options)
+    if fields is not None and (finite_width or worn_in):
+        raise BadInput("--fields: does not apply to worn-in linings, nor to corrected answers")
     if finite_width and worn_in:
         raise BadInput("--finite-width: does not apply to worn-in linings")
     if finite_width and not model_error:
@@ -206,6 +247,7 @@ def solve(
     return replace(response, notes=notes, self_locking=locking)
 
 
+@_errors_name_arguments
 def compare(
     brake: BrakeOrPath,
     case: str = "",
@@ -265,6 +307,7 @@ def compare(
     return side_by_side(_read_brake_if_path(brake), case, repeats, models, **options)
 
 
+@_errors_name_arguments
 def size(
     brake: BrakeOrPath,
     key: str,
@@ -363,36 +406,79 @@ def size(
     return size_brake(question, lambda sized: solve(sized, model, **given))
 
 
-def sweep(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
-    """Solve every case of a sweep file.
+@_errors_name_arguments
+def sweep(
+    brake: BrakeOrPath,
+    vary: Mapping[str, object] | None = None,
+    *,
+    model: str | Sequence[str] | Mapping[str, Mapping[str, object]] = "fem",
+    combine: str = "grid",
+    cases: int | None = None,
+    seed: int = 0,
+    certify: str | int = "every case",
+    jobs: int | None = 1,
+    progress: bool | Callable[[int, int], None] = False,
+) -> SweepTable:
+    """Solve a brake for many values of its keys; the result is a table with a row for each case.
 
     Parameters
     ----------
-    path : path of the TOML file with the brake, the keys that vary and their values
+    brake : the brake or the path of its file; without `vary` the path of a sweep file
+    vary : for each key, named as for the function `vary`, its values: a list or an array of numbers
+        [SI] or texts with units, or a dict with a range or a distribution as in a sweep file, such
+        as {"from": 0.2, "to": 0.4, "count": 5} or {"distribution": "normal", "deviation": "5 %"}
+    model : name of a model, names of several, or a dict of their names and options
+    combine : "grid" for all combinations of lists and ranges, "zip" to combine the n-th values of
+        all keys, "random" to draw all values at random
+    cases : number of random draws; None if no value is drawn
+    seed : number that determines the random draws
+    certify : which cases are solved on all levels and state the errors of the others: "every case",
+        "every 10th" or another number, or the number of cases to draw
     jobs : number of processes that solve in parallel; None for one on each core
+    progress : True to print the number of finished cases; or a function that is called with the
+        number of finished cases and of all cases
 
     Returns
     -------
-    list of dict
-        one row for each case, in the order of the file: the changed keys, the results in SI units,
-        and "status", which has the reason if a case has no results
+    SweepTable
+        a sequence of rows in the order of the cases: the changed keys, the results in SI units, and
+        "status", which has the reason if a case has no results. `table["torque"]` is a column;
+        `statistics()`, `failures`, `plot()`, `write()` and `to_pandas()` tell more
 
     Raises
     ------
     BadInput
-        for a file that cannot be read or is no sweep, in one line
+        for an unknown key, a value that no brake can have, or a sweep file that cannot be read, in
+        one line
 
     Examples
     --------
-    >>> rows = drumlin.sweep("loads.toml")
-    >>> [row["friction"] for row in rows], rows[0]["status"]
-    ([0.3, 0.4], 'solved')
+    >>> brake = drumlin.example("double_shoe")
+    >>> table = drumlin.sweep(brake, {"friction": [0.3, 0.4]}, model="sine")
+    >>> table["torque"].round().tolist(), table[0]["status"]
+    ([435.0, 659.0], 'solved')
     """
-    from drumlin.sweeps.run import solve_sweep_file as all_rows
+    from drumlin.sweeps.file import read_sweep_from_toml_file, sweep_from_file_data
+    from drumlin.sweeps.python_values import data_of_sweep_in_python
+    from drumlin.sweeps.run import solve_sweep_in_memory
+    from drumlin.sweeps.sweep_table import function_that_prints_progress
 
-    return all_rows(path, jobs=jobs)
+    if vary is None:
+        if not isinstance(brake, str | Path):
+            raise BadInput('vary: is missing, such as {"friction": [0.3, 0.4]}')
+        prepared, folder = read_sweep_from_toml_file(Path(brake)), Path(brake).parent
+    else:
+        whole, folder = _read_brake_if_path(brake), Path()
+        given = {"combine": combine, "cases": cases, "seed": seed, "certify": certify}
+        data = data_of_sweep_in_python(whole, vary, model, **given)
+        prepared = sweep_from_file_data(data, folder.resolve(), brake=whole)
+    done = function_that_prints_progress() if progress is True else progress
+    return solve_sweep_in_memory(
+        prepared, folder, jobs=jobs, done=done or (lambda finished, of: None)
+    )
 
 
+@_errors_name_arguments
 def wear(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -476,7 +562,7 @@ def wear(
         worn, model, both_ways=reverse is not None, **options
     )
     say("wearing")
-    return whole_brake.wear_whole_brake(
+    run = whole_brake.wear_whole_brake(
         setups,
         law,
         distance=distance,
@@ -484,6 +570,13 @@ def wear(
         torque=held,
         tolerance=tolerance,
     )
+    # Elements that the user chooses have no estimated error. Those of the default are those of the
+    # last level of `solve`, which estimates the error.
+    if model != "fem" or on_mesh:
+        return run
+    from drumlin.fem.solve import solve as solve_in_plane_stress
+
+    return replace(run, start_error=solve_in_plane_stress(worn).error)
 
 
 class HoldingRun(NamedTuple):
@@ -504,7 +597,27 @@ class HoldingRun(NamedTuple):
 
         return holding_states_as_plain_data(list(self.states))
 
+    def lines(self) -> list[str]:
+        """Two lines of text: the largest moment that is held, and when the brake slips."""
+        from drumlin.base.texts import error_as_text
 
+        surface = self.brake.surface
+
+        def text_of_way(state: Hold) -> str:
+            """The rotation of a state, on a plane the sliding distance, as text with its unit."""
+            return f"{surface.moved} {state.rotation * surface.shown:.4g} {surface.shown_unit}"
+
+        held = max(self.states, key=lambda state: abs(state.torque))
+        last = self.states[-1]
+        slips = f"no full slip: at {text_of_way(last)}, {error_as_text(last.sticking)} still stick"
+        if last.sticking == 0:
+            first = next(state for state in self.states if state.sticking == 0)
+            slips = f"the whole contact slips from {text_of_way(first)} on"
+        moment = f"{abs(held.torque):.6g} {surface.effect_unit}"
+        return [f"holds up to {moment}, at {text_of_way(held)}", slips]
+
+
+@_errors_name_arguments
 def hold(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -577,6 +690,7 @@ def hold(
     return HoldingRun(held, tuple(states))
 
 
+@_errors_name_arguments
 def sensitivity(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -643,6 +757,7 @@ class LockingLimit(NamedTuple):
     bounded: bool
 
 
+@_errors_name_arguments
 def self_locking(
     brake: BrakeOrPath,
     *,
@@ -704,6 +819,7 @@ def self_locking(
     )
 
 
+@_errors_name_arguments
 def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference:
     """Compute reference values of a brake with uncertainties; this takes minutes.
 
@@ -781,6 +897,7 @@ class CheckResult(NamedTuple):
         return text_lines_on_errors_of_pressure_table(self.verdicts, self.tolerance, self.surface)
 
 
+@_errors_name_arguments
 def check(
     brake: BrakeOrPath,
     result: Path | str,
@@ -819,7 +936,7 @@ def check(
     ...     drumlin.check(drumlin.example("double_shoe"), "nowhere.csv", tolerance=2)
     ... except drumlin.BadInput as fault:
     ...     print(fault)
-    --tolerance = 2: must be greater than 0 and less than 1
+    tolerance = 2: must be greater than 0 and less than 1
     """
     from drumlin.studies import REPOSITORY
     from drumlin.verification.check import compare_curves_with_reference as verdicts_on
@@ -845,6 +962,7 @@ def check(
     return CheckResult(tuple(verdicts), tolerance, name, source.brake.surface)
 
 
+@_errors_name_arguments
 def fields(
     brake: BrakeOrPath,
     output: Path | str | None = None,
@@ -893,7 +1011,7 @@ def fields(
     # A wrong path is refused before the brake is solved.
     path = None if output is None else Path(output)
     if path is not None and path.suffix != ".vtu":
-        raise BadInput(f"--fields = {str(path)!r}: must end in .vtu")
+        raise BadInput(f"output = {str(path)!r}: must end in .vtu")
     check_output_files_are_writable(path)
     on_mesh, stiffness = (
         _options_given_by_user(elements=elements, kind=kind),
@@ -910,6 +1028,51 @@ def fields(
     return tuple(found)
 
 
+@_errors_name_arguments
+def law(name: str, assumes: str = "") -> Callable[[Shape], Shape]:
+    """Register a pressure law of your own by a decorator; `solve` and `compare` then know it.
+
+    The law belongs to shoes that turn about a hinge on a drum. Only the shape of the pressure is
+    needed: the moments about the hinge give its size, and from it torque and reactions.
+
+    Parameters
+    ----------
+    name : name of the law, a word that no model of drumlin has
+    assumes : assumptions of the law, in words; "" for the docstring of the function
+
+    Returns
+    -------
+    function
+        the decorator of a function of the angles phi (n,) [rad] from the hinge and of the shoe's
+        layout, with its attributes phi_1 and phi_2 [rad], the ends of the lining, R and a [m], the
+        radii of drum and hinge. The function returns the pressure (n,) up to a factor
+
+    Raises
+    ------
+    BadInput
+        for a name that is no word or is taken
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> @drumlin.law("my_sine", "as the sine law")
+    ... def my_sine(phi, layout):
+    ...     return np.sin(phi)
+    >>> round(drumlin.solve(drumlin.example("double_shoe"), "my_sine").torque, 2)
+    435.22
+    """
+    from drumlin.models import register_law_of_shape
+
+    def register(shape: Shape) -> Shape:
+        """Register the law with the shape of its pressure, and return the function unchanged."""
+        words = assumes or (shape.__doc__ or "a law of the user").strip().partition("\n")[0]
+        register_law_of_shape(name, words, shape)
+        return shape
+
+    return register
+
+
+@_errors_name_arguments
 def write_brake(brake: BrakeOrPath, output: Path | str) -> None:
     """Write a brake file with units, from which exactly this brake is read again.
 
@@ -942,6 +1105,7 @@ def write_brake(brake: BrakeOrPath, output: Path | str) -> None:
     write_new_text_file(Path(output), brake_file_text(_read_brake_if_path(brake)))
 
 
+@_errors_name_arguments
 def example(name: str) -> Brake:
     """Read an example brake by its name; `drumlin init` lists the names.
 
@@ -964,9 +1128,12 @@ def example(name: str) -> Brake:
     >>> drumlin.example("duplex").title
     'duplex, shoes on abutments'
     """
+    from drumlin.base.texts import did_you_mean_hint
     from drumlin.brake import read_any
     from drumlin.studies import paths_of_example_brakes
-    from drumlin.studies import text_of_example_brake as example_text
 
-    text = example_text(name)
-    return read_any(paths_of_example_brakes()[name], text)
+    paths = paths_of_example_brakes()
+    if name not in paths:
+        hint = did_you_mean_hint(name, paths)
+        raise BadInput(f"name = {name!r}: no such example{hint}; allowed: {', '.join(paths)}")
+    return read_any(paths[name])

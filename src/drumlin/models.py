@@ -2,13 +2,16 @@
 
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
+from drumlin.base.files import require_name_of_fields_file
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.brake import Brake
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
+from drumlin.laws.own import Shape, make_law_of_shape
 from drumlin.laws.pressure_friction import (
     reason_if_law_has_uneven_pressure,
     solve_brake_by_law_of_even_pressure,
@@ -38,18 +41,28 @@ class Model(NamedTuple):
 # The functions below import a model only when they are called, so that `drumlin --help` is fast.
 
 
-def _solve_by_finite_elements(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
+def _solve_by_finite_elements(
+    brake: Brake, *, worn_in: bool = False, fields: Path | None = None, **options: Any
+) -> Response:
     """Solve a brake by finite elements in plane stress.
 
-    With `worn_in` the linings are worn until their pressure no longer changes.
+    With `worn_in` the linings are worn until their pressure no longer changes. `fields` is the name
+    of a .vtu file for the displacements and stresses inside the shoes and the ring.
     """
+    require_name_of_fields_file(fields)
     if worn_in:
         from drumlin.lining_wear.worn_in import solve_worn_in_brake as by_worn_in
 
         return by_worn_in(brake, **options)
     from drumlin.fem.solve import solve as by_elements
 
-    return by_elements(brake, **options)
+    if fields is None:
+        return by_elements(brake, **options)
+    from drumlin.fem.analysis.fields import write_fields_of_solved_model
+
+    return by_elements(
+        brake, use_model=partial(write_fields_of_solved_model, fields, brake), **options
+    )
 
 
 def _reason_why_not_finite_elements(brake: Brake) -> str | None:
@@ -160,7 +173,7 @@ def _make_model_of_law(
     return Model(name, assumes, reason_why_law_does_not_apply, solver)
 
 
-MODELS: Mapping[str, Model] = {
+MODELS: dict[str, Model] = {
     model.name: model
     for model in (
         Model(
@@ -209,7 +222,41 @@ MODELS: Mapping[str, Model] = {
         ),
     )
 }
-"""All models by name, in the order in which comparisons show them."""
+"""All models by name, in the order in which comparisons show them.
+
+`register_law_of_shape` adds the laws of the user.
+"""
+
+BUILT_IN_MODELS = frozenset(MODELS)
+"""Names of the models that drumlin has by itself, which no law of the user may take."""
+
+
+def register_law_of_shape(name: str, assumes: str, shape: Shape) -> None:
+    """Add a law of the user to MODELS, or replace an earlier law of the user with this name.
+
+    Parameters
+    ----------
+    name : name of the law
+    assumes : assumptions of the law, in words
+    shape : function that returns the pressures at angles from the hinge, up to a factor
+
+    Raises
+    ------
+    BadInput
+        for a name that is no word, or that a model of drumlin has
+    """
+    if not name.isidentifier() or name in BUILT_IN_MODELS:
+        raise BadInput(
+            f"name = {name!r}: must be a word of letters, digits and underscores that is none of "
+            f"{', '.join(MODELS)}"
+        )
+    law = make_law_of_shape(name, assumes, shape)
+    MODELS[name] = _make_model_of_law(
+        name,
+        assumes,
+        partial(hinged.reason_against_hinged_shoe_law, law),
+        partial(hinged.solve_brake_with_hinged_shoes_by_law, law),
+    )
 
 
 def model_with_name_that_applies_to_brake(name: str, brake: Brake) -> Model:
@@ -252,7 +299,7 @@ def options_that_user_has_given(**options: Any) -> dict[str, Any]:
 
 
 OWN_OPTIONS: Mapping[str, tuple[str, ...]] = {
-    "fem": ("elements", "kind", "penalty", "tolerance", "finite-width"),
+    "fem": ("elements", "kind", "penalty", "tolerance", "finite-width", "fields"),
     "solid": ("across", "penalty", "tolerance", "fields"),
     "foundation": ("sections", "lift"),
 }

@@ -7,15 +7,19 @@ the journal. A study that was stopped then continues with the next case.
 
 import ast
 import importlib
+import importlib.util
 import inspect
+import json
 import os
 import re
 import sys
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
-from drumlin.base.errors import BadInput
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.files import write_new_text_file
 from drumlin.base.journal import Journal, checksum_of_source_and_libraries
 from drumlin.base.texts import did_you_mean_hint
 
@@ -29,6 +33,11 @@ JUDGE = Path(__file__).resolve().parents[1] / "drumlin_studies"
 """The folder of the package `drumlin_studies`, which studies import.
 
 The results of a study depend on the source of this package, so that its journal must know it.
+"""
+
+
+PACKAGES_OF_STUDIES = {"manual": "sphinx"}
+"""For a study whose packages are an extra of the same name: the package that tells if it is there.
 """
 
 
@@ -51,28 +60,120 @@ def paths_of_example_brakes() -> dict[str, Path]:
     return found
 
 
-def text_of_example_brake(name: str) -> str:
-    """The text of an example brake file, in which paths of mesh files are made absolute.
+def paths_of_example_sweeps() -> dict[str, Path]:
+    """The paths of the example sweep files by the names of the examples, "sweep_" and the stem."""
+    found = {}
+    for path in sorted((REPOSITORY / "studies").glob("*/*.toml")):
+        if re.search(r"(?m)^\[vary\]", path.read_text(encoding="utf-8")):
+            found[f"sweep_{path.stem}"] = path
+    return found
 
-    Raises BadInput for an unknown name of an example.
-    """
-    paths = paths_of_example_brakes()
+
+def paths_of_example_notebooks() -> dict[str, Path]:
+    """The paths of the example notebooks by the names of the examples, "notebook_" and the stem."""
+    files = sorted((REPOSITORY / "studies" / "notebooks").glob("*.ipynb"))
+    return {f"notebook_{path.stem}": path for path in files}
+
+
+def paths_of_all_examples() -> dict[str, Path]:
+    """The paths of all examples by name: brakes, then sweeps, then notebooks."""
+    return paths_of_example_brakes() | paths_of_example_sweeps() | paths_of_example_notebooks()
+
+
+def titles_of_all_examples() -> dict[str, str]:
+    """The title of each example by its name; of a notebook its first heading."""
+    titles = {}
+    for name, path in paths_of_all_examples().items():
+        text = path.read_text(encoding="utf-8")
+        if path.suffix == ".ipynb":
+            lines = "".join(json.loads(text)["cells"][0]["source"]).splitlines()
+            titles[name] = f"notebook: {lines[0].lstrip('# ')}"
+        else:
+            data = tomllib.loads(text)
+            titles[name] = f"sweep: {data['title']}" if "vary" in data else data["title"]
+    return titles
+
+
+# In the text of an example: the first line, which names the JSON schema, and a line with the path
+# of a mesh file or of the brake of a sweep.
+_SCHEMA_LINE = re.compile(r"\A#:schema .*/(\w+\.schema\.json)\n")
+_PATH_LINE = re.compile(r'(?m)^(mesh|brake) = "([^"]+)"')
+
+
+def path_of_example(name: str) -> Path:
+    """The path of an example. Raises BadInput for an unknown name."""
+    paths = paths_of_all_examples()
     if name not in paths:
         raise BadInput(
             f"NAME = {name!r}: no such example{did_you_mean_hint(name, paths)}; "
             f"allowed: {', '.join(paths)}"
         )
-    path = paths[name]
+    return paths[name]
 
-    def line_with_absolute_mesh_path(mesh: re.Match[str]) -> str:
-        """The line `mesh = ...` of the brake file with the absolute path of the mesh file."""
-        return f'mesh = "{(path.parent / mesh[1]).as_posix()}"'
 
-    # The text may be saved in any folder. Absolute paths of the mesh files stay valid there.
-    text = re.sub(
-        r'(?m)^mesh = "([^"]+)"', line_with_absolute_mesh_path, path.read_text(encoding="utf-8")
-    )
-    return re.sub(r"(?m)^#:schema .*/", "#:schema ", text)
+def text_of_example(name: str) -> str:
+    """The text of an example that may be saved in any folder: paths of other files are absolute.
+
+    The line that names the JSON schema is left out, since there is no such file in other folders.
+    Raises BadInput for an unknown name of an example.
+    """
+    path = path_of_example(name)
+
+    def line_with_absolute_path(line: re.Match[str]) -> str:
+        """The line `mesh = ...` or `brake = ...` with the absolute path of the file."""
+        return f'{line[1]} = "{(path.parent / line[2]).resolve().as_posix()}"'
+
+    text = _PATH_LINE.sub(line_with_absolute_path, path.read_text(encoding="utf-8"))
+    return _SCHEMA_LINE.sub("", text)
+
+
+def write_example_with_its_files(name: str, folder: Path) -> list[Path]:
+    """Write an example into a folder, with its meshes, the brake of a sweep and the JSON schema.
+
+    All paths in the written files are relative, so that the folder may be moved. Returns the paths
+    of the written files. Raises BadInput for an unknown name, and for a file that exists already.
+    """
+    path = path_of_example(name)
+    # The example keeps its ending, and other files their names, except the brake of a sweep.
+    texts = {name + path.suffix: path.read_text(encoding="utf-8")}
+    for target, text in list(texts.items()):
+        _add_files_of_example(texts, target, text, path.parent)
+    for target in texts:
+        if (folder / target).exists():
+            raise BadInput(f"{folder / target}: exists already; give another folder")
+    for target, text in texts.items():
+        write_new_text_file(folder / target, text)
+    return [folder / target for target in texts]
+
+
+def _add_files_of_example(texts: dict[str, str], target: str, text: str, base: Path) -> None:
+    """Add the files that an example names to `texts`, and make the paths in its text relative.
+
+    Parameters
+    ----------
+    texts : texts of the files by their names, which are changed
+    target : name of the file of the example
+    text : text of the example
+    base : folder to which the paths in the text are relative
+    """
+    names = {path.resolve(): name for name, path in paths_of_example_brakes().items()}
+
+    def line_with_name_beside(line: re.Match[str]) -> str:
+        """The line `mesh = ...` or `brake = ...` with the name of the file in the same folder."""
+        source = (base / line[2]).resolve()
+        name = f"{names[source]}.toml" if line[1] == "brake" else source.name
+        if name not in texts:
+            texts[name] = source.read_text(encoding="utf-8")
+            _add_files_of_example(texts, name, texts[name], source.parent)
+        return f'{line[1]} = "{name}"'
+
+    schema = _SCHEMA_LINE.match(text)
+    if schema is not None:
+        source = REPOSITORY / "studies" / schema[1]
+        texts[schema[1]] = source.read_text(encoding="utf-8")
+        text = f"#:schema {schema[1]}\n{text[schema.end() :]}"
+    if target.endswith(".toml"):
+        texts[target] = _PATH_LINE.sub(line_with_name_beside, text)
 
 
 def paths_of_own_studies() -> dict[str, Path]:
@@ -122,6 +223,16 @@ def import_study(name: str) -> tuple[ModuleType, Path]:
     return importlib.import_module(f"studies.{file.parent.name}.study"), root
 
 
+def _require_packages_of_study(name: str) -> None:
+    """Raise NoAnswer, with the extra to install, if a package that a study needs is missing."""
+    package = PACKAGES_OF_STUDIES.get(name)
+    if package is not None and importlib.util.find_spec(package) is None:
+        raise NoAnswer(
+            f"study {name}: needs the package {package!r}, which is not installed: "
+            f'pip install "drumlin[{name}]"'
+        )
+
+
 def run_study_and_write_report(
     name: str, folder: Path | None, *, short: bool, say: Callable[[str], None]
 ) -> Path:
@@ -134,6 +245,7 @@ def run_study_and_write_report(
     short : whether the study runs in its short form
     say : function that is called with each line about the progress
     """
+    _require_packages_of_study(name)
     module, root = import_study(name)
     # A study without a journal computes everything again each time.
     folder = folder or Path("reports") / module.__name__.split(".")[1]

@@ -178,11 +178,11 @@ def _time_sweep_with_started_workers(
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
     solve_all_cases_of_sweep(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
-    rows = solve_all_cases_with_sample(
+    solved = solve_all_cases_with_sample(
         cases, sample, executor=found.executor, workers=found.workers
     )
     spent = time.perf_counter() - ready
-    return Throughput(by, found.workers, len(cases), ready - start, spent, rows)
+    return Throughput(by, found.workers, len(cases), ready - start, spent, solved.rows)
 
 
 def rows_of_cases_per_second(measured: Sequence[Throughput]) -> list[Row]:

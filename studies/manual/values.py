@@ -14,6 +14,8 @@ from studies.manual import history
 from studies.manual.solve_path import solve_path_picture
 
 from drumlin.base.errors import NoAnswer
+from drumlin.brake.fields import ROWS_OF_FUNCTION
+from drumlin.brake.friction import PRESSURES_OF_FUNCTION
 from drumlin.fem.analysis.prepared import ANALYSIS_DEGREE
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
 from drumlin.fem.error_control.degrees import MESH_LEVELS
@@ -69,6 +71,8 @@ def quoted_values() -> dict[str, str]:
         "section_safety": f"{SOLID_FACTORS.section_pressure:g}",
         "section_force_safety": f"{SOLID_FACTORS.section_force:g}",
         "analysis_degree": str(ANALYSIS_DEGREE),
+        "function_rows": str(ROWS_OF_FUNCTION),
+        "function_pressures": str(len(PRESSURES_OF_FUNCTION)),
         "wear_coefficient": f"{1e9 * DEFAULT_WEAR_COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",
         "worn_out": f"{100 * WORN_OUT_FRACTION:g} %",

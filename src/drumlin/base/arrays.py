@@ -1,9 +1,10 @@
-"""Types of numpy arrays, slices of the parts of an array, and polar angles of points.
+"""Types of numpy arrays, their comparison, slices of an array's parts, and polar angles of points.
 
 The types say nothing of shapes: each docstring gives the shapes of its arrays in brackets.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
 from itertools import accumulate, pairwise
 from typing import Any
 
@@ -30,3 +31,38 @@ def polar_angles_near_given_angle(middle: float, xy: Floats) -> Floats:
     # between pi and -pi.
     turned = np.exp(-1j * middle) * (xy[0] + 1j * xy[1])
     return np.asarray(middle + np.angle(turned))
+
+
+def are_equal_with_arrays(one: Any, other: Any) -> bool:
+    """Whether two values are equal, if arrays may stand within their tuples, lists and mappings.
+
+    Arrays are equal if they have the same shape and the same entries.
+    """
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(one, other)
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(
+            are_equal_with_arrays(value, other[key]) for key, value in one.items()
+        )
+    if isinstance(one, tuple | list) and type(one) is type(other):
+        return len(one) == len(other) and all(map(are_equal_with_arrays, one, other))
+    return bool(one == other)
+
+
+class EqualByArrays:
+    """Base class of results whose fields hold arrays: results with equal fields are equal.
+
+    The comparison that dataclasses have by themselves raises an error for arrays. Subclasses are
+    dataclasses with `eq=False`. Fields with `compare=False`, such as run times, are not compared.
+    """
+
+    # A result holds arrays and mappings, which have no hash.
+    __hash__ = None  # type: ignore[assignment]
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        names = [field.name for field in fields(self) if field.compare]  # type: ignore[arg-type]
+        return all(
+            are_equal_with_arrays(getattr(self, name), getattr(other, name)) for name in names
+        )

@@ -5,6 +5,7 @@ module also turns any other exception, such as a full disk, into one line and an
 """
 
 import errno
+import re
 import sys
 import traceback
 from collections.abc import Callable
@@ -26,13 +27,46 @@ BadInput. Some operating systems do not define all of these numbers.
 class DrumlinError(Exception):
     """A problem that its message explains in one line.
 
-    `exit_status` is the exit status of the command that this exception ends.
+    `exit_status` is the exit status of the command that this exception ends. `command_line_text` is
+    the message for the command line, with options such as `--model`; it is empty if the message is
+    the same in Python.
     """
 
     exit_status = 1
+    command_line_text = ""
 
     def __str__(self) -> str:
         return printable_single_line(super().__str__())
+
+    def name_arguments_in_place_of_options(self) -> None:
+        """Change the message to the words of Python: `finite_width` in place of `--finite-width`.
+
+        The message for the command line stays in `command_line_text`.
+        """
+        line = str(self)
+        in_python = _text_with_arguments_in_place_of_options(line)
+        if in_python != line:
+            self.command_line_text, self.args = line, (in_python,)
+
+
+ARGUMENTS_WITH_OTHER_NAMES = {
+    "from": "low",
+    "to": "high",
+    "no-model-error": "model_error=False",
+}
+"""Arguments of the functions of `import drumlin` whose option has another name, by the option."""
+
+
+def _text_with_arguments_in_place_of_options(text: str) -> str:
+    """A message in which each option, such as `--model fem`, is an argument of Python."""
+    # The model that an option belongs to stands behind the option, without an equals sign.
+    text = re.sub(r"(?<!\S)--model (\w+)", r'model="\1"', text)
+
+    def argument_of_option(option: re.Match[str]) -> str:
+        """The name of the argument for an option; option[1] is its name without dashes."""
+        return ARGUMENTS_WITH_OTHER_NAMES.get(option[1], option[1].replace("-", "_"))
+
+    return re.sub(r"(?<!\S)--([a-z][a-z-]*)", argument_of_option, text)
 
 
 class BadInput(DrumlinError):
@@ -92,6 +126,11 @@ def exception_for_unusable_file(path: object, doing: str, error: BaseException) 
     return kind(f"{path}: cannot be {doing} ({system_message_of_error(error)})")
 
 
+def text_of_error_for_command_line(error: BaseException) -> str:
+    """The message of an error for the command line, with options in place of arguments."""
+    return getattr(error, "command_line_text", "") or str(error)
+
+
 def error_line_and_exit_status(error: BaseException) -> tuple[str, int]:
     """Line to print about the exception that ends a process, and the exit status of the process.
 
@@ -108,7 +147,7 @@ def _uncut_error_line_and_exit_status(error: BaseException) -> tuple[str, int]:
     The text may still be too long, or have line breaks.
     """
     if isinstance(error, DrumlinError | Stopped):
-        line, status = str(error), error.exit_status
+        line, status = text_of_error_for_command_line(error), error.exit_status
     elif isinstance(error, KeyboardInterrupt):
         line, status = "stopped", 130
     elif isinstance(error, BrokenPipeError):

@@ -290,3 +290,9 @@ def spreadsheet_cell_without_formula(value: object) -> object:
     value is returned as it is.
     """
     return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value
+
+
+def require_name_of_fields_file(path: Path | None) -> None:
+    """Raise BadInput for a file of displacements and stresses whose name does not end in .vtu."""
+    if path is not None and path.suffix != ".vtu":
+        raise BadInput(f"--fields = {str(path)!r}: must end in .vtu")

@@ -85,6 +85,11 @@ def number_as_text(value: float, form: str) -> str:
     return f"{text[:-1]} %" if text.endswith("%") else text
 
 
+def error_as_text(error: float) -> str:
+    """A relative error or imbalance as text for people, in per cent with two digits: "0.058 %"."""
+    return f"{100 * error:.2g} %"
+
+
 def did_you_mean_hint(name: str, names: Iterable[str]) -> str:
     """The hint "(did you mean ...?)" for an error message about an unknown name.
 

@@ -28,6 +28,7 @@ from drumlin.brake.friction import (
     text_of_friction,
 )
 from drumlin.brake.further_loads import Gravity, Lever, Spring
+from drumlin.brake.show import html_table_of_brake, text_of_brake
 from drumlin.brake.support import MOVES, Meshed
 from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
 
@@ -288,6 +289,17 @@ class Shoe(Meshed):
 
 class Brake(Part):
     """A brake with its friction coefficient, direction of motion, friction surface and shoes."""
+
+    def __repr__(self) -> str:
+        """The brake as a line of text and a table of its shoes."""
+        return text_of_brake(self)
+
+    def __str__(self) -> str:
+        return text_of_brake(self)
+
+    def _repr_html_(self) -> str:
+        """The brake as an HTML table, which notebooks display."""
+        return html_table_of_brake(self)
 
     surface: ClassVar[FrictionSurface]
     direction_key: ClassVar[str]

@@ -37,6 +37,7 @@ from drumlin.brake.fields import (
     TemperatureRise,
     Thickness,
     interpolate_number_or_table,
+    validator_of_function_along_lining,
     validator_of_number_or_table,
     validator_of_table_with_growing_coordinates,
 )
@@ -226,7 +227,11 @@ StiffnessAlong = Annotated[
     float | Rows, validator_of_number_or_table("distance", "m", "bending stiffness", "N m^2")
 ]
 OffsetAlong = Annotated[float | Rows, validator_of_number_or_table("distance", "m", "offset", "m")]
-Clearance = Annotated[float | Rows, validator_of_number_or_table("angle", "rad", "clearance", "m")]
+Clearance = Annotated[
+    float | Rows,
+    validator_of_number_or_table("angle", "rad", "clearance", "m"),
+    validator_of_function_along_lining(),
+]
 
 
 LARGEST_MISFIT = 0.05

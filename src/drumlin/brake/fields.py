@@ -7,7 +7,7 @@ convert it. Data that a program gives may be plain numbers in SI units. The vali
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Annotated, Any, ClassVar, Self, get_args, get_origin
 
@@ -447,6 +447,18 @@ def validator_of_table_with_growing_coordinates(
     )
 
 
+def rows_of_array(value: object) -> object:
+    """The rows of an array (n, 2) as a list, a number for an array of one number, else the value.
+
+    Raises ValueError for an array of another shape.
+    """
+    if not isinstance(value, np.ndarray):
+        return value
+    if value.shape and value.shape[1:] != (2,):
+        raise ValueError(f"is an array of shape {value.shape}; must have the shape (N, 2)")
+    return value.tolist()
+
+
 def _convert_number_or_table_to_si(
     value: object, info: ValidationInfo, *, si: str, place: str, name: str, row: tuple[str, str]
 ) -> float | Rows:
@@ -455,6 +467,7 @@ def _convert_number_or_table_to_si(
     Raises ValueError for other data and for a table of fewer than two rows. `si` is the SI unit of
     a number in place of a table. The other parameters are as in `_convert_table_rows_to_si`.
     """
+    value = rows_of_array(value)
     if not isinstance(value, list | tuple):
         return _quantity_in_si(value, info, si)
     rows = _convert_table_rows_to_si(
@@ -557,6 +570,46 @@ def table_rows_from_coordinates_and_values(places: Floats, values: Floats) -> Ro
     `places` are the coordinates of the rows; they must grow.
     """
     return tuple(zip(places.tolist(), values.tolist(), strict=True))
+
+
+ROWS_OF_FUNCTION = 1001
+"""Number of rows of the table that replaces a function of the angle, between the lining's ends.
+
+Between the rows the clearance is linear. A sine with the length of the lining is met within 5e-6 of
+its amplitude. With a quarter of the rows their kinks would be strong enough to count as edges that
+need small elements: a parabola that opens the gap by 0.1 mm then took 100 times as long to solve.
+"""
+
+
+def validator_of_function_along_lining() -> BeforeValidator:
+    """Make the validator that turns a function of the lining's coordinate into a table of rows.
+
+    The coordinate is the angle [rad] on a drum, and x [m] on a plane. The function takes a
+    coordinate and returns a value in SI. It becomes rows at equal distances from the lining's start
+    to its end.
+    """
+    return BeforeValidator(_rows_of_function_along_lining)
+
+
+def _rows_of_function_along_lining(value: object, info: ValidationInfo) -> object:
+    """The table of rows that replaces a function of the coordinate; other values are unchanged."""
+    if not callable(value) or not {"start", "end"} <= set(info.data):
+        return value
+    ends = info.data["start"], info.data["end"]
+    return rows_of_function(value, np.linspace(*ends, ROWS_OF_FUNCTION))
+
+
+def rows_of_function(function: Callable[..., Any], places: Floats) -> list[list[float]]:
+    """The values of a function at the coordinates `places` (n,), as n rows (coordinate, value).
+
+    Raises ValueError for values that are not numbers.
+    """
+    try:
+        # A function that is written for one number need not take an array.
+        values = [float(function(place)) for place in places.tolist()]
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"must be a function from a number to a number ({error})") from error
+    return np.column_stack([places, values]).tolist()
 
 
 def interpolate_number_or_table(values: float | Rows, places: Floats) -> Floats:

@@ -12,7 +12,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Annotated, NamedTuple, Self
 
 import numpy as np
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
@@ -22,6 +22,8 @@ from drumlin.brake.fields import (
     PressureOfTable,
     SpeedOfTable,
     TemperatureRise,
+    rows_of_array,
+    rows_of_function,
 )
 from drumlin.brake.units import SMALLEST
 
@@ -138,11 +140,41 @@ def _kind_of_friction_data(data: object) -> str:
     return "friction table" if isinstance(data, dict | FrictionTable) else "friction number"
 
 
+PRESSURES_OF_FUNCTION = np.append(0.0, np.geomspace(1e3, 1e8, 201))
+"""Pressures [Pa] of the table that replaces a function of the pressure as `friction`.
+
+Two neighbours differ by 6 %. Between them the coefficient is linear, so that 1/(1 + p/p_0) is met
+within 6e-5. Linings press with 1e4 to 1e7 Pa; beyond the table the coefficient is constant.
+"""
+
+
+def _table_of_friction_array_or_function(data: object) -> object:
+    """A friction table over the pressure from an array (n, 2) or a function; else the data.
+
+    The columns of the array are pressure [Pa] and coefficient. The function takes a pressure [Pa]
+    and returns the coefficient.
+    """
+    if callable(data):
+        rows: object = rows_of_function(data, PRESSURES_OF_FUNCTION)
+    else:
+        rows = rows_of_array(data)
+    if not isinstance(rows, list) or rows is data:
+        return rows
+    pressure, mu = zip(*rows, strict=True)
+    # A function that is constant is a number.
+    return {"pressure": pressure, "mu": mu} if len(set(mu)) > 1 else mu[0]
+
+
 FrictionOrTable = Annotated[
     Annotated[Friction, Tag("friction number")] | Annotated[FrictionTable, Tag("friction table")],
     Discriminator(_kind_of_friction_data),
+    BeforeValidator(_table_of_friction_array_or_function),
 ]
-"""The type of the key `friction`: a friction coefficient, or a table of coefficients."""
+"""The type of the key `friction`: a friction coefficient, or a table of coefficients.
+
+In Python it may also be an array (n, 2) of pressures and coefficients, or a function of the
+pressure.
+"""
 
 
 def friction_curve_of_lining(

@@ -38,6 +38,7 @@ from drumlin.brake.fields import (
     Thickness,
     Title,
     check_shoe_names_differ,
+    validator_of_function_along_lining,
     validator_of_number_or_table,
     validator_of_table_with_growing_coordinates,
 )
@@ -95,7 +96,9 @@ class FlatLining(Lining):
     thickness: Thickness | None = None  # type: ignore[assignment]
     material: AnyMaterial | None = None  # type: ignore[assignment]
     clearance: Annotated[
-        float | Rows, validator_of_number_or_table("place", "m", "clearance", "m")
+        float | Rows,
+        validator_of_number_or_table("place", "m", "clearance", "m"),
+        validator_of_function_along_lining(),
     ] = 0.0
     misfit: FlatMisfit = FlatMisfit()
     friction: FrictionOrTable | None = None

@@ -6,6 +6,7 @@ The torque, a table of the shoes, warnings and the estimated errors are printed.
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+from drumlin.base.texts import error_as_text
 from drumlin.cli.terminal import Column, print_folded_line, print_table_fitted_to_terminal
 
 if TYPE_CHECKING:
@@ -115,11 +116,11 @@ def _estimated_errors_as_line(effect: str, error: "Mapping[str, float]") -> str:
 
     `effect` is the printed name of the torque, or of the braking force on a plane.
     """
-    line = f"estimated error: p {error['pressure']:.1e} (L2, worst shoe)"
+    line = f"estimated error: p {error_as_text(error['pressure'])} (L2, worst shoe)"
     names = {"torque": effect, "peak": "peak pressure", "reaction": "hinge reaction"}
     for key, name in names.items():
         if key in error:
-            line += f", {name} {error[key]:.1e}"
+            line += f", {name} {error_as_text(error[key])}"
     return line
 
 
@@ -138,16 +139,16 @@ def _plane_stress_errors_as_line(effect: str, response: "Response") -> str:
     subject = "error of plane stress itself"
     if found.corrected:
         subject = "error of plane stress after the correction for the widths"
-    line = f"{subject}: p {found.brake['pressure']:.1e} (mean over the width)"
+    line = f"{subject}: p {error_as_text(found.brake['pressure'])} (mean over the width)"
     for key, name in names.items():
-        line += f", {name} {found.brake[key]:.1e}"
+        line += f", {name} {error_as_text(found.brake[key])}"
     line += ", peak pressure not known"
     if mesh is None:
         return line
     both = {key: found.brake[key] + mesh[key] for key in ("pressure", *names) if key in mesh}
-    line += f"; both together: p {both.pop('pressure'):.1e}"
+    line += f"; both together: p {error_as_text(both.pop('pressure'))}"
     for key, error in both.items():
-        line += f", {names[key]} {error:.1e}"
+        line += f", {names[key]} {error_as_text(error)}"
     return line
 
 
@@ -248,8 +249,9 @@ def _print_verbose_details(response: "Response", notes: list[str]) -> None:
     if times:
         balance = response.balance
         print_folded_line(
-            f"{response.iterations} active-set steps; balance: force {balance.force:.1e}, "
-            f"moment {balance.moment:.1e}; ms: {', '.join(times)}"
+            f"{response.iterations} active-set steps; "
+            f"balance: force {error_as_text(balance.force)}, "
+            f"moment {error_as_text(balance.moment)}; ms: {', '.join(times)}"
         )
     for line in notes:
         print_folded_line(line)

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 import drumlin
+from drumlin.base.texts import error_as_text
 from drumlin.cli.options import (
     BrakeFile,
     Elements,
@@ -66,14 +67,15 @@ def reference(
         found = drumlin.reference(brake_file, path)
     effect, unit = found.surface.effect, found.surface.effect_unit
     print_folded_line(
-        f"{effect} {found.torque.value:.10g} {unit}, uncertainty {found.torque.uncertainty:.1e}"
+        f"{effect} {found.torque.value:.10g} {unit}, "
+        f"uncertainty {found.torque.uncertainty:.1g} {unit}"
     )
     for shoe in found.shoes:
         print_folded_line(
             f"  shoe {shoe.name!r}: {effect} {shoe.torque.value:.10g} {unit}, "
-            f"uncertainty {shoe.torque.uncertainty:.1e}; p uncertain by "
-            f"{shoe.pressure_uncertainty:.1e} of its peak away from the edges, "
-            f"{shoe.distance:.1e} in L2"
+            f"uncertainty {shoe.torque.uncertainty:.1g} {unit}; p uncertain by "
+            f"{error_as_text(shoe.pressure_uncertainty)} of its peak away from the edges, "
+            f"{error_as_text(shoe.distance)} in L2"
         )
     print_folded_line(f"reference: {path}")
 

@@ -56,7 +56,7 @@ Across = Annotated[
 ]
 FieldsFile = Annotated[
     Path | None,
-    typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes"),
+    typer.Option(metavar="FILE.vtu", help="write p, displacements and stresses inside the shoes"),
 ]
 AnalysisModel = Annotated[
     str, typer.Option(metavar="fem|solid", help="plane stress, or shoes with their widths")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 import drumlin
-from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.errors import BadInput, NoAnswer, text_of_error_for_command_line
 from drumlin.cli import options as of
 from drumlin.cli.answer import print_response
 from drumlin.cli.options import BrakeFile, Elements, FiniteWidth, Kind, Penalty
@@ -158,7 +158,9 @@ def _print_answer_and_write_pressures(
     verbose : whether figures of merit, steps, times and neglected effects are printed
     """
     if answer.response is None:
-        print_note_to_standard_error(f"{answer.brake_file}: {answer.failure}")
+        assert answer.failure is not None
+        reason = text_of_error_for_command_line(answer.failure)
+        print_note_to_standard_error(f"{answer.brake_file}: {reason}")
         return
     if pressure is not None:
         from drumlin.base.files import write_text
@@ -247,7 +249,7 @@ def hold(
     if json_file is not None:
         write_json(json_file, run.as_dict())
     print_table_fitted_to_terminal(_table_columns_of_holding_states(run), [])
-    for line in run.states[-1].notes:
+    for line in (*run.states[-1].notes, *run.lines()):
         print_folded_line(line)
 
 

@@ -4,13 +4,14 @@ One command prints example brakes. Another prints the JSON schema by which an ed
 """
 
 import json
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import did_you_mean_hint
-from drumlin.cli.terminal import print_names_beside_texts, print_text_unchanged
+from drumlin.cli.terminal import print_folded_line, print_names_beside_texts, print_text_unchanged
 
 
 def init(
@@ -18,20 +19,28 @@ def init(
         str | None,
         typer.Argument(metavar="[NAME]", help="an example; without one they are listed"),
     ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="write the example and the files that it names there"),
+    ] = None,
 ) -> None:
-    """List the example brakes, or print one of them: drumlin init double_shoe > my.toml."""
-    import tomllib
+    """List the examples (brakes, sweeps, notebooks), or print one: drumlin init duplex > my.toml.
 
-    from drumlin.studies import paths_of_example_brakes, text_of_example_brake
+    With --output the example, its meshes, the brake of a sweep and the JSON schema are written.
+    """
+    from drumlin.studies import (
+        text_of_example,
+        titles_of_all_examples,
+        write_example_with_its_files,
+    )
 
-    if name is not None:
-        print_text_unchanged(text_of_example_brake(name))
-        return
-    titles = {
-        key: tomllib.loads(path.read_text(encoding="utf-8"))["title"]
-        for key, path in paths_of_example_brakes().items()
-    }
-    print_names_beside_texts(titles)
+    if name is None:
+        print_names_beside_texts(titles_of_all_examples())
+    elif output is None:
+        print_text_unchanged(text_of_example(name))
+    else:
+        for path in write_example_with_its_files(name, output):
+            print_folded_line(f"written: {path}")
 
 
 def schema(

@@ -7,22 +7,21 @@ import typer
 
 from drumlin.base.errors import NoAnswer
 from drumlin.cli.terminal import (
+    Column,
     print_folded_line,
     print_names_beside_texts,
     print_note_to_standard_error,
+    print_table_fitted_to_terminal,
     show_progress_bar,
     show_progress_bar_if_long,
     show_spinner_beside_words,
 )
 
 if TYPE_CHECKING:
-    from drumlin.sweeps.cases import Row
+    from drumlin.sweeps.sweep_table import SweepTable
 
-MAX_PRINTED_REASONS = 3
-"""Number of reasons for failed cases that are printed after a sweep, the most frequent first.
-
-The table of the sweep gives the reason of each case.
-"""
+STATISTICS_LEFT_OUT_FIRST = ["most", "least"]
+"""Columns of the printed statistics that a narrow terminal has no room for, in this order."""
 
 
 def study(
@@ -57,22 +56,26 @@ def sweep(
         str | None,
         typer.Option(metavar="ADDRESS", help="a Dask scheduler, in place of this machine's cores"),
     ] = None,
+    keep_journal: Annotated[
+        bool, typer.Option("--keep-journal", help="keep the journal when all cases are solved")
+    ] = False,
 ) -> None:
     """Solve a brake for many values of its keys, as one table with a row a case.
 
-    After a stop the same command goes on with the missing cases.
+    The command ends with the mean, the spread, 5 % and 95 % and the extremes of the results. After
+    a stop the same command goes on with the missing cases.
     """
     from drumlin.base.files import check_output_files_are_writable
     from drumlin.sweeps.file import read_sweep_from_toml_file
-    from drumlin.sweeps.run import rows_of_sweep_table, solve_sweep_with_journal
-    from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
+    from drumlin.sweeps.run import solve_sweep_with_journal, table_of_solved_sweep
+    from drumlin.sweeps.table import check_table_file_is_writable
 
     with show_progress_bar_if_long(f"reading {sweep_file.name}") as judged:
         made = read_sweep_from_toml_file(sweep_file, judged)
     table_file = output or Path(f"{sweep_file.stem}.csv")
     check_table_file_is_writable(table_file)
     check_output_files_are_writable(table_file)
-    rows = solve_sweep_with_journal(
+    finished = solve_sweep_with_journal(
         made,
         table_file,
         jobs=jobs,
@@ -80,25 +83,28 @@ def sweep(
         progress=show_progress_bar,
         say=print_note_to_standard_error,
     )
+    table = table_of_solved_sweep(made, finished.rows, sweep_file.parent)
     with show_spinner_beside_words(f"writing {table_file.name}"):
-        write_table_file(rows_of_sweep_table(made, rows, sweep_file), table_file)
-    _print_outcome_of_sweep(rows, table_file)
+        table.write(table_file)
+    if not keep_journal:
+        finished.delete_journal_if_complete()
+    _print_outcome_of_sweep(table, table_file)
 
 
-def _print_outcome_of_sweep(rows: "list[Row]", table_file: Path) -> None:
-    """Print how many cases of a sweep have failed, the most frequent reasons, and the table's path.
+def _print_outcome_of_sweep(table: "SweepTable", table_file: Path) -> None:
+    """Print the number of failed cases with the reasons, the statistics, and the table's path.
 
     Raises NoAnswer where every case has failed.
     """
-    from collections import Counter
-
-    statuses = [row["status"] for row in rows]
-    failed = Counter(status.removeprefix("failed: ") for status in statuses if status != "solved")
-    print_folded_line(
-        f"{len(rows)} cases: {len(rows) - failed.total()} solved, {failed.total()} failed"
-    )
-    for reason, count in failed.most_common(MAX_PRINTED_REASONS):
-        print_folded_line(f"  failed, {count}: {reason}")
+    for line in table.lines_of_outcome():
+        print_folded_line(line)
+    failed = table.failures.total()
+    if failed < len(table):
+        head, *rows = table.cells_of_statistics()
+        columns = {}
+        for title, *texts in zip(head, *rows, strict=True):
+            columns[title] = Column(title or "result", title, texts, left=not title)
+        print_table_fitted_to_terminal(columns, STATISTICS_LEFT_OUT_FIRST)
     print_folded_line(f"table: {table_file}")
-    if failed.total() == len(rows):
+    if failed == len(table):
         raise NoAnswer("sweep: no case has an answer; the table says why")

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from drumlin.base.errors import BadInput
+from drumlin.base.files import require_name_of_fields_file
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_loads_at_actuation
 from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_between_zero_and_one
@@ -51,8 +52,7 @@ def solve(
         if the contact has no solution, and if a given tolerance is not reached
     """
     require_positive_penalty(penalty)
-    if fields is not None and fields.suffix != ".vtu":
-        raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")
+    require_name_of_fields_file(fields)
     if across is not None and not 1 <= across <= LARGEST_STATED_DEGREE:
         raise BadInput(f"--across = {across}: must be from 1 to {LARGEST_STATED_DEGREE}")
     asked = DEFAULT_SOLID_TOLERANCE

@@ -4,11 +4,13 @@ A solve divides the brake into elements, condenses its bodies and solves its con
 finer and finer divisions until the a posteriori error estimate is small enough.
 """
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import key_of_friction_over_pressure
 from drumlin.brake.further_loads import brake_with_spring_pulls
@@ -64,6 +66,7 @@ def solve(
     finite_width: bool = False,
     model_error: bool = False,
     self_locking: bool = False,
+    use_model: Callable[[PreparedModel, Response], None] | None = None,
     cache: Cache | None = None,
 ) -> Response:
     """Solve a brake by finite elements, on finer and finer divisions up to a tolerance.
@@ -86,6 +89,8 @@ def solve(
         fem/width/error.py; not needed together with `finite_width`
     self_locking : whether the response states how far the friction is from locking the brake;
         without effect for friction that depends on the pressure
+    use_model : called with the prepared model and its response in plane stress, before any
+        correction, for instance to write the stresses inside the shoes
     cache : keeps the condensed bodies of earlier solves
 
     Raises
@@ -106,6 +111,8 @@ def solve(
         brake, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
     )
     seconds = dict(response.seconds)
+    if use_model is not None:
+        use_model(scene, response)
     if finite_width:
         with add_elapsed_time(seconds, "correction for the widths"):
             response = correct_response_for_shoe_widths(
@@ -273,7 +280,7 @@ def _response_with_note_on_curve_balance(brake: Brake, response: Response) -> Re
     if max(more_force, more_moment) <= REPORTED_IMBALANCE:
         return response
     note = (
-        f"p(theta) on the round drum balances to {curve.force:.1e} (force) and "
-        f"{curve.moment:.1e} (moment) only: the lining's elements are not quite as round"
+        f"p(theta) on the round drum balances to {error_as_text(curve.force)} (force) and "
+        f"{error_as_text(curve.moment)} (moment) only: the lining's elements are not quite as round"
     )
     return replace(response, notes=(*response.notes, note))

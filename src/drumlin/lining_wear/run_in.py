@@ -19,7 +19,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.texts import number_as_text
+from drumlin.base.texts import error_as_text, number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import first_key_of_further_loads
 from drumlin.brake.units import mm_text
@@ -628,11 +628,13 @@ def report_lines_of_wear_run(
             f"the torque for {_life_fraction_text(spent.torque)}"
         )
     balance = compute_checks_of_wear_run(setup, states, law)
-    energy = "" if balance.energy is None else f", energy {balance.energy:.1e}"
-    ripple = "" if balance.ripple is None else f"checkerboard at most {balance.ripple:.1e}; "
+    energy = "" if balance.energy is None else f", energy {error_as_text(balance.energy)}"
+    ripple = (
+        "" if balance.ripple is None else f"checkerboard at most {error_as_text(balance.ripple)}; "
+    )
     text.append(
         f"worn volume {states[-1].removed * 1e9:.5g} mm^3; "
-        f"balance: volume {balance.volume:.1e}{energy}; {ripple}{len(states) - 1} steps"
+        f"balance: volume {error_as_text(balance.volume)}{energy}; {ripple}{len(states) - 1} steps"
     )
     return text
 
@@ -649,10 +651,10 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
     return [
         f"{brake.title}: {setup.model}, {brake.motion}, {brake.friction_in_words}, "
         f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:.9g}{wears}",
-        f"{'s':>9}{'s k K':>9}{surface.short:>10}{'force':>9}{'peak p':>9}{'p off law':>11}"
-        f"{'T off law':>11}{'deepest':>10}",
-        f"{'[km]':>9}{'':9}{effect_unit:>10}{'[N]':>9}{'[MPa]':>9}{'[%]':>11}"
-        f"{'[%]':>11}{'wear [mm]':>10}",
+        f"{'s':>9}{'s k K':>10}{surface.short:>11}{'force':>10}{'peak p':>10}{'p off law':>10}"
+        f"{'T off law':>10}{'deepest':>10}",
+        f"{'[km]':>9}{'':10}{effect_unit:>11}{'[N]':>10}{'[MPa]':>10}{'[%]':>10}"
+        f"{'[%]':>10}{'wear [mm]':>10}",
     ]
 
 
@@ -664,10 +666,12 @@ def _table_line_of_wear_state(
     force = state.force * setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     peak = peak_nodal_pressure_of_wear_state(setup, state) * 1e-6
     relative = state.s / sliding_distance_of_e_fold_pressure_change(setup, law)
+    # Four digits with sign and exponent have nine characters, so that a space is left between
+    # columns of ten.
     return (
-        f"{state.s * 1e-3:9.5g}{relative:9.4g}"
-        f"{state.torque:10.6g}{force:9.5g}{peak:9.4g}"
-        f"{100 * off.pressure:11.3f}{100 * off.torque:+11.4f}{state.depth.max() * 1e3:10.4g}"
+        f"{state.s * 1e-3:9.4g}{relative:10.4g}"
+        f"{state.torque:11.6g}{force:10.4g}{peak:10.4g}"
+        f"{100 * off.pressure:10.3f}{100 * off.torque:+10.3f}{state.depth.max() * 1e3:10.4g}"
     )
 
 

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
+from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.units import option_value_in_si
-from drumlin.lining_wear.archard import WearLaw, WearState
+from drumlin.lining_wear.archard import DEFAULT_WEAR_STEP_ERROR, WearLaw, WearState
 from drumlin.lining_wear.linings import (
     WearSetup,
     wear_setup_by_finite_elements,
@@ -43,20 +44,36 @@ class WearRun:
     law : the wear law
     states : states of the linings at growing sliding distances, the unworn state first
     target : pressure [Pa] and torque [N m] to which wear tends
+    step_tolerance : largest error of the pressure in a step of the wear (L2, relative)
+    start_error : estimated relative errors of the unworn state, with the keys of `Response.error`;
+        None on elements of the user's choice, whose error is not estimated
     """
 
     setup: WearSetup
     law: WearLaw
     states: tuple[WearState, ...]
     target: WearTarget
+    step_tolerance: float = DEFAULT_WEAR_STEP_ERROR
+    start_error: Mapping[str, float] | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """The run as plain data for JSON, in SI; the keys are those of `drumlin wear --json`."""
-        return wear_run_as_json_data(self.setup, self.states, self.target, self.law)
+        data = wear_run_as_json_data(self.setup, self.states, self.target, self.law)
+        error = None if self.start_error is None else dict(self.start_error)
+        return {**data, "start_error": error, "step_tolerance": self.step_tolerance}
 
     def lines(self) -> list[str]:
         """The run as lines of text: a table of some states, and the life of the linings."""
-        return report_lines_of_wear_run(self.setup, self.states, self.target, self.law)
+        lines = report_lines_of_wear_run(self.setup, self.states, self.target, self.law)
+        step = f"each step of wear: p at most {error_as_text(self.step_tolerance)} (L2)"
+        if self.start_error is None:
+            return [*lines, f"estimated error: not known on the chosen elements; {step}"]
+        start = self.start_error
+        return [
+            *lines,
+            f"estimated error of the unworn state: p {error_as_text(start['pressure'])} (L2), "
+            f"{self.setup.brake.surface.effect} {error_as_text(start['torque'])}; {step}",
+        ]
 
 
 class WearSetups(NamedTuple):
@@ -207,4 +224,4 @@ def wear_whole_brake(
     states = wear_brake_linings_until_worn_in(setup, law, backward=backward, **options)
     require_linings_not_worn_through(setup, states)
     goal = end_of_wear_by_rigid_shoe_law(setup, law, torque)
-    return WearRun(setup, law, tuple(states), goal)
+    return WearRun(setup, law, tuple(states), goal, tolerance or DEFAULT_WEAR_STEP_ERROR)

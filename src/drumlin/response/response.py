@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, EqualByArrays, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import SupportForce
@@ -174,8 +174,8 @@ class PressureOverWidth(NamedTuple):
     widths: Floats
 
 
-@dataclass(frozen=True)
-class ShoeResponse:
+@dataclass(frozen=True, eq=False)
+class ShoeResponse(EqualByArrays):
     """The forces on one shoe, the pressure on its lining, and its motion, as a model computes them.
 
     For a shoe on a plane, `theta` and `contact_arcs` are places x [m], and `torque` is 0, because
@@ -467,9 +467,11 @@ class FlatMerit(NamedTuple):
         return self.braking_force
 
 
-@dataclass(frozen=True, repr=False)
-class Response:
+@dataclass(frozen=True, repr=False, eq=False)
+class Response(EqualByArrays):
     """The answer of a model for a brake: torque, pressures, reactions and contact of its shoes.
+
+    Two responses are equal if everything but their times is equal.
 
     Attributes
     ----------
@@ -500,7 +502,7 @@ class Response:
     balance: Balance
     converged: bool = True
     iterations: int = 0
-    seconds: Mapping[str, float] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
     left_out: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     merits: tuple[Merit | FlatMerit, ...] = ()

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
 from drumlin.brake.surface import FrictionSurface
 
 if TYPE_CHECKING:
@@ -51,35 +52,22 @@ def rows_of_response_table(response: "Response") -> list[tuple[str, ...]]:
 
 def text_of_response(response: "Response") -> str:
     """A response as text: a line with model and torque, and a table with aligned columns."""
-    table = rows_of_response_table(response)
-    widths = np.char.str_len(table).max(axis=0).tolist()
-    lines = [_title_line_of_response(response)]
-    for row in table:
-        # Each cell is padded to the width of its column.
-        lines.append("  ".join(map(str.ljust, row, widths)).rstrip())
-    return "\n".join(lines)
+    table = text_lines_of_aligned_columns(rows_of_response_table(response))
+    return "\n".join([_title_line_of_response(response), *table])
 
 
 def html_table_of_response(response: "Response") -> str:
     """A response as an HTML table, which notebooks display."""
-    # The standard module `html` loads a table of all entities, and only notebooks need it.
-    from html import escape  # noqa: PLC0415
-
-    def html_of_table_row(cells: tuple[str, ...], tag: str) -> str:
-        """The HTML of a row whose cells have the given tag, "td" or "th"."""
-        return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
-
-    head, *rest = rows_of_response_table(response)
-    body = "".join(html_of_table_row(cells, "td") for cells in rest)
-    caption = f"<caption>{escape(_title_line_of_response(response))}</caption>"
-    return f"<table>{caption}{html_of_table_row(head, 'th')}{body}</table>"
+    return html_table_with_caption(
+        _title_line_of_response(response), rows_of_response_table(response)
+    )
 
 
-def plot_pressure_of_each_shoe(response: "Response", axes: Any = None) -> Any:
+def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: str = "") -> Any:
     """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
 
-    The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. The
-    function returns the axes.
+    The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. In the
+    legend `prefix` stands before the name of the shoe. The function returns the axes.
     """
     if axes is None:
         # matplotlib is loaded only when something is drawn.
@@ -91,7 +79,9 @@ def plot_pressure_of_each_shoe(response: "Response", axes: Any = None) -> Any:
         ends = shoe.theta[:: shoe.order]
         pieces = [np.linspace(a, b, POINTS_PER_PIECE) for a, b in pairwise(ends)]
         theta = np.unique(np.concatenate(pieces))
-        axes.plot(theta * surface.shown, shoe.pressure_at(theta) * 1e-6, label=shoe.name)
+        axes.plot(
+            theta * surface.shown, shoe.pressure_at(theta) * 1e-6, label=f"{prefix}{shoe.name}"
+        )
     axes.set(
         xlabel=surface.axis, ylabel="pressure p [MPa]", title=_title_line_of_response(response)
     )

@@ -190,7 +190,10 @@ def _check_integers_and_nesting_depth(data: Any, depth: int = 0) -> None:
 
 
 def sweep_from_file_data(
-    data: Mapping[str, Any], base: Path = Path(), done: Done = lambda judged, of: None
+    data: Mapping[str, Any],
+    base: Path = Path(),
+    done: Done = lambda judged, of: None,
+    brake: Brake | None = None,
 ) -> Sweep:
     """Make a sweep from the nested data of a sweep file.
 
@@ -199,15 +202,18 @@ def sweep_from_file_data(
     data : tables and values by key
     base : folder to which the paths of the brake file and of mesh files are relative
     done : called with the number of values checked so far, and of all values
+    brake : the base brake; None if the data name it under the key "brake"
 
     Raises
     ------
     BadInput
         with one line that names the wrong key, its value and what is allowed
     """
+    if brake is not None:
+        data = {**data, "brake": brake.title}
     file = make_validated_part(SweepFile, data)
     # The brake is read first, since allowed keys and models depend on the brake.
-    brake = _base_brake_of_sweep(file.brake, base)
+    brake = _base_brake_of_sweep(file.brake, base) if brake is None else brake
     models = _validated_model_options(file.model, brake)
     specs: dict[str, _KeySpec] = {}
     for name, given in file.vary.items():

@@ -6,12 +6,14 @@ The command line keeps each finished case in a journal file, so that a stopped s
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
+from typing import NamedTuple
 
 from drumlin.base.errors import NoAnswer, Stopped
 from drumlin.base.journal import Journal, checksum_of_source_and_libraries
-from drumlin.sweeps.cases import Row
-from drumlin.sweeps.file import Sweep, read_sweep_from_toml_file
+from drumlin.sweeps.cases import Row, journal_keys_of_cases
+from drumlin.sweeps.file import Sweep
 from drumlin.sweeps.sample import solve_all_cases_with_sample
+from drumlin.sweeps.sweep_table import SweepTable
 from drumlin.sweeps.table import table_lines_of_cases
 from drumlin.sweeps.workers import provide_workers_for_cases_of_sweep
 
@@ -26,40 +28,61 @@ of all cases.
 """
 
 
-def solve_sweep_file(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
-    """Solve the sweep of a sweep file and return the rows of its table, as `drumlin.sweep` does.
+def solve_sweep_in_memory(
+    prepared: Sweep,
+    folder: Path,
+    *,
+    jobs: int | None = 1,
+    done: Callable[[int, int], None] = lambda finished, of: None,
+) -> SweepTable:
+    """Solve a sweep without a journal and return its table, as `drumlin.sweep` does.
 
     Parameters
     ----------
-    path : path of the TOML file that names the brake, the varied keys and their values
+    prepared : the sweep
+    folder : folder to which paths of mesh files in the table are relative
     jobs : number of processes that solve cases at the same time; None: one for each core
-
-    Raises
-    ------
-    BadInput
-        for a file that cannot be read or is no sweep file; the message is one line
+    done : called with the number of finished cases and the number of all cases
     """
-    prepared = read_sweep_from_toml_file(Path(path))
     with provide_workers_for_cases_of_sweep(jobs) as (pool, workers):
-        rows = solve_all_cases_with_sample(
-            prepared.cases, prepared.sample, executor=pool, workers=workers
+        solved = solve_all_cases_with_sample(
+            prepared.cases, prepared.sample, executor=pool, workers=workers, done=done
         )
-    return rows_of_sweep_table(prepared, rows, Path(path))
+    return table_of_solved_sweep(prepared, solved.rows, folder)
 
 
-def rows_of_sweep_table(prepared: Sweep, rows: list[Row], sweep_file: Path) -> list[Row]:
-    """The rows of a sweep's table, with the changed keys and the results of each case.
+def table_of_solved_sweep(prepared: Sweep, rows: list[Row], folder: Path) -> SweepTable:
+    """The table of a sweep, with the changed keys and the results of each case.
 
-    `rows` holds the results of the cases. Paths of mesh files are relative to the sweep file.
+    `rows` holds the results of the cases. Paths of mesh files are relative to the folder.
     """
-    return table_lines_of_cases(
-        prepared.cases, rows, sweep_file.parent.resolve(), prepared.pressure
-    )
+    lines = table_lines_of_cases(prepared.cases, rows, folder.resolve(), prepared.pressure)
+    return SweepTable(prepared.title, lines, list(prepared.units))
 
 
 def _progress_bar_that_shows_nothing(_: str) -> AbstractContextManager[Callable[[int, int], None]]:
     """A progress bar that shows nothing, for callers that give no progress bar."""
     return nullcontext(lambda finished, of: None)
+
+
+class FinishedSweep(NamedTuple):
+    """The results of a sweep with a journal.
+
+    Attributes
+    ----------
+    rows : results of each case
+    journal : path of the journal file
+    complete : whether all cases are in the journal, so that another run would solve none
+    """
+
+    rows: list[Row]
+    journal: Path | None
+    complete: bool
+
+    def delete_journal_if_complete(self) -> None:
+        """Delete the journal of a complete sweep, whose table has been written."""
+        if self.complete and self.journal is not None:
+            self.journal.unlink(missing_ok=True)
 
 
 def solve_sweep_with_journal(
@@ -70,7 +93,7 @@ def solve_sweep_with_journal(
     scheduler: str | None = None,
     progress: Progress = _progress_bar_that_shows_nothing,
     say: Say = lambda line: None,
-) -> list[Row]:
+) -> FinishedSweep:
     """Solve a sweep, and keep each finished case in a journal file beside the table.
 
     If the sweep was stopped, the next call of this function solves the missing cases only.
@@ -87,7 +110,7 @@ def solve_sweep_with_journal(
 
     Returns
     -------
-    list with the results of each case
+    the results of each case, and the journal file
 
     Raises
     ------
@@ -107,7 +130,7 @@ def solve_sweep_with_journal(
                 provide_workers_for_cases_of_sweep(jobs, scheduler, say) as (pool, workers),
                 progress(prepared.title) as done,
             ):
-                return solve_all_cases_with_sample(
+                solved = solve_all_cases_with_sample(
                     prepared.cases,
                     prepared.sample,
                     executor=pool,
@@ -116,6 +139,9 @@ def solve_sweep_with_journal(
                     done=done,
                     say=say,
                 )
+            # A case whose failure may pass is not in the journal.
+            keys = journal_keys_of_cases(solved.cases)
+            return FinishedSweep(solved.rows, journal.path, all(key in journal for key in keys))
         # However the sweep is stopped, the message says where the finished cases are.
         except NoAnswer as error:
             raise NoAnswer(f"{error}; {len(journal)} {kept}") from error

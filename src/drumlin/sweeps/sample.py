@@ -10,7 +10,7 @@ every 10th case without the extreme values, and up to 1.9 times the distance wit
 import random
 import re
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
 from drumlin.sweeps.cases import (
@@ -120,17 +120,24 @@ def _positions_of_extreme_values(cases: Sequence[SweepCase], own: Sequence[int])
     return found
 
 
+class SolvedSweep(NamedTuple):
+    """The rows of results of a sweep, and its cases with the certificates that they were given."""
+
+    rows: list[Row]
+    cases: list[SweepCase]
+
+
 def solve_all_cases_with_sample(
     cases: Sequence[SweepCase],
     sample: Sequence[int],
     *,
     done: Callable[[int, int], None] = lambda finished, of: None,
     **options: Any,
-) -> list[Row]:
+) -> SolvedSweep:
     """Solve the cases of a sweep, first those of the sample and then the others.
 
-    Returns the row of results of each case, in the order of the cases. Without a sample all cases
-    are solved at once.
+    Returns the rows of results and the cases, both in the order of `cases`. Without a sample all
+    cases are solved at once.
 
     Parameters
     ----------
@@ -140,7 +147,7 @@ def solve_all_cases_with_sample(
     options : further arguments of `solve_all_cases_of_sweep`, which also says what is raised
     """
     if not sample:
-        return solve_all_cases_of_sweep(cases, done=done, **options)
+        return SolvedSweep(solve_all_cases_of_sweep(cases, done=done, **options), list(cases))
     members = [cases[i]._replace(certify=SampleMember()) for i in sample]
     rows_of_sample = solve_all_cases_of_sweep(
         members, done=lambda finished, _: done(finished, len(cases)), **options
@@ -154,8 +161,13 @@ def solve_all_cases_with_sample(
     rows_of_rest = solve_all_cases_of_sweep(
         others, done=lambda finished, _: done(len(sample) + finished, len(cases)), **options
     )
-    rows = dict(zip([*sample, *rest], [*rows_of_sample, *rows_of_rest], strict=True))
-    return [_row_without_first_level(rows[i]) for i in range(len(cases))]
+    places = [*sample, *rest]
+    rows = dict(zip(places, [*rows_of_sample, *rows_of_rest], strict=True))
+    solved = dict(zip(places, [*members, *others], strict=True))
+    order = range(len(cases))
+    return SolvedSweep(
+        [_row_without_first_level(rows[i]) for i in order], [solved[i] for i in order]
+    )
 
 
 def _row_without_first_level(row: Row) -> Row:

@@ -16,7 +16,7 @@ from drumlin.base.tables import (
     number_in_table_cell,
     rows_of_separated_table,
 )
-from drumlin.base.texts import number_as_text
+from drumlin.base.texts import error_as_text, number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import first_key_in_which_two_brakes_differ
 from drumlin.brake.friction import require_friction_without_pressure
@@ -411,10 +411,10 @@ def text_lines_on_errors_of_pressure_table(
     for verdict in verdicts:
         text.append(
             f"shoe {verdict.shoe!r}: p off by {number_as_text(verdict.distance, '.2%')} in L2 "
-            f"(reference known to {verdict.floor:.1e}), "
+            f"(reference known to {error_as_text(verdict.floor)}), "
             f"at most by {number_as_text(verdict.largest, '.2%')} of the peak, at {verdict.at}; "
             f"that is {number_as_text(verdict.torque_error, '.2%')} of the {effect} "
-            f"(known to {verdict.torque_floor:.1e}); "
+            f"(known to {error_as_text(verdict.torque_floor)}); "
             f"{effect} of its points {verdict.torque:.7g} {unit}"
         )
     is_within = "within" if are_verdicts_within_tolerance(verdicts, tolerance) else "NOT within"

@@ -110,6 +110,7 @@ def table_and_journal_of_valid_sweep() -> tuple[bytes, bytes]:
                     "1",
                     "--output",
                     str(folder / SWEEP_TABLE),
+                    "--keep-journal",
                 ]
             )
         return (folder / SWEEP_TABLE).read_bytes(), (folder / SWEEP_JOURNAL).read_bytes()

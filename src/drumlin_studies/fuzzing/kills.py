@@ -127,7 +127,8 @@ def _start_python_process(words: list[str], folder: Path) -> subprocess.Popen[by
 def _start_sweep_process(folder: Path, output: str, words: list[str]) -> subprocess.Popen[bytes]:
     """Start the sweep of a folder with further options `words`; returns the process."""
     return _start_python_process(
-        ["-c", DRUMLIN_PROGRAM, "sweep", "s.toml", "--output", output, *words], folder
+        ["-c", DRUMLIN_PROGRAM, "sweep", "s.toml", "--output", output, "--keep-journal", *words],
+        folder,
     )
 
 

@@ -1,5 +1,6 @@
 """Displacements and stresses inside the shoes and the drum ring of a solved brake, for pictures."""
 
+import importlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any, NamedTuple
 import meshio
 import numpy as np
 
-from drumlin.base.arrays import Floats, Ints
+from drumlin.base.arrays import EqualByArrays, Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
@@ -37,8 +38,8 @@ from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response, ShoeResponse
 
 
-@dataclass(frozen=True)
-class Fields:
+@dataclass(frozen=True, eq=False)
+class Fields(EqualByArrays):
     """Displacements and stresses of one body at its nodes, in the frame of the brake.
 
     Stresses jump between materials, so that a node is repeated for each material around the node.
@@ -65,6 +66,20 @@ class Fields:
     von_mises: Floats
     pressure: Floats
     push: Floats
+
+    def to_meshio(self) -> meshio.Mesh:
+        """The body as a `meshio.Mesh`, with the names of fields that a .vtu file has."""
+        return mesh_of_fields([self])
+
+    def to_pyvista(self) -> Any:
+        """The body as a `pyvista.UnstructuredGrid`. Raises BadInput if pyvista is not installed."""
+        try:
+            pyvista = importlib.import_module("pyvista")
+        except ImportError as error:
+            raise BadInput(
+                "to_pyvista: needs the package pyvista, which is not installed"
+            ) from error
+        return pyvista.from_meshio(self.to_meshio())
 
 
 class _SolvedBody(NamedTuple):
@@ -373,6 +388,20 @@ The keys are the names of the fields in the file, the values the names of the at
 
 def write_fields_to_vtu_file(path: Path, parts: Sequence[Any]) -> None:
     """Write the `Fields` or `SolidFields` of all shoes as one .vtu file for ParaView."""
+    mesh = mesh_of_fields(parts)
+    with temporary_file_replacing_output(path) as partial:
+        meshio.write(partial, mesh, file_format="vtu")
+
+
+def write_fields_of_solved_model(
+    path: Path, brake: Brake, scene: PreparedModel, response: Response
+) -> None:
+    """Write the fields of all bodies of a solved model as one .vtu file for ParaView."""
+    write_fields_to_vtu_file(path, stress_and_displacement_fields_of_bodies(scene, brake, response))
+
+
+def mesh_of_fields(parts: Sequence[Any]) -> meshio.Mesh:
+    """The `Fields` or `SolidFields` of all shoes as one mesh with fields at nodes and cells."""
     cells, numbers, shoes, first = [], [], [], 0
     for i, part in enumerate(parts):
         cells.append((part.cell_type, part.cells + first))
@@ -385,9 +414,7 @@ def write_fields_to_vtu_file(path: Path, parts: Sequence[Any]) -> None:
         if hasattr(parts[0], name):
             nodal[head] = _join_attribute_of_all_bodies(parts, name)
     cell_data = {"part": numbers, "shoe": shoes}
-    mesh = meshio.Mesh(_join_attribute_of_all_bodies(parts, "points"), cells, nodal, cell_data)
-    with temporary_file_replacing_output(path) as partial:
-        meshio.write(partial, mesh, file_format="vtu")
+    return meshio.Mesh(_join_attribute_of_all_bodies(parts, "points"), cells, nodal, cell_data)
 
 
 def _join_attribute_of_all_bodies(parts: Sequence[Any], name: str) -> Floats:

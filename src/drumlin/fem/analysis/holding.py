@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Ints
+from drumlin.base.arrays import EqualByArrays, Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import require_friction_without_pressure
@@ -122,8 +122,8 @@ class HeldFace(NamedTuple):
     state: Ints
 
 
-@dataclass(frozen=True)
-class Hold:
+@dataclass(frozen=True, eq=False)
+class Hold(EqualByArrays):
     """The state of a holding brake at one rotation of the drum, which began to turn from rest.
 
     Attributes

@@ -33,6 +33,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.friction import require_friction_without_pressure
@@ -805,7 +806,9 @@ def _torque_slopes_of_shoe_as_text_lines(
         f"    clearance {per_micrometre:+.4g} %/µm" + (f"; {held}" if held else ""),
     ]
     if own.modulus_error is not None:
-        lines.append(f"    E by central differences, with an error of {own.modulus_error / T:.1e}")
+        lines.append(
+            f"    E by central differences, with an error of {error_as_text(own.modulus_error / T)}"
+        )
     if own.not_given:
         keys = " and ".join(own.not_given)
         lines.append(f"    {keys}: not given, for the body moves with it; --model fem gives it")

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.texts import error_as_text
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.estimate import SOFTER, Errors, estimate_errors_from_two_levels
@@ -195,11 +196,14 @@ def _reached_errors_as_text(progress: _Progress, tolerance: Tolerance) -> str:
     text says so.
     """
     error = progress.error.brake
-    text = f"estimated error of p {error['pressure']:.1e}, of the torque {error['torque']:.1e}"
+    pressure, torque = error_as_text(error["pressure"]), error_as_text(error["torque"])
+    text = f"estimated error of p {pressure}, of the torque {torque}"
     shoes = progress.responses[-1].shoes
     by_penalty = SOFTER * max(shoe.softness.pressure for shoe in shoes)
     if by_penalty > 0.5 * tolerance.pressure:
-        text += f"; the penalty makes {by_penalty:.1e} of it; a larger --penalty makes less"
+        text += (
+            f"; the penalty makes {error_as_text(by_penalty)} of it; a larger --penalty makes less"
+        )
     return text
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
+from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
@@ -154,7 +155,8 @@ def solve_meshes_of_files(
     if tolerance is not None and not is_tolerance_met(error, aim):
         notes.append(
             f"warning: tolerance {tolerance:g} not reached on the meshes of the files: estimated "
-            f"error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}; "
+            f"error of p {error_as_text(error.brake['pressure'])}, "
+            f"of the torque {error_as_text(error.brake['torque'])}; "
             "a finer mesh makes it smaller"
         )
     return SolvedLevel(solved_last, response_with_estimated_errors(responses, error, notes))

@@ -15,7 +15,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.texts import number_as_text
+from drumlin.base.texts import error_as_text, number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.cache import Cache
@@ -189,5 +189,6 @@ def note_on_correction_for_shoe_widths(change: ModelError, corrected: Response) 
     return (
         f"corrected for the widths of the shoes: torque by {torque}, p by {pressure} (L2, worst "
         f"shoe), reaction by {reaction}; each is corrected by itself, so that p(theta) balances "
-        f"to {balance.force:.1e} (force) and {balance.moment:.1e} (moment) only"
+        f"to {error_as_text(balance.force)} (force) and "
+        f"{error_as_text(balance.moment)} (moment) only"
     )

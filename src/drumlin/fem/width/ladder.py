@@ -45,6 +45,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drumlin.base.errors import NoAnswer
+from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors, read_safety_factors
@@ -486,7 +487,8 @@ def _message_on_unreached_error_tolerance(
     pressure = error.largest_pressure_error
     return (
         f"tolerance {tolerance.pressure:g} not reached with degree {degree} across the width: "
-        f"estimated error of p {pressure:.1e}, of the torque {error.torque:.1e}"
+        f"estimated error of p {error_as_text(pressure)}, "
+        f"of the torque {error_as_text(error.torque)}"
     )
 
 

@@ -1,0 +1,86 @@
+"""Turn the arguments of `drumlin.sweep` in Python into the data of a sweep file.
+
+A number in Python is in SI units, while a sweep file has a unit on every quantity. The values get
+their units here, so that files and Python go the same way from then on.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from drumlin.base.errors import BadInput
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import si_unit_of_brake_key, values_of_brake_key, vary
+
+KEYS_WITH_QUANTITIES = ("from", "to", "mean", "mode", "deviation")
+"""Keys of a range or distribution that hold a quantity in the unit of the varied key."""
+
+
+def data_of_sweep_in_python(
+    brake: Brake,
+    values: Mapping[str, Any],
+    models: str | Sequence[str] | Mapping[str, Mapping[str, Any]],
+    **keys: Any,
+) -> dict[str, Any]:
+    """The data of a sweep file without its brake, from values in Python.
+
+    Parameters
+    ----------
+    brake : the brake, to which the keys belong
+    values : for each key of the brake its values: a list or array, or a mapping with the range or
+        distribution, as in a sweep file; numbers are in SI units
+    models : name of a model, names of models, or options by the name of a model
+    keys : further keys of the sweep file; None leaves a key out
+
+    Raises
+    ------
+    BadInput
+        for an unknown key of the brake, and for values of another kind
+    """
+    if not isinstance(values, Mapping) or not values:
+        raise BadInput('vary: must be a dict of keys and their values, {"friction": [0.3, 0.4]}')
+    named = [models] if isinstance(models, str) else models
+    options = dict(named) if isinstance(named, Mapping) else {name: {} for name in named}
+    data = {name: value for name, value in keys.items() if value is not None}
+    vary_table = {key: _values_with_units(brake, key, given) for key, given in values.items()}
+    return {**data, "model": options, "vary": vary_table}
+
+
+def _values_with_units(brake: Brake, key: str, given: Any) -> Any:
+    """The values of one key as a sweep file has them: a list, a range or a distribution."""
+    try:
+        unit = si_unit_of_brake_key(brake, key)
+    except BadInput as error:
+        raise BadInput(f"vary: {error}") from error
+    if isinstance(given, Mapping):
+        return {
+            name: _value_with_unit(value, unit) if name in KEYS_WITH_QUANTITIES else value
+            for name, value in given.items()
+        }
+    if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray):
+        raise BadInput(
+            f"vary[{key!r}] = {given!r}: must be a list or an array of values, or a dict with "
+            '"from", "to" and "count", or with a "distribution"'
+        )
+    return [_listed_value_with_unit(brake, key, value, unit) for value in given]
+
+
+def _listed_value_with_unit(brake: Brake, key: str, value: Any, unit: str | None) -> Any:
+    """One value of a key as a sweep file has it; a table or a function becomes rows with units."""
+    if not callable(value) and not (isinstance(value, np.ndarray) and value.ndim):
+        return _value_with_unit(value, unit)
+    tables = values_of_brake_key(vary(brake, {key: value}), key)
+    if len(set(tables)) > 1:
+        raise BadInput(f"vary[{key!r}]: a function gives each shoe its own table; name one shoe")
+    place = "rad" if brake.surface.unit == "rad" else "m"
+    return [[f"{at!r} {place}", f"{gap!r} {unit}"] for at, gap in tables[0]]
+
+
+def _value_with_unit(value: Any, unit: str | None) -> Any:
+    """A number with its SI unit as text; a number without unit and a text stay as they are."""
+    if isinstance(value, np.generic | np.ndarray):
+        value = value.item()
+    if isinstance(value, int | float) and not isinstance(value, bool) and unit:
+        return f"{value!r} {unit}"
+    return value

@@ -1,0 +1,351 @@
+"""The table of a solved sweep: a row for each case, columns by name, statistics and failures."""
+
+import importlib
+import math
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, overload
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
+from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
+from drumlin.base.texts import did_you_mean_hint
+from drumlin.sweeps.cases import Row
+from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
+
+SHOWN_UNITS = {"Pa": ("MPa", 1e-6), "rad": ("deg", 180 / math.pi), "m": ("mm", 1e3)}
+"""For each SI unit that people do not read, the unit that is shown, and its factor."""
+
+MOST_SHOWN_ROWS = 10
+"""Number of cases that are shown of a table. All of them would fill the screen."""
+
+MOST_SHOWN_REASONS = 3
+"""Number of reasons for failed cases that are shown, the most frequent first."""
+
+
+class Statistics(NamedTuple):
+    """Statistics of one column of a sweep's table, over the cases that have a number there.
+
+    Attributes
+    ----------
+    column : heading of the column, with the SI unit in brackets
+    model : name of the model whose cases are counted
+    cases : number of cases
+    mean : arithmetic mean
+    deviation : standard deviation of a sample (divided by cases - 1); nan for one case
+    low, high : quantiles of 5 % and of 95 %, linear between two neighbouring cases
+    smallest, largest : extreme values
+    """
+
+    column: str
+    model: str
+    cases: int
+    mean: float
+    deviation: float
+    low: float
+    high: float
+    smallest: float
+    largest: float
+
+    def texts(self) -> tuple[str, ...]:
+        """The cells of a row of the shown table; stresses in MPa, angles in degrees, lengths in mm.
+
+        The order is that of STATISTICS_HEADINGS, without the column of the model.
+        """
+        shown = ShownColumn.column_with_heading(self.column)
+        return (shown.heading, *(shown.text(value, 4) for value in self[3:]))
+
+
+STATISTICS_HEADINGS = ("", "mean", "spread", "5 %", "95 %", "least", "most")
+"""Headings of the shown statistics. The spread is the standard deviation."""
+
+
+class ShownColumn(NamedTuple):
+    """A column of the table as people read it.
+
+    Attributes
+    ----------
+    heading : heading with spaces and the shown unit
+    factor : factor that converts the value of the table to the shown unit
+    """
+
+    heading: str
+    factor: float
+
+    @classmethod
+    def column_with_heading(cls, heading: str) -> "ShownColumn":
+        """The shown column for a heading of the table, such as "peak_pressure [Pa]"."""
+        name, unit = name_and_unit_of_column(heading)
+        shown, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
+        # Keys of the brake file stay as they are; names of results get spaces.
+        words = name if name.startswith("shoe") else name.replace(".", " ").replace("_", " ")
+        return cls(f"{words} [{shown}]" if shown else words, factor)
+
+    def text(self, value: Any, digits: int) -> str:
+        """A value of the column as text; numbers have so many significant digits."""
+        if value is None or (isinstance(value, float) and math.isnan(value)):
+            return "–"
+        # Adding 0.0 turns a negative zero into a zero without sign.
+        is_number = isinstance(value, float)
+        return f"{value * self.factor + 0.0:.{digits}g}" if is_number else str(value)
+
+
+def name_and_unit_of_column(heading: str) -> tuple[str, str]:
+    """The name and the unit of a column's heading, such as "torque [N m]"; "" for no unit."""
+    name, bracket, unit = heading.partition(" [")
+    return name, unit.removesuffix("]") if bracket else ""
+
+
+class SweepTable(Sequence[Row]):
+    """The table of a solved sweep: a sequence of rows, one for each case, with columns by name.
+
+    `table[0]` is the first row, with values by heading. `table["torque"]` is a column: an array of
+    numbers with nan where a case has failed, or a list of texts. The unit of a heading may be left
+    out. All numbers are in SI units, unless the sweep file asks for others.
+
+    Parameters
+    ----------
+    title : title of the sweep
+    rows : the rows of all cases
+    varied : names of the varied keys
+    """
+
+    def __init__(self, title: str, rows: Sequence[Row], varied: Sequence[str]) -> None:
+        self.title, self.rows, self.varied = title, list(rows), tuple(varied)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __iter__(self) -> Iterator[Row]:
+        return iter(self.rows)
+
+    @overload
+    def __getitem__(self, which: int) -> Row: ...
+    @overload
+    def __getitem__(self, which: slice) -> list[Row]: ...
+    @overload
+    def __getitem__(self, which: str) -> Any: ...
+    def __getitem__(self, which: int | slice | str) -> Any:
+        """A row by its number, several rows by a slice, or a column by its name."""
+        if not isinstance(which, str):
+            return self.rows[which]
+        heading = self.heading_of_column(which)
+        values = [row.get(heading) for row in self.rows]
+        if any(isinstance(value, str) for value in values):
+            return values
+        return np.array([math.nan if value is None else value for value in values], dtype=float)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether another table, or a list, has the same rows."""
+        return self.rows == (other.rows if isinstance(other, SweepTable) else other)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def headings(self) -> list[str]:
+        """The headings of all columns, in the order in which they first occur."""
+        return list(dict.fromkeys(heading for row in self.rows for heading in row))
+
+    def heading_of_column(self, name: str) -> str:
+        """The heading of a column that is named with or without its unit.
+
+        Raises BadInput for an unknown name.
+        """
+        headings = self.headings
+        names = {name_and_unit_of_column(heading)[0]: heading for heading in headings}
+        if name in headings:
+            return name
+        if name not in names:
+            hint = did_you_mean_hint(name, names)
+            raise BadInput(f"column {name!r}: unknown{hint}; allowed: {', '.join(names)}")
+        return names[name]
+
+    @property
+    def failures(self) -> Counter[str]:
+        """The reasons of the failed cases, each with the number of its cases."""
+        statuses = [row["status"] for row in self.rows]
+        return Counter(s.removeprefix("failed: ") for s in statuses if s != "solved")
+
+    def statistics(self, *columns: str) -> list[Statistics]:
+        """Statistics of columns, for each model: mean, spread, 5 % and 95 %, and extremes.
+
+        Parameters
+        ----------
+        columns : names of columns with numbers, with or without units; without names the torque
+            (on a plane the braking force), the brake factor, the peak pressure, and the peak
+            pressure of each shoe
+
+        Raises
+        ------
+        BadInput
+            for an unknown column, and for a column without numbers
+        """
+        asked = [self.heading_of_column(column) for column in columns]
+        found = []
+        for model in dict.fromkeys(row["model"] for row in self.rows):
+            for heading in asked or self._headings_of_main_results():
+                values = self._numbers_of_column(heading, model)
+                if len(values):
+                    found.append(_statistics_of_values(heading, model, values))
+                elif asked and not self.failures:
+                    raise BadInput(f"column {heading!r}: has no numbers")
+        return found
+
+    def _numbers_of_column(self, heading: str, model: str) -> Floats:
+        """The numbers (n,) of a column in the solved cases of a model."""
+        values = [row.get(heading) for row in self.rows if row["model"] == model]
+        return np.array([value for value in values if isinstance(value, int | float)], dtype=float)
+
+    def _headings_of_main_results(self) -> list[str]:
+        """The headings of the results of which statistics are shown."""
+        main = {"torque", "braking_force", "brake_factor", "peak_pressure"}
+        found = []
+        for heading in self.headings:
+            name = name_and_unit_of_column(heading)[0]
+            if name in main or name.endswith(".peak_pressure"):
+                found.append(heading)
+        return found
+
+    def cells_of_statistics(self, *columns: str) -> list[tuple[str, ...]]:
+        """The cells of the shown table of statistics: headings, and a row for each column.
+
+        With several models the name of the model stands before the name of the column.
+        """
+        found = self.statistics(*columns)
+        several = len({row.model for row in found}) > 1
+        rows: list[tuple[str, ...]] = [STATISTICS_HEADINGS]
+        for one in found:
+            heading, *texts = one.texts()
+            rows.append((f"{one.model}: {heading}" if several else heading, *texts))
+        return rows
+
+    def lines_of_outcome(self) -> list[str]:
+        """Lines of text: the number of solved and failed cases, and the most frequent reasons."""
+        failures = self.failures
+        count, failed = len(self.rows), failures.total()
+        lines = [f"{count} cases: {count - failed} solved, {failed} failed"]
+        for reason, number in failures.most_common(MOST_SHOWN_REASONS):
+            lines.append(f"  failed, {number}: {reason}")
+        return lines
+
+    def write(self, path: Path | str) -> None:
+        """Write the table into a file, CSV or Parquet by the ending of its name.
+
+        Raises BadInput for another ending, and for a file that cannot be written.
+        """
+        try:
+            check_table_file_is_writable(Path(path))
+        except BadInput as error:
+            error.name_arguments_in_place_of_options()
+            raise
+        write_table_file(self.rows, Path(path))
+
+    def to_pandas(self) -> Any:
+        """The table as a pandas DataFrame, with the headings as names of the columns.
+
+        Raises BadInput if pandas is not installed.
+        """
+        try:
+            pandas = importlib.import_module("pandas")
+        except ImportError as error:
+            raise BadInput("to_pandas: needs the package pandas, which is not installed") from error
+        return pandas.DataFrame(self.rows, columns=self.headings)
+
+    def plot(self, x: str, y: str = "", axes: Any = None) -> Any:
+        """Draw the column `y` over the column `x` for each model, as points.
+
+        Parameters
+        ----------
+        x, y : names of columns with numbers; y is by default the torque or braking force
+        axes : matplotlib axes; None for new axes
+
+        Returns
+        -------
+        the axes
+        """
+        if axes is None:
+            # matplotlib is loaded only when something is drawn.
+            from matplotlib import pyplot as plt  # noqa: PLC0415
+
+            _, axes = plt.subplots()
+        drawn = [self.heading_of_column(x), self.heading_of_column(y or self._effect_heading())]
+        for model in dict.fromkeys(row["model"] for row in self.rows):
+            rows = [row for row in self.rows if row["model"] == model]
+            points = np.array(
+                [[row.get(heading, math.nan) for heading in drawn] for row in rows], dtype=float
+            )
+            axes.plot(*points.T, ".", label=model)
+        axes.set(xlabel=drawn[0], ylabel=drawn[1], title=self.title)
+        axes.legend()
+        return axes
+
+    def _effect_heading(self) -> str:
+        """The heading of the brake's torque, or on a plane of its braking force."""
+        found = [heading for heading in self._headings_of_main_results() if "." not in heading]
+        return found[0] if found else "torque"
+
+    def _shown_cells(self) -> list[tuple[str, ...]]:
+        """The headings and the first rows of the table: varied keys, model, results, status."""
+        keys = [self.heading_of_column(key) for key in self.varied]
+        main = [heading for heading in self._headings_of_main_results() if "." not in heading]
+        headings = ["case", *keys, "model", *main, "status"]
+        columns = {heading: ShownColumn.column_with_heading(heading) for heading in headings}
+        rows = [tuple(column.heading for column in columns.values())]
+        for row in self.rows[:MOST_SHOWN_ROWS]:
+            # The reasons of failures are shown above the table.
+            cells = {**row, "status": str(row["status"]).partition(":")[0]}
+            rows.append(tuple(column.text(cells.get(key), 6) for key, column in columns.items()))
+        return rows
+
+    def __repr__(self) -> str:
+        """The title, the outcome, the first rows and the statistics as text."""
+        lines = [self.title, *self.lines_of_outcome()]
+        lines += text_lines_of_aligned_columns(self._shown_cells())
+        if len(self.rows) > MOST_SHOWN_ROWS:
+            lines.append(f"... {len(self.rows) - MOST_SHOWN_ROWS} further cases")
+        return "\n".join([*lines, *text_lines_of_aligned_columns(self.cells_of_statistics())])
+
+    def _repr_html_(self) -> str:
+        """The first rows and the statistics as two HTML tables, which notebooks display."""
+        outcome = self.lines_of_outcome()[0]
+        first = html_table_with_caption(f"{self.title}, {outcome}", self._shown_cells())
+        return first + html_table_with_caption("statistics", self.cells_of_statistics())
+
+
+def _statistics_of_values(heading: str, model: str, values: Floats) -> Statistics:
+    """The statistics of the values (n,) of a column."""
+    low, high = np.quantile(values, [0.05, 0.95]).tolist()
+    return Statistics(
+        heading,
+        model,
+        len(values),
+        float(values.mean()),
+        float(values.std(ddof=1)) if len(values) > 1 else math.nan,
+        low,
+        high,
+        float(values.min()),
+        float(values.max()),
+    )
+
+
+def function_that_prints_progress() -> Callable[[int, int], None]:
+    """A function that prints the progress of a sweep as one line, which it prints over itself.
+
+    The line goes to standard error. It looks the same in a terminal and in a notebook.
+    """
+    shown = [""]
+
+    def print_progress(finished: int, of: int) -> None:
+        """Print the number of finished cases, of all cases, if the percentage has changed."""
+        share = f"{100 * finished // max(of, 1)} %"
+        if share != shown[0]:
+            shown[0] = share
+            end = "\n" if finished == of else ""
+            sys.stderr.write(f"\r{finished} of {of} cases, {share}{end}")
+            sys.stderr.flush()
+
+    return print_progress

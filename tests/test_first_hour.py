@@ -1,0 +1,413 @@
+"""What stopped a person in the first hour: each stumble, from an empty folder."""
+
+import math
+import re
+
+import meshio
+import numpy as np
+import pytest
+
+import drumlin
+from command_line import drumlin as run
+from conftest import partly
+from drumlin.base.arrays import are_equal_with_arrays
+from drumlin.base.texts import error_as_text
+from drumlin.models import BUILT_IN_MODELS, MODELS
+from drumlin.studies import PACKAGES_OF_STUDIES, paths_of_all_examples
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty folder, which is the current one and has the brake file my.toml."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my.toml").write_text(run("init", "double_shoe").stdout)
+    return tmp_path
+
+
+@pytest.fixture
+def laws():
+    """The registered models, which are as they were after the test."""
+    yield MODELS
+    for name in set(MODELS) - BUILT_IN_MODELS:
+        del MODELS[name]
+
+
+# from Python: paths, equality, what is shown
+
+
+def test_a_path_serves_as_well_as_a_brake(here):
+    brake = drumlin.read_brake("my.toml")
+    assert drumlin.solve("my.toml", "sine") == drumlin.solve(brake, "sine")
+    assert drumlin.compare("my.toml", models=["sine"]) == drumlin.compare(brake, models=["sine"])
+    table = drumlin.sweep("my.toml", {"friction": [0.3]}, model="sine")
+    assert table == drumlin.sweep(brake, {"friction": [0.3]}, model="sine")
+    for wrong in (None, {"shoe": []}, 3):
+        said = f"path of a brake file, not {type(wrong).__name__}"
+        with pytest.raises(drumlin.BadInput, match=said):
+            drumlin.solve(wrong)
+
+
+def test_answers_are_equal_if_all_their_numbers_are(brake):
+    sine, other = drumlin.solve(brake, "sine"), drumlin.solve(brake, "cosine")
+    assert sine == drumlin.solve(brake, "sine") != other
+    assert sine.shoes[0] != sine.shoes[1] and sine != "sine"
+    right, left = drumlin.fields(brake, elements=6)
+    assert right == drumlin.fields(brake, elements=6)[0] != left
+    run = drumlin.hold(brake, elements=6, steps=1)
+    assert run == drumlin.hold(brake, elements=6, steps=1) and run.states[0] != run.states[1]
+    zeros = np.zeros(2)
+    assert are_equal_with_arrays({"a": (zeros, 1)}, {"a": (zeros, 1)})
+    for unequal in ({"a": (zeros, 2)}, {"b": (zeros, 1)}, {"a": (np.zeros(3), 1)}, {"a": (zeros,)}):
+        assert not are_equal_with_arrays({"a": (zeros, 1)}, unequal)
+
+
+def test_what_is_shown_is_short(brake):
+    compared = drumlin.compare(brake, models=["sine", "cosine"])
+    table = drumlin.sweep(brake, {"friction": [0.2, 0.3, 0.9]}, model="sine")
+    for shown in (brake, drumlin.solve(brake, "sine"), compared, table):
+        assert len(repr(shown).splitlines()) < 20 and max(map(len, repr(shown).splitlines())) < 160
+        assert shown._repr_html_().startswith("<table><caption>")
+    assert repr(brake).splitlines()[2].split() == [
+        *("right", "-70", "to", "55", "8", "40", "2000", "hinge")
+    ]
+    assert "435.22" in repr(compared) and "458.73" in repr(compared)
+    assert len(compared.plot().lines) == 4
+
+
+def test_a_comparison_of_own_brakes_shows_planes_too():
+    pad = drumlin.example("pad")
+    assert "60 to 180" in repr(pad) and "braking force [N]" in repr(
+        drumlin.compare(pad, models=["linear"])
+    )
+
+
+# arrays and functions as values of keys
+
+
+@pytest.mark.slow
+def test_an_array_and_a_function_are_a_clearance(brake):
+    """A parabola touches at one angle; twice as many rows change the torque by less than 1e-5."""
+
+    def gap(theta):
+        return 1e-5 * theta**2
+
+    key = "shoe.right.lining.clearance"
+    given = drumlin.vary(brake, {key: gap})
+    lining = given.shoes[0].lining
+    theta = np.linspace(lining.start, lining.end, 2001)
+    at = lining.clearance_at_surface_coordinates(theta)
+    assert np.abs(at - gap(theta)).max() < 1e-6 * at.max()
+    finer = drumlin.vary(brake, {key: np.column_stack([theta, gap(theta)])})
+    assert drumlin.solve(given).torque == pytest.approx(drumlin.solve(finer).torque, rel=1e-5)
+    for wrong, said in (
+        (np.zeros((3, 3)), r"has? .*shape \(3, 3\); must have the shape \(N, 2\)"),
+        (lambda theta: None, "must be a function from a number to a number"),
+        (lambda theta: math.nan, "must be finite"),
+    ):
+        with pytest.raises(drumlin.BadInput, match=said.replace("has? ", "is an array ")):
+            drumlin.vary(brake, {key: wrong})
+
+
+@pytest.mark.slow
+def test_an_array_and_a_function_are_a_friction(brake):
+    """The uniform law has one pressure a shoe: its friction is the function at this pressure."""
+
+    def mu(p):
+        return 0.4 / (1 + p / 5e6)
+
+    pressures = np.linspace(0, 2e6, 101)
+    for given in (mu, np.column_stack([pressures, mu(pressures)])):
+        fading = drumlin.vary(brake, {"friction": given})
+        response = drumlin.solve(fading, "uniform")
+        for shoe in response.shoes:
+            ratio = shoe.torque / (0.15 * 0.04 * 0.15 * math.radians(125) * shoe.peak_pressure)
+            assert ratio == pytest.approx(mu(shoe.peak_pressure), rel=1e-4)
+    assert drumlin.vary(brake, {"friction": lambda p: 0.35}).friction == 0.35
+    with pytest.raises(drumlin.BadInput, match="friction: is an array of shape"):
+        drumlin.vary(brake, {"friction": np.zeros(3)})
+
+
+def test_a_brake_of_arrays_and_functions_has_a_file(brake, here):
+    made = drumlin.vary(
+        brake, {"shoe.lining.clearance": lambda t: 1e-5, "friction": lambda p: 0.4 - 1e-9 * p}
+    )
+    drumlin.write_brake(made, "made.toml")
+    assert drumlin.read_brake("made.toml") == made
+
+
+# sweeps from Python
+
+
+def test_a_sweep_from_python_is_a_table_with_columns_by_name(brake, here):
+    calls = []
+    table = drumlin.sweep(
+        brake,
+        {"friction": np.array([0.2, 0.3, 0.9]), "shoe.actuation.force": [2000.0, "1 kN"]},
+        model=["sine"],
+        progress=lambda finished, of: calls.append((finished, of)),
+    )
+    assert calls[0] == (0, 6) and calls[-1] == (6, 6)
+    assert len(table) == 6 and table["friction"].tolist() == [0.2, 0.2, 0.3, 0.3, 0.9, 0.9]
+    assert table["shoe.actuation.force"].tolist() == [2000.0, 1000.0] * 3
+    torque = drumlin.solve(drumlin.vary(brake, {"friction": 0.2}), "sine").torque
+    assert table["torque"][:2] == pytest.approx([torque, torque / 2], rel=1e-12)
+    assert np.isnan(table["torque [N m]"][4:]).all() and table["status"][0] == "solved"
+    assert table.failures.total() == 2 and "self-locking" in next(iter(table.failures))
+    assert [row["case"] for row in table[1:3]] == [1, 2]
+    with pytest.raises(drumlin.BadInput, match=r"unknown \(did you mean 'torque'"):
+        table["torqe"]
+    table.write("table.csv")
+    assert len((here / "table.csv").read_text().splitlines()) == 7
+    with pytest.raises(drumlin.BadInput, match=r"^output = 'table\.png': must end in"):
+        table.write("table.png")
+
+
+def test_its_statistics_are_those_of_numpy(brake):
+    spread = {"distribution": "normal", "deviation": "5 %"}
+    table = drumlin.sweep(brake, {"friction": spread}, cases=50, model=["sine", "cosine"])
+    torque = table["torque"].reshape(-1, 2)
+    for column, found in zip(torque.T, table.statistics("torque"), strict=True):
+        assert found.cases == 50
+        assert [found.mean, found.deviation] == pytest.approx([column.mean(), column.std(ddof=1)])
+        assert [found.low, found.high] == pytest.approx(np.quantile(column, [0.05, 0.95]))
+        assert [found.smallest, found.largest] == [column.min(), column.max()]
+    peak = [row for row in table.cells_of_statistics() if row[0] == "sine: peak pressure [MPa]"]
+    assert float(peak[0][1]) == pytest.approx(table["peak_pressure"][::2].mean() * 1e-6, rel=1e-3)
+    table.plot("friction")
+
+
+def test_a_table_goes_to_pandas(brake):
+    table = drumlin.sweep(brake, {"friction": [0.3]}, model="sine")
+    try:
+        import pandas  # noqa: F401
+    except ImportError:
+        with pytest.raises(drumlin.BadInput, match="to_pandas: needs the package pandas"):
+            table.to_pandas()
+    else:
+        assert list(table.to_pandas()["torque [N m]"]) == [pytest.approx(435.216, rel=1e-5)]
+
+
+@pytest.mark.parametrize(
+    ("vary", "said"),
+    [
+        (None, "vary: is missing"),
+        ({}, "vary: must be a dict of keys and their values"),
+        ({"frction": [1]}, "vary: frction: unknown key"),
+        ({"friction": 0.3}, r"vary\['friction'\] = 0.3: must be a list or an array"),
+        ({"friction": "0.3"}, r"vary\['friction'\] = '0.3': must be a list or an array"),
+        ({"friction": [-1.0]}, "friction = -1"),
+        ({"shoe.lining.clearance": [lambda t: t]}, "name one shoe"),
+    ],
+)
+def test_wrong_values_of_a_sweep_are_refused(brake, vary, said):
+    with pytest.raises(drumlin.BadInput, match=said):
+        drumlin.sweep(brake, vary, model="sine")
+
+
+def test_functions_are_swept(brake):
+    gaps = [lambda theta: 0.0, np.array([[-2.0, 1e-5], [2.0, 1e-5]])]
+    table = drumlin.sweep(brake, {"shoe.right.lining.clearance": gaps}, model="sine")
+    assert table["status"] == ["solved", "solved"]
+
+
+def test_progress_is_one_line(brake, capsys):
+    drumlin.sweep(brake, {"friction": [0.2, 0.3]}, model="sine", progress=True)
+    said = capsys.readouterr().err
+    assert said.endswith("\r2 of 2 cases, 100 %\n") and said.count("\n") == 1
+
+
+# from Python: fields, own laws, errors
+
+
+def test_fields_are_meshes_of_meshio_and_pyvista(brake):
+    right, _ = drumlin.fields(brake, elements=6)
+    mesh = right.to_meshio()
+    assert isinstance(mesh, meshio.Mesh) and len(mesh.points) == len(right.points)
+    assert np.array_equal(mesh.point_data["von Mises [Pa]"], right.von_mises)
+    grid = right.to_pyvista()
+    assert grid.n_points == len(right.points) and grid.n_cells == len(right.cells)
+
+
+def test_a_law_of_your_own_is_a_model(brake, laws):
+    """The sine law written as a function has the torque and reactions of the closed form."""
+
+    @drumlin.law("my_sine")
+    def my_sine(phi, layout):
+        """The sine of the angle from the hinge."""
+        return 3.0 * np.sin(phi)
+
+    assert my_sine(np.pi / 2, None) == 3.0
+    for name in ("double_shoe", "linings_apart", "double_shoe_external"):
+        one = drumlin.example(name)
+        own, closed = drumlin.solve(one, "my_sine"), drumlin.solve(one, "sine")
+        assert own.torque == pytest.approx(closed.torque, rel=1e-12)
+        for a, b in zip(own.shoes, closed.shoes, strict=True):
+            assert a.hinge_reaction == pytest.approx(b.hinge_reaction, rel=1e-9)
+            assert a.peak_pressure == pytest.approx(b.peak_pressure, rel=1e-6)
+    compared = drumlin.compare(brake, models=["sine", "my_sine"])
+    assert set(compared.responses) == {"sine", "my_sine"}
+    assert len(compared.plot().lines) == 4
+    assert laws["my_sine"].assumes == "The sine of the angle from the hinge."
+    assert drumlin.sweep(brake, {"friction": [0.3]}, model="my_sine")["status"] == ["solved"]
+
+
+@pytest.mark.parametrize(
+    ("shape", "error", "said"),
+    [
+        (lambda phi, layout: -phi, drumlin.NoAnswer, "the lining cannot pull"),
+        (lambda phi, layout: 0.0, drumlin.NoAnswer, "zero on the whole lining"),
+        (lambda phi, layout: [1.0, 2.0], drumlin.BadInput, "returned an array of shape"),
+        (lambda phi, layout: phi * math.nan, drumlin.BadInput, "must return a finite number"),
+    ],
+)
+def test_a_wrong_law_of_your_own_gives_no_number(brake, laws, shape, error, said):
+    drumlin.law("wrong")(shape)
+    with pytest.raises(error, match=said):
+        drumlin.solve(brake, "wrong")
+
+
+def test_a_law_of_your_own_takes_no_name_of_drumlin(laws):
+    for name in ("sine", "fem", "two words", ""):
+        with pytest.raises(drumlin.BadInput, match=f"^name = {name!r}: must be a word"):
+            drumlin.law(name)(lambda phi, layout: phi)
+
+
+@pytest.mark.parametrize(
+    ("call", "options", "said"),
+    [
+        ("solve", {"model": "sinee"}, "model = 'sinee': unknown model (did you mean 'sine'?)"),
+        ("solve", {"elements": 0}, "elements = 0: must be from 1"),
+        ("solve", {"model": "sine", "elements": 9}, 'and fields belong to model="fem"'),
+        ("solve", {"finite_width": True, "model_error": False}, "model_error=False: finite_width"),
+        ("solve", {"fields": "x.png"}, "fields = 'x.png': must end in .vtu"),
+        ("fields", {"output": "x.png"}, "output = 'x.png': must end in .vtu"),
+        ("hold", {"steps": 0}, "steps = 0: must be from 1 to 10000"),
+        ("size", {"key": "friction", "torque": 1.0, "low": 2.0, "high": 1.0}, "low = 2: must be"),
+        ("wear", {"model": "sine"}, "model = 'sine': does not wear"),
+        ("example", None, "name = 'duplx': no such example (did you mean 'duplex'?)"),
+    ],
+)
+def test_errors_name_the_arguments_of_python(brake, call, options, said):
+    with pytest.raises(drumlin.BadInput) as error:
+        if options is None:
+            drumlin.example("duplx")
+        else:
+            getattr(drumlin, call)(brake, **options)
+    assert said in str(error.value) and "--" not in str(error.value)
+
+
+# the terminal
+
+
+def test_the_terminal_names_its_options(here):
+    for words in (["--model", "sinee"], ["--elements", 0], ["--fields", "x.png"]):
+        assert f"{words[0]} = {words[1]!r}" in run("solve", "my.toml", *words).stderr
+    both = run("solve", "my.toml", "my.toml", "--model", "sine", "--elements", 9)
+    assert "--fields belong to --model fem" in both.stderr
+
+
+def test_every_command_has_a_short_help():
+    for command in ("", "solve", "sweep", "init", "study", "wear", "hold"):
+        done = run(*filter(None, [command, "-h"]))
+        assert done.returncode == 0 and "Usage: drumlin" in done.stdout
+
+
+def test_a_sweep_ends_with_its_statistics(here, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    (here / "sweep.toml").write_text(
+        'brake = "my.toml"\n[model.sine]\n[vary]\nfriction = [0.2, 0.3, 0.9]\n'
+    )
+    done = run("sweep", "sweep.toml", "--jobs", 1)
+    lines = done.stdout.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert lines[0] == "3 cases: 2 solved, 1 failed" and "self-locking" in lines[1]
+    head = next(line for line in lines if "spread" in line)
+    assert head.split() == ["mean", "spread", "5", "%", "95", "%", "least", "most"]
+    peak = next(line for line in lines if line.startswith("left peak pressure [MPa]")).split()
+    brake, pressures = drumlin.read_brake("my.toml"), []
+    for mu in (0.2, 0.3):
+        response = drumlin.solve(drumlin.vary(brake, {"friction": mu}), "sine")
+        pressures.append(response.shoes[1].peak_pressure * 1e-6)
+    assert float(peak[4]) == pytest.approx(np.mean(pressures), rel=1e-3)
+    assert [float(peak[-2]), float(peak[-1])] == pytest.approx(sorted(pressures), rel=1e-3)
+    # All is done, and nothing but the table is left.
+    assert sorted(path.name for path in here.iterdir()) == ["my.toml", "sweep.csv", "sweep.toml"]
+    assert "peak_pressure [Pa]" in (here / "sweep.csv").read_text()
+
+
+def test_hold_ends_with_what_is_held_and_when_it_slips(here):
+    lines = run("hold", "my.toml", "--elements", 6, "--steps", 2).stdout.splitlines()
+    held = drumlin.hold("my.toml", elements=6, steps=2)
+    assert lines[-2].startswith(f"holds up to {held.states[-1].torque:.6g} N m, at rotation")
+    assert lines[-1].startswith("the whole contact slips from rotation")
+    short = drumlin.hold("my.toml", elements=6, steps=1, rotation="0.001 deg")
+    assert short.lines()[1].startswith("no full slip: at rotation 0.001 deg, ")
+
+
+def test_wear_prints_columns_apart_and_states_its_error(here):
+    lines = run("wear", "my.toml", "--elements", 6, "--distance", 0.2).stdout.splitlines()
+    first = next(i for i, line in enumerate(lines) if line.split()[:1] == ["[km]"])
+    rows = [line for line in lines[first + 1 :] if re.fullmatch(r"[-+\d.e ]+", line)]
+    assert len(rows) > 2 and {len(row.split()) for row in rows} == {8}
+    assert "estimated error: not known on the chosen elements" in " ".join(lines)
+
+
+@pytest.mark.slow
+def test_wear_starts_where_solve_is_and_states_its_error(here):
+    worn, solved = drumlin.wear("my.toml", distance=0.1), drumlin.solve("my.toml")
+    assert worn.states[0].torque == pytest.approx(solved.torque, rel=solved.error["torque"])
+    said = worn.lines()[-1]
+    for key in ("pressure", "torque"):
+        assert worn.start_error[key] == pytest.approx(solved.error[key])
+        assert error_as_text(solved.error[key]) in said
+    assert worn.as_dict()["start_error"] == worn.start_error
+
+
+def test_plane_stress_writes_its_fields(here):
+    done = run("solve", "my.toml", "--elements", 6, "--fields", "fields.vtu", "--no-model-error")
+    assert done.returncode == 0
+    mesh = meshio.read(here / "fields.vtu")
+    right, left = drumlin.fields("my.toml", elements=6)
+    both = np.concatenate([right.von_mises, left.von_mises])
+    assert np.allclose(mesh.point_data["von Mises [Pa]"], both, rtol=1e-9)
+    done = run("solve", "my.toml", "--fields", "other.vtu", "--finite-width")
+    assert done.returncode == 2 and "--fields: does not apply" in done.stderr
+    assert not (here / "other.vtu").exists()
+
+
+NEED_FILES = ("web_shoe", "sweep_grid", "notebook_engineer", "double_shoe")
+
+
+@pytest.mark.parametrize("name", partly(paths_of_all_examples(), NEED_FILES))
+def test_init_writes_files_that_work_in_another_folder(name, here):
+    run("init", name, "--output", "before")
+    (here / "before").rename(here / "after")
+    text = "".join(path.read_text(encoding="utf-8") for path in (here / "after").glob("*.toml"))
+    for named in re.findall(r'(?m)^(?:#:schema |mesh = "|brake = ")([^"\n]+)', text):
+        assert (here / "after" / named).is_file()
+    if name.startswith("sweep_"):
+        (here / "after" / "table.csv").touch()
+        from drumlin.sweeps.file import read_sweep_from_toml_file
+
+        assert read_sweep_from_toml_file(here / "after" / f"{name}.toml").cases
+    elif not name.startswith("notebook_"):
+        assert drumlin.read_brake(here / "after" / f"{name}.toml").title
+    again = run("init", name, "--output", "after")
+    assert again.returncode == 2 and "exists already" in again.stderr
+
+
+def test_a_printed_example_names_no_schema_that_is_not_there():
+    assert "#:schema" not in run("init", "double_shoe").stdout
+
+
+def test_the_manual_names_its_extra(here, monkeypatch):
+    monkeypatch.setitem(PACKAGES_OF_STUDIES, "manual", "no_such_package")
+    done = run("study", "manual")
+    assert done.returncode == 3 and 'pip install "drumlin[manual]"' in done.stderr
+
+
+def test_errors_are_in_per_cent(here):
+    said = run("solve", "my.toml", "--no-model-error").stdout
+    line = said[said.index("estimated error") :].replace("\n ", "")
+    assert re.match(r"estimated error: p 0\.0\d+ % \(L2, worst shoe\), torque 0\.0\d+ %", line)
+    assert error_as_text(5.8e-4) == "0.058 %" and error_as_text(0.123) == "12 %"
