@@ -15,12 +15,14 @@ import drumlin
 from conftest import ROOT
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.fields import Part
+from drumlin.brake.schema import json_schema_of_brake_file
 from drumlin.models import MODELS
 from drumlin.studies import import_study
+from drumlin.sweeps.schema import json_schema_of_sweep_file
 from picking import picked
 
 manual = import_study("manual")[0]
-listing, keys = manual.listing, manual.listing.keys
+listing = manual.listing
 solve_path = importlib.import_module("studies.manual.solve_path")
 QUOTED = importlib.import_module("studies.manual.values").QUOTED
 PAGES = ROOT / "studies" / "manual" / "pages"
@@ -37,7 +39,7 @@ def parts(kind=Part):
 
 
 def test_every_key_of_every_file_is_described():
-    listed = [kind for _, kind, _ in (*keys.BRAKE, *keys.SWEEP)]
+    listed = [kind for _, kind, _ in (*listing.KEYS_OF_BRAKE_FILE, *listing.KEYS_OF_SWEEP_FILE)]
     here = {
         kind for kind in parts() if kind.__module__.startswith(("drumlin.brake", "drumlin.sweeps"))
     }
@@ -62,13 +64,40 @@ def test_every_key_of_every_file_is_described():
 
 
 def test_a_key_without_words_or_words_without_key_fails(monkeypatch):
-    heading, kind, words = keys.BRAKE[0]
-    monkeypatch.setattr(keys, "BRAKE", [(heading, kind, words | {"colour": "none"})])
+    heading, kind, words = listing.KEYS_OF_BRAKE_FILE[0]
+    monkeypatch.setattr(
+        listing, "KEYS_OF_BRAKE_FILE", [(heading, kind, words | {"colour": "none"})]
+    )
     with pytest.raises(ValueError, match="colour"):
         listing.brake_file_page()
-    monkeypatch.setattr(keys, "BRAKE", [(heading, kind, {"title": "words"})])
+    monkeypatch.setattr(listing, "KEYS_OF_BRAKE_FILE", [(heading, kind, {"title": "words"})])
     with pytest.raises(KeyError, match="rotation"):
         listing.brake_file_page()
+
+
+def test_an_editor_shows_the_meaning_of_every_key():
+    """The schema of brake files has for each key the meaning that the manual prints."""
+    parts = json_schema_of_brake_file()["$defs"]
+    in_schema = {
+        "DrumBrake": "Brake",
+        "DrumShoe": "Shoe",
+        "DrumLining": "Lining",
+        "ArcBody": "Body",
+    }
+    seen = 0
+    for _, kind, meanings in listing.KEYS_OF_BRAKE_FILE:
+        keys = parts[in_schema.get(kind.__name__, kind.__name__)]["properties"]
+        assert set(keys) == set(meanings)
+        for key, schema in keys.items():
+            assert schema["description"].startswith(meanings[key])
+            seen += 1
+    assert seen > 150
+    radius = parts["Drum"]["properties"]["radius"]["description"]
+    assert radius.endswith("(a length with its unit, such as '8 mm')")
+    sweep = json_schema_of_sweep_file()["properties"]
+    assert sweep["seed"]["description"] == "seed of the random draws"
+    options = sweep["model"]["properties"]["fem"]["properties"]
+    assert options["elements"]["description"] == "number of elements along each lining"
 
 
 def test_a_value_says_its_kind_unit_and_limits():

@@ -14,13 +14,14 @@ from typing import Annotated, Any, Literal, get_args, get_origin
 
 from pydantic import Discriminator
 from pydantic.fields import FieldInfo
-from studies.manual import keys
 
 import drumlin
 from drumlin.brake.fields import Part, si_unit_of_field_type, si_units_of_table_field
+from drumlin.brake.key_meanings import KEYS_OF_BRAKE_FILE, TableOfKeys
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 from drumlin.foundation.model import LIFTS
 from drumlin.models import MODELS
+from drumlin.sweeps.key_meanings import KEYS_OF_SWEEP_FILE
 from drumlin_studies.ladder import LADDER_CASES
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -42,12 +43,12 @@ def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def brake_file_page() -> str:
     """The keys of the brake file, below an example."""
-    return _example_file("double_shoe/brake.toml") + _key_tables(keys.BRAKE)
+    return _example_file("double_shoe/brake.toml") + _key_tables(KEYS_OF_BRAKE_FILE)
 
 
 def sweep_file_page() -> str:
     """The keys of the sweep file, below an example."""
-    return _example_file("sweeps/loads.toml") + _key_tables(keys.SWEEP)
+    return _example_file("sweeps/loads.toml") + _key_tables(KEYS_OF_SWEEP_FILE)
 
 
 def _example_file(name: str) -> str:
@@ -55,7 +56,7 @@ def _example_file(name: str) -> str:
     return f"```toml\n{(ROOT / 'studies' / name).read_text(encoding='utf-8')}```\n\n"
 
 
-def _key_tables(tables: Sequence[keys.Table]) -> str:
+def _key_tables(tables: Sequence[TableOfKeys]) -> str:
     """A heading and a table of keys for each part of a file."""
     head = ("key", "value", "meaning")
     return "\n".join(
