@@ -91,7 +91,7 @@ def _gallery_text() -> str:
             f"- [![{title}](pictures/{name}.png)<br>**{title}**](kinds/{kind}.md#{name})\n"
             f"  {shows}\n"
         )
-    return "\n:::{div} gallery\n" + "\n".join(cards) + ":::\n"
+    return "\n:::{container} gallery\n" + "\n".join(cards) + ":::\n"
 
 
 def _section_of_example(name: str, path: Path) -> str:
@@ -103,7 +103,7 @@ def _section_of_example(name: str, path: Path) -> str:
     option = "" if model == "fem" else f" --model {model}"
     return (
         f"\n({name})=\n\n## {title[0].upper() + title[1:]}\n\nIt shows {EXAMPLES[name].shows}.\n\n"
-        f":::{{div}} brake-picture\n![{title}](../pictures/{name}.png)\n:::\n\n{about}\n\n"
+        f":::{{container}} brake-picture\n![{title}](../pictures/{name}.png)\n:::\n\n{about}\n\n"
         f"```sh\ndrumlin init {name} > my.toml\ndrumlin solve my.toml{option}\n```\n\n"
         f"```text\n{drumlin.solve(drumlin.example(name), model, **_quick(model))}\n```\n"
     )

@@ -6,6 +6,7 @@ Keys come from classes, commands from the command line, and names from docstring
 import ast
 import inspect
 import pkgutil
+import re
 from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -24,6 +25,7 @@ from drumlin.sweeps.key_meanings import KEYS_OF_SWEEP_FILE
 from drumlin_studies.ladder import LADDER_CASES
 
 ROOT = Path(__file__).resolve().parents[2]
+PAGES = Path(__file__).parent / "pages"
 
 
 def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -257,8 +259,10 @@ def ladder_page() -> str:
 def api_pages() -> dict[str, str]:
     """The texts of the pages on Python, by their names below pages/.
 
-    Each name of `import drumlin` has a page, and each module has a page with its functions.
+    Each name of `import drumlin` has a page, and so has each module that an example of the manual
+    imports. The other modules are in a table.
     """
+    used = _modules_in_examples()
     pages = {}
     rows = []
     for name in drumlin.__all__:
@@ -270,9 +274,12 @@ def api_pages() -> dict[str, str]:
         rows.append((f"[`{name}`](api/{name}.rst)", _first_line(value)))
     modules = []
     for module in public_modules():
-        if public_members(module):
+        first = _first_line(import_module(module))
+        if module in used:
             pages[f"reference/api/{module}.rst"] = _page_of_object(module, "module")
-            modules.append((f"[`{module}`](api/{module}.rst)", _first_line(import_module(module))))
+            modules.append((f"[`{module}`](api/{module}.rst)", first))
+        elif public_members(module):
+            modules.append((f"`{module}`", first))
     names = [Path(page).stem for page in pages]
     tree = "\n".join(["```{toctree}", ":hidden:", *(f"api/{name}" for name in names), "```"])
     pages["reference/api.md"] = (
@@ -280,6 +287,15 @@ def api_pages() -> dict[str, str]:
         f"## Modules\n\n{markdown_table(('module', 'what it holds'), modules)}\n{tree}\n"
     )
     return pages
+
+
+def _modules_in_examples() -> set[str]:
+    """The names of the modules that the examples of the manual's pages import."""
+    found = set()
+    for page in PAGES.rglob("*.md"):
+        text = page.read_text(encoding="utf-8")
+        found |= set(re.findall(r"(?m)^(?:from|import) (drumlin\.[\w.]+)", text))
+    return found
 
 
 def _page_of_object(name: str, kind: str) -> str:
