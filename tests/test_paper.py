@@ -1,9 +1,13 @@
 """The paper: its length and sections, and the agreement of its numbers with the kept reports."""
 
+import importlib
+import json
 import re
 
 import pytest
+import yaml
 
+import drumlin
 from conftest import ROOT
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import number_as_text
@@ -12,6 +16,7 @@ from kept_reports import rows
 from picking import keyed, picked
 
 study = import_study("paper")[0]
+markdown = importlib.import_module("studies.paper.markdown")
 PARTS = [
     "Summary",
     "Statement of need",
@@ -51,6 +56,20 @@ def test_every_source_that_is_named_is_listed_and_no_other(page, text):
     named.add(("Archard", "1953"))
     listed = set(re.findall(r"<p>([A-Z]\w+), .*?\((\d{4})\)", page[page.index("</main>") :]))
     assert named == listed and len(listed) == 7
+
+
+def test_the_paper_for_a_journal_is_the_same_paper(page):
+    kept = (ROOT / "studies" / "paper" / "paper.md").read_text(encoding="utf-8")
+    assert kept == markdown.paper_as_markdown(page), "drumlin study paper; copy paper.md"
+    assert kept.startswith("---\ntitle: ")
+    assert 750 <= len(kept.split()) <= 1750
+    sources = (ROOT / "studies" / "paper" / "paper.bib").read_text(encoding="utf-8")
+    keys = set(re.findall(r"@\w+\{(\w+),", sources))
+    assert set(re.findall(r"\[@(\w+)\]", kept)) == keys
+    assert len(keys) == 7
+    assert re.findall(r"(?m)^# (.*)$", kept) == PARTS
+    assert not re.search(r"[<{]|\(\d{4}\)", kept.partition("---\n")[2])
+    assert re.search(r"\| accuracy \| brakes .* \|\n\| --- \| --- \|\n\| 5 % of the torque", kept)
 
 
 def percent(value, form):
@@ -118,3 +137,29 @@ def test_the_metadata_agree():
     assert "license: BSD-3-Clause" in citation and 'license = "BSD-3-Clause"' in project
     assert "The drumlin developers" in citation and "The drumlin developers" in project
     assert (ROOT / "LICENSE").read_text().startswith("BSD 3-Clause License")
+
+
+def test_the_other_programs_take_as_long_as_readme_says(text):
+    """README and the paper have the same ratios of times."""
+    readme = re.sub(r"\s+", " ", (ROOT / "README.md").read_text(encoding="utf-8"))
+    half, slow = re.search(
+        r"\| 0\.5 % \| [\d.]+ ms \| ([\d.]+) times as long \| (\d+) times as long", readme
+    ).groups()
+    (fine,) = re.search(r"\| 0\.1 % \| [\d.]+ ms \| ([\d.]+) times as long", readme).groups()
+    (more,) = re.search(r"further load case \| [\d.]+ ms \| ([\d.]+) times", readme).groups()
+    assert f"GetFEM takes {half} times as long as drumlin," in text
+    assert f"started for each solution, some {slow} times." in text
+    assert f"To a tenth of a percent GetFEM takes {fine} times as long, and {more} times" in text
+
+
+def test_an_archive_reads_the_citation():
+    """CITATION.cff and the file of Zenodo say the same, with the keys that both must have."""
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    archive = json.loads((ROOT / ".zenodo.json").read_text())
+    for key in ("title", "version", "license", "keywords"):
+        assert archive[key] == citation[key]
+    assert archive["creators"] == citation["authors"]
+    assert archive["description"] == citation["abstract"].strip()
+    assert (archive["upload_type"], citation["type"]) == ("software", "software")
+    assert citation["cff-version"] == "1.2.0" and citation["message"]
+    assert citation["version"] == drumlin.__version__

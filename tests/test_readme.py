@@ -81,6 +81,18 @@ def test_the_answer_of_the_example():
     assert some == sum(bool(line) and not line.startswith("#") for line in lines)
 
 
+def test_the_lines_of_python_run_in_any_folder(monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    exec(compile(code, "README.md", "exec"), {})
+    total = (
+        float(quoted(r"\| torque \| ([\d.]+) N m")[0])
+        + quoted(r"\| torque \| [\d.]+ N m \| ([\d.]+) N m")[0]
+    )
+    assert f"fem: torque {total:.1f}"[:16] in capsys.readouterr().out
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_law_against_elements():
     made = rows("double_shoe/results.csv", rotation="counter-clockwise")
     sine = having(made, model="sine")

@@ -5,6 +5,7 @@ from html import escape
 from typing import Any
 
 import latex2mathml.converter
+from studies.manual.docstrings import prepare_docstring
 
 import drumlin
 
@@ -15,24 +16,29 @@ version = release = drumlin.__version__
 html_title = f"drumlin {version}"
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns: list[str] = []
-myst_enable_extensions = ["dollarmath", "amsmath", "deflist"]
+default_role = "py:obj"  # a name in back quotes is a link if the manual has a page of this name
+myst_enable_extensions = ["colon_fence", "dollarmath", "amsmath", "deflist"]
 myst_heading_anchors = 3
 nb_execution_mode = "force"
 nb_execution_timeout = 300
 nb_execution_show_tb = True
 nb_merge_streams = True
+nb_execution_in_temp = True  # each page runs in an empty folder, as a reader's would
 suppress_warnings = ["mystnb.unknown_mime_type"]
 autodoc_default_options = {"members": True, "undoc-members": False}
-autodoc_typehints = "signature"
+autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented"
 autodoc_member_order = "bysource"
 napoleon_numpy_docstring = True
 napoleon_google_docstring = False
+napoleon_use_ivar = True  # fields are listed once, below their class
 html_theme = "furo"
 html_copy_source = False
 html_show_sourcelink = False
 html_show_copyright = False
 html_use_index = False
 html_css_files = ["manual.css"]
+html_js_files = ["copy.js"]
 html_static_path = ["static"]
 html_math_renderer = "mathml"
 
@@ -63,7 +69,9 @@ def _write_displayed_formula(writer: Any, node: Any) -> None:
 
 
 def setup(app: Any) -> None:
-    """Register the renderer of formulas."""
+    """Register the renderer of formulas, and what docstrings need before napoleon reads them."""
+    # napoleon reads docstrings at the default priority, 500.
+    app.connect("autodoc-process-docstring", prepare_docstring, priority=400)
     app.add_html_math_renderer(
         "mathml", (_write_inline_formula, None), (_write_displayed_formula, None)
     )

@@ -6,7 +6,7 @@ Keys come from classes, commands from the command line, and names from docstring
 import ast
 import inspect
 import pkgutil
-import typing
+import re
 from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -14,16 +14,18 @@ from typing import Annotated, Any, Literal, get_args, get_origin
 
 from pydantic import Discriminator
 from pydantic.fields import FieldInfo
-from studies.manual import keys
 
 import drumlin
 from drumlin.brake.fields import Part, si_unit_of_field_type, si_units_of_table_field
+from drumlin.brake.key_meanings import KEYS_OF_BRAKE_FILE, TableOfKeys
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 from drumlin.foundation.model import LIFTS
 from drumlin.models import MODELS
+from drumlin.sweeps.key_meanings import KEYS_OF_SWEEP_FILE
 from drumlin_studies.ladder import LADDER_CASES
 
 ROOT = Path(__file__).resolve().parents[2]
+PAGES = Path(__file__).parent / "pages"
 
 
 def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -42,12 +44,12 @@ def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def brake_file_page() -> str:
     """The keys of the brake file, below an example."""
-    return _example_file("double_shoe/brake.toml") + _key_tables(keys.BRAKE)
+    return _example_file("double_shoe/brake.toml") + _key_tables(KEYS_OF_BRAKE_FILE)
 
 
 def sweep_file_page() -> str:
     """The keys of the sweep file, below an example."""
-    return _example_file("sweeps/loads.toml") + _key_tables(keys.SWEEP)
+    return _example_file("sweeps/loads.toml") + _key_tables(KEYS_OF_SWEEP_FILE)
 
 
 def _example_file(name: str) -> str:
@@ -55,7 +57,7 @@ def _example_file(name: str) -> str:
     return f"```toml\n{(ROOT / 'studies' / name).read_text(encoding='utf-8')}```\n\n"
 
 
-def _key_tables(tables: Sequence[keys.Table]) -> str:
+def _key_tables(tables: Sequence[TableOfKeys]) -> str:
     """A heading and a table of keys for each part of a file."""
     head = ("key", "value", "meaning")
     return "\n".join(
@@ -254,20 +256,56 @@ def ladder_page() -> str:
 # names
 
 
-def api_page() -> str:
-    """The page of all public names: those of `drumlin` first, then those of each module."""
-    parts = ["## `import drumlin`\n"]
+def api_pages() -> dict[str, str]:
+    """The texts of the pages on Python, by their names below pages/.
+
+    Each name of `import drumlin` has a page, and so has each module that an example of the manual
+    imports. The other modules are in a table.
+    """
+    used = _modules_in_examples()
+    pages = {}
+    rows = []
     for name in drumlin.__all__:
-        if name[0] != "_":
-            parts.append(_member_entry(f"drumlin.{name}", getattr(drumlin, name)))
+        if name[0] == "_":
+            continue
+        value = getattr(drumlin, name)
+        kind = "class" if inspect.isclass(value) else "function"
+        pages[f"reference/api/{name}.rst"] = _page_of_object(f"drumlin.{name}", kind)
+        rows.append((f"[`{name}`](api/{name}.rst)", _first_line(value)))
+    modules = []
     for module in public_modules():
-        names = []
-        for name, value in public_members(module):
-            names.append(_member_entry(f"{module}.{name}", value))
-        if names:
-            words = inspect.cleandoc(import_module(module).__doc__ or "")
-            parts += [f"## `{module}`\n\n{_docstring_block(words)}", *names]
-    return "\n".join(parts)
+        first = _first_line(import_module(module))
+        if module in used:
+            pages[f"reference/api/{module}.rst"] = _page_of_object(module, "module")
+            modules.append((f"[`{module}`](api/{module}.rst)", first))
+        elif public_members(module):
+            modules.append((f"`{module}`", first))
+    names = [Path(page).stem for page in pages]
+    tree = "\n".join(["```{toctree}", ":hidden:", *(f"api/{name}" for name in names), "```"])
+    pages["reference/api.md"] = (
+        f"## `import drumlin`\n\n{markdown_table(('name', 'what it does'), rows)}\n"
+        f"## Modules\n\n{markdown_table(('module', 'what it holds'), modules)}\n{tree}\n"
+    )
+    return pages
+
+
+def _modules_in_examples() -> set[str]:
+    """The names of the modules that the examples of the manual's pages import."""
+    found = set()
+    for page in PAGES.rglob("*.md"):
+        text = page.read_text(encoding="utf-8")
+        found |= set(re.findall(r"(?m)^(?:from|import) (drumlin\.[\w.]+)", text))
+    return found
+
+
+def _page_of_object(name: str, kind: str) -> str:
+    """The page of a function, a class or a module, which autodoc fills from its docstrings."""
+    return f"{name}\n{'=' * len(name)}\n\n.. auto{kind}:: {name}\n"
+
+
+def _first_line(value: Any) -> str:
+    """The first line of a docstring."""
+    return (inspect.getdoc(value) or "").splitlines()[0]
 
 
 def public_modules() -> list[str]:
@@ -287,38 +325,3 @@ def public_members(module: str) -> list[tuple[str, Any]]:
         if isinstance(node, kinds) and node.name[0] != "_":
             found.append((node.name, getattr(made, node.name)))
     return found
-
-
-def _member_entry(name: str, value: Any) -> str:
-    """The entry of a name: its signature, its docstring and its public methods."""
-    words = inspect.getdoc(value) or ""
-    text = f"### `{name}`\n\n```python\n{_signature(name, value)}\n```\n\n{_docstring_block(words)}"
-    if inspect.isclass(value):
-        for key, method in vars(value).items():
-            if key[0] != "_" and (inspect.isfunction(method) or isinstance(method, property)):
-                head = "" if isinstance(method, property) else _parameters(method)
-                text += f"`{key}{head}`\n\n{_docstring_block(inspect.getdoc(method) or '')}"
-    return text
-
-
-def _signature(name: str, value: Any) -> str:
-    """The name with its fields or parameters, as code."""
-    short = name.rsplit(".", 1)[-1]
-    if inspect.isclass(value):
-        fields = typing.get_type_hints(value) if hasattr(value, "__dataclass_fields__") else {}
-        return f"class {short}" + (f"({', '.join(fields)})" if fields else "")
-    return f"{short}{_parameters(value)}" if callable(value) else short
-
-
-def _parameters(function: Any) -> str:
-    """The parameters in short: `(self, x, *, y=1)`."""
-    parameters = inspect.signature(function).parameters.values()
-    plain = []
-    for parameter in parameters:
-        plain.append(parameter.replace(annotation=inspect.Parameter.empty))
-    return str(inspect.Signature(plain))
-
-
-def _docstring_block(words: str) -> str:
-    """A docstring as it is written."""
-    return f"```text\n{words}\n```\n\n" if words else ""

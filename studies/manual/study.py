@@ -14,7 +14,8 @@ import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from studies.manual import history, listing
+from studies.manual import gallery, history, listing
+from studies.manual.built_pages import faults_of_built_pages
 from studies.manual.values import fill_in_values, quoted_values
 
 from drumlin.base.errors import NoAnswer
@@ -36,9 +37,10 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         "reference/brake_file.md": listing.brake_file_page(),
         "reference/sweep_file.md": listing.sweep_file_page(),
         "reference/commands.md": listing.commands_page(),
-        "reference/api.md": listing.api_page(),
+        **listing.api_pages(),
         "reference/laws.md": listing.models_page(),
         "researcher/ladder.md": listing.ladder_page(),
+        **gallery.example_pages(say),
     }
 
 
@@ -59,12 +61,15 @@ def report(result: Mapping[str, str], folder: Path) -> Path:
         # The texts that are read off the program follow the hand-written ones.
         for name, text in result.items():
             page = source / name
+            page.parent.mkdir(exist_ok=True)
             page.write_text(
                 page.read_text(encoding="utf-8") + text if page.exists() else text, encoding="utf-8"
             )
         save_figure(
             history.draw_history(read_benchmark_history()), source / "researcher" / "benchmarks.png"
         )
+        (source / "pictures").mkdir()
+        gallery.draw_examples(source / "pictures")
         site = Path(place) / "site"
         build_site(source, site)
         if folder.exists():
@@ -78,7 +83,8 @@ def report(result: Mapping[str, str], folder: Path) -> Path:
 def build_site(source: Path, site: Path) -> None:
     """Build the pages in the folder `source` into the folder `site`.
 
-    Raises NoAnswer with the words of Sphinx where Sphinx warns of anything.
+    Raises NoAnswer with the words of Sphinx where Sphinx warns of anything, and where a built page
+    has a dead link, control codes of a terminal or a figure that is not drawn.
     """
     options = ["-b", "html", "-W", "--keep-going", "-q", "-c", str(HERE)]
     command = [sys.executable, "-m", "sphinx", *options, str(source), str(site)]
@@ -92,10 +98,12 @@ def build_site(source: Path, site: Path) -> None:
         faults += [line for line in lines if "WARNING: " in line]
         said = " | ".join(faults or lines[-3:])
         raise NoAnswer(f"the manual is not built: {' '.join(said.split())}")
+    if wrong := faults_of_built_pages(site):
+        raise NoAnswer(f"the manual is not built: {' | '.join(wrong)}")
 
 
 def _example_environment() -> dict[str, str]:
-    """The environment in which the manual's examples run: the repository's folder and its drumlin.
+    """The environment in which the manual's examples run: the repository's drumlin, no terminal.
 
     The command `drumlin` is that of this interpreter.
     """
@@ -107,6 +115,6 @@ def _example_environment() -> dict[str, str]:
     return os.environ | {
         "PATH": path,
         "PYTHONPATH": python,
-        "MANUAL_ROOT": str(ROOT),
+        "TERM": "dumb",  # so that no command prints control codes of a terminal
         "MPLBACKEND": figures,
     }

@@ -13,6 +13,7 @@ from functools import cache
 from studies.manual import history
 from studies.manual.solve_path import solve_path_picture
 
+import drumlin
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.fields import ROWS_OF_FUNCTION
 from drumlin.brake.friction import PRESSURES_OF_FUNCTION
@@ -50,6 +51,7 @@ LEAST_WHOLE = 10
 def quoted_values() -> dict[str, str]:
     """All values by name, as texts for pages."""
     return {
+        "version": drumlin.__version__,
         "penalty": _power_of_ten_text(PENALTY),
         "penalty_tex": f"10^{{{round(math.log10(PENALTY))}}}",
         "penalty_compression": _power_of_ten_text(1 / PENALTY),

@@ -1,9 +1,12 @@
 """The paper on drumlin, whose numbers are those of the kept reports."""
 
 import csv
+import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
+
+from studies.paper.markdown import paper_as_markdown
 
 from drumlin.base.errors import BadInput
 from drumlin.report.page import write_html_page
@@ -15,6 +18,8 @@ KEPT = HERE.parents[1] / "reports" / "reference"
 MAIN = "double_shoe/brake"
 HALF = 5e-3
 """Relative L2 error of p at which other programs are compared."""
+PEER_TIMES = ("half", HALF, "ratio"), ("fine", 1e-3, "ratio"), ("further", 1e-3, "further_ratio")
+"""Name, relative L2 error of p and column of the time of each comparison with other programs."""
 LAW_ENOUGH = ("torque", "torque", 0.05), ("fine", "torque", 1e-3), ("pressure", "p (L2)", 0.05)
 
 Row = dict[str, Any]
@@ -96,36 +101,29 @@ def _run_time_numbers() -> Row:
         "law_p": rows_with_given_values(main, model="sine")[0]["pressure_error"],
         "half": half["seconds"],
         "by_law": by_law,
-        "peers": _peer_time_ratios(main),
+        "peers": _peer_time_ratios(main, best),
     }
 
 
-def _peer_time_ratios(rows: list[Row]) -> dict[str, list[float]]:
-    """Ratios of other programs' times to drumlin's, for a first solve and for a further load case.
+def _peer_time_ratios(main: list[Row], best: list[Row]) -> dict[str, float]:
+    """Ratios of other programs' times to drumlin's for the same accuracy of the pressure.
 
-    For each kind of element, each program is timed on its fastest graded mesh whose relative error
-    of the pressure is at most HALF. A ratio is formed only if both programs have the same mesh.
+    Each program is timed on the mesh on which it reaches the accuracy fastest, drumlin by the
+    method that it recommends. The keys are such as "GetFEM half".
     """
-    found: dict[str, list[float]] = {}
+    found = {}
     for family in PEER_FAMILIES:
-        for kind in ("quad1", "quad2"):
-            theirs = _fastest_graded_row(rows, family, kind)
-            ours = _fastest_graded_row(rows, "graded mesh", kind)
-            # A ratio of times has a meaning only on the same mesh.
-            if theirs is not None and ours is not None and theirs["elements"] == ours["elements"]:
-                for key in ("seconds", "further"):
-                    found.setdefault(f"{family} {key}", []).append(theirs[key] / ours[key])
+        for name, target, time in PEER_TIMES:
+            (choice,) = rows_with_given_values(best, brake=MAIN, quantity="p (L2)", target=target)
+            (ours,) = rows_with_given_values(main, family=choice["family"], method=choice["method"])
+            fit = []
+            for row in rows_with_given_values(main, family=family):
+                if row["pressure_error"] <= target and time in row:
+                    fit.append(row)
+            if fit:
+                fastest = min(fit, key=lambda row: row["seconds"])
+                found[f"{family} {name}"] = fastest[time] / ours[time]
     return found
-
-
-def _fastest_graded_row(rows: list[Row], family: str, kind: str) -> Row | None:
-    """The fastest solve by a family of methods on graded meshes, with an error of p up to HALF."""
-    fit = []
-    for row in rows_with_given_values(rows, family=family, kind=kind):
-        is_graded = row.get("even") != "True" and not row.get("layers")
-        if is_graded and row["pressure_error"] <= HALF:
-            fit.append(row)
-    return min(fit, key=lambda row: row["seconds"], default=None)
 
 
 def _wear_and_post_numbers() -> Row:
@@ -155,5 +153,9 @@ def _wear_and_post_numbers() -> Row:
 
 
 def report(result: Mapping[str, Any], folder: Path) -> Path:
-    """Write the page and return its path."""
-    return write_html_page(HERE / "page.html", folder / "index.html", **result)
+    """Write the page, and the same paper as paper.md with its sources; return the page's path."""
+    page = write_html_page(HERE / "page.html", folder / "index.html", **result)
+    text = paper_as_markdown(page.read_text(encoding="utf-8"))
+    (folder / "paper.md").write_text(text, encoding="utf-8")
+    shutil.copyfile(HERE / "paper.bib", folder / "paper.bib")
+    return page

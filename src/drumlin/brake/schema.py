@@ -14,6 +14,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from drumlin.base.written_numbers import pure_number_as_written
 from drumlin.brake import fields
 from drumlin.brake.drum_brake import DrumBrake
+from drumlin.brake.key_meanings import KEYS_OF_BRAKE_FILE, add_meanings_of_keys
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 
@@ -140,6 +141,7 @@ The schema calls them Brake, Lining, Shoe and Body; editors of users may rely on
 def json_schema_of_brake_file() -> dict[str, Any]:
     """The JSON schema of a brake file, for brakes on a drum and on a plane."""
     made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
+    add_meanings_of_keys(made["$defs"], KEYS_OF_BRAKE_FILE)
     # In a file several linings of a shoe are a list of tables, not a table with the key `parts`.
     row = made["$defs"]["DrumLiningRow"]
     made["$defs"]["DrumLiningRow"] = {

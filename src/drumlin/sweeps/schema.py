@@ -4,16 +4,18 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from drumlin.brake.key_meanings import add_meanings_of_keys
 from drumlin.brake.schema import DIALECT, UnitSchema, schema_reduced_to_file_content
 from drumlin.models import MODELS
 from drumlin.sweeps.file import DISTRIBUTIONS, Range, SweepFile
+from drumlin.sweeps.key_meanings import KEYS_OF_SWEEP_FILE
 from drumlin.sweeps.options import MODEL_OPTIONS
 from drumlin.sweeps.sample import EVERY_CASE, EVERY_NTH, SMALLEST_SAMPLE
 
 
 def json_schema_of_sweep_file() -> dict[str, Any]:
     """The JSON schema of a sweep file: its varied keys, its models and their options."""
-    schema = TypeAdapter(SweepFile).json_schema(schema_generator=UnitSchema)
+    schema = _json_schema_of_class(SweepFile)
     schema["properties"]["vary"] = _json_schema_of_vary_table()
     schema["properties"]["model"] = _json_schema_of_model_table()
     schema["properties"]["certify"] = {
@@ -66,4 +68,6 @@ def _json_schema_of_model_table() -> dict[str, Any]:
 
 def _json_schema_of_class(kind: type[Any]) -> dict[str, Any]:
     """The JSON schema of a class that reads a part of the sweep file."""
-    return dict(TypeAdapter(kind).json_schema(schema_generator=UnitSchema))
+    made = dict(TypeAdapter(kind).json_schema(schema_generator=UnitSchema))
+    add_meanings_of_keys({kind.__name__: made, **made.get("$defs", {})}, KEYS_OF_SWEEP_FILE)
+    return made

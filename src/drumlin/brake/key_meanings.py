@@ -1,4 +1,10 @@
-"""What each key of a brake file and of a sweep file means, in words, beside what its type says."""
+"""What each key of a brake file means, in words, beside what its type says.
+
+The manual lists these meanings, and the JSON schema of a brake file carries them into editors.
+"""
+
+from collections.abc import Iterable
+from typing import Any
 
 from drumlin.brake.components import (
     Actuation,
@@ -20,10 +26,9 @@ from drumlin.brake.further_loads import Gravity, Lever, ShoeForce, ShoeMass, Spr
 from drumlin.brake.pattern import DrumPattern, FlatPattern
 from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatMisfit, FlatShoe, Plane
 from drumlin.brake.support import Abutment, Anchor, Guide, MeshGroups
-from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform
-from drumlin.sweeps.options import FemOptions, FoundationOptions, SolidOptions
 
-Table = tuple[str, type[Part], dict[str, str]]  # heading, the class that reads it, key -> meaning
+TableOfKeys = tuple[str, type[Part], dict[str, str]]
+"""A part of a file: its heading, the class that reads it, and the meaning of each key."""
 
 _SECTION = {
     "thickness": "depth of the section in the plane of the brake",
@@ -82,7 +87,7 @@ _BAR = {
     "bending_stiffness": "EI of the section; replaces the EI of width and material",
     **_HEAT}  # fmt: skip
 
-BRAKE: tuple[Table, ...] = (
+KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
     ("The brake", DrumBrake, {
         "title": "title of tables, figures and reports",
         "rotation": "sense in which the drum turns",
@@ -266,50 +271,20 @@ BRAKE: tuple[Table, ...] = (
         "thickness": "thickness of the bar; of a T-section the depth of the web"}),
 )  # fmt: skip
 
-_DRAW = {
-    "distribution": "name of the distribution",
-    "each_shoe": "whether each shoe draws a value of its own",
-}
-_ENDS = {"from": "lower end", "to": "upper end"}
-_MEAN = {
-    "mean": "mean value, by default the value in the brake file",
-    "deviation": "standard deviation, as a quantity or in % of the mean",
-}
 
-SWEEP: tuple[Table, ...] = (
-    ("The sweep", SweepFile, {
-        "title": "title of the sweep, by default the title of the brake",
-        "brake": "path of a brake file, or a brake as a table",
-        "combine": "how lists are combined: `grid` every value with every other value; `zip` the "
-            "first values of all lists, then the second values; `random` random draws",
-        "cases": "number of random draws",
-        "seed": "seed of the random draws",
-        "pressure": "unit of stresses in the table and its headings",
-        "certify": "which cases by finite elements are solved on all levels for their errors: "
-            "`every case`; or a sample that also gives the other cases their errors: `every 10th`, "
-            "another number, or the number of cases to draw",
-        "model": "one table `[model.NAME]` for each model, with its options",
-        "vary": "the table `[vary]`: keys of the brake file, such as "
-            "`\"shoe[0].lining.thickness\"`, each with a list, a range or a distribution of "
-            "values"}),
-    ("A range", Range, {**_ENDS, "count": "number of values",
-    "scale": "equal steps (`linear`), or equal ratios (`log`)"}),
-    ('`distribution = "uniform"`', Uniform, {**_DRAW, **_ENDS}),
-    ('`distribution = "triangular"`', Triangular, {
-        **_DRAW, **_ENDS, "mode": "most frequent value, by default the value in the brake file"}),
-    ('`distribution = "normal"` or `"lognormal"`', Normal, {**_DRAW, **_MEAN}),
-    ('`distribution = "truncated-normal"`', TruncatedNormal, {**_DRAW, **_MEAN, **_ENDS}),
-    ("`[model.fem]`", FemOptions, {
-        "elements": "number of elements along each lining", "kind": "kind of the elements",
-        "penalty": "contact stiffness over E/t of the lining",
-        "tolerance": "largest error of p and of the torque, in place of `elements`",
-        "finite_width": "whether the answer is corrected for the widths of the shoes",
-        "model_error": "whether the error of plane stress itself is stated"}),
-    ("`[model.solid]`", SolidOptions, {
-        "across": "degree of the polynomials across the width",
-        "tolerance": "largest error of p (mean over the width) and of the torque, without `across`",
-        "penalty": "contact stiffness over E/t of the lining"}),
-    ("`[model.foundation]`", FoundationOptions, {
-        "sections": "number of sections of each beam",
-        "lift": "names of the simplifications whose neglected effects are computed"}),
-)  # fmt: skip
+def add_meanings_of_keys(parts: dict[str, Any], tables: Iterable[TableOfKeys]) -> None:
+    """Write the meaning of each key into the descriptions of a JSON schema.
+
+    An editor shows the description of a key. A description that says how the value is written
+    follows the meaning.
+
+    Parameters
+    ----------
+    parts : schemas of the classes by the names of the classes, which are changed
+    tables : the meanings; classes that the schema does not have are ignored
+    """
+    for _, kind, meanings in tables:
+        written = parts.get(kind.__name__, {}).get("properties", {})
+        for key, schema in written.items():
+            form = schema.get("description")
+            schema["description"] = meanings[key] + (f" ({form})" if form else "")

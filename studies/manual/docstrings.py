@@ -1,0 +1,45 @@
+"""Docstrings of drumlin in the form that the extension napoleon of Sphinx reads."""
+
+import re
+from typing import Any
+
+_PARAMETER = re.compile(r"(\*{0,2}\w+(?:, \*{0,2}\w+)*) : (.+)")
+"""A parameter with its meaning: "elements : number of elements along each lining"."""
+
+
+def prepare_docstring(
+    app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]
+) -> None:
+    """Put the meaning of each parameter below its name, and mark formulas as formulas.
+
+    numpydoc has the type of a parameter behind the colon. drumlin's docstrings have the meaning
+    there, because the annotations have the types. Formulas are indented lines before the first
+    heading. `lines` are changed in place; the other arguments are those that Sphinx passes.
+    """
+    changed: list[str] = []
+    heading, formula = "", False
+    for here, line in enumerate(lines):
+        below = lines[here + 1] if here + 1 < len(lines) else ""
+        if line and below and set(below) == {"-"}:
+            heading = line
+        begins = not heading and line.startswith("    ") and here > 0 and not lines[here - 1]
+        if begins and not formula:
+            changed += ["::", ""]
+        formula = begins or (formula and (not line or line.startswith("    ")))
+        parameters = heading in {"Parameters", "Attributes", "Other Parameters"}
+        found = _PARAMETER.fullmatch(line) if parameters else None
+        if found:
+            changed += [found[1], f"    {_without_marks(found[2])}"]
+        else:
+            changed.append(line if formula else _without_marks(line))
+    lines[:] = changed
+
+
+def _without_marks(line: str) -> str:
+    """The line with its stars and bars outside of back quotes and examples as plain signs."""
+    if line.lstrip().startswith(">>>"):
+        return line
+    parts = line.split("`")
+    parts[::2] = [re.sub(r"([*|])", r"\\\1", part) for part in parts[::2]]
+    # A name in back quotes ends before the sign of a power.
+    return re.sub(r"`\^", r"`\\ ^", "`".join(parts))
