@@ -68,7 +68,7 @@ FORMER_SHARE = 0.04
 """Fraction of the difference between the two earlier levels that is added to the last difference.
 
 The last difference, between the last two levels, may be small by accident. A larger fraction makes
-makes stated errors larger. With 0.02 the error of p was stated 8 % too small on a uniform mesh of ten
+stated errors larger. With 0.02 the error of p was stated 8 % too small on a uniform mesh of ten
 elements along the lining. The value is a judgement.
 """
 OUTLINE_FACTORS = Factors(pressure=1.3, force=1.3, cancelled=0.1, peak=1.3)
