@@ -171,6 +171,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/mesh/msh4.py": {"CELL_OF_GMSH": FORMAT},
     "fem/mesh/of_meshio.py": {"MOST_VALUES": MEMORY},
     "fem/mesh/plane_cells.py": {
+        "ALONG_CIRCLE": "judgement; edges along circles and all others are far from it",
         "PLANE_SHAPES": FORMAT,
         "CUBIC_MIDDLE": DEFINITION,
     },
@@ -184,6 +185,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/error_control/degrees.py": {
         "FORMER_SHARE": "judgement; a larger share makes stated errors larger",
         "MESH_LEVELS": "levels up to which the time of a solve is bearable",
+        "NEGLIGIBLE_SHARE": "judgement; a smaller one takes a level more for the same errors",
         "NEGLIGIBLE_MOVE": "judgement; saves time where the sides' error is below all others",
     },
     "fem/mesh/splitting.py": {

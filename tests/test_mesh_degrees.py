@@ -13,7 +13,11 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.texts import error_as_text
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.error_control import degrees
-from drumlin.fem.error_control.estimate import QUANTITIES, relative_differences_of_two_levels
+from drumlin.fem.error_control.estimate import (
+    QUANTITIES,
+    Errors,
+    relative_differences_of_two_levels,
+)
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
 from drumlin.fem.mesh.degree import NodalElement, nodal_basis_of_shoe_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
@@ -155,7 +159,7 @@ def test_straight_sides_on_arcs_become_arcs_and_corners_stay(shoe, brake):
             np.abs(np.hypot(*each.doflocs[:, nodes]) - radius).max() for each in (basis, moved)
         )
         assert before > 1e-4, name
-        assert after < 5e-3 * before, name
+        assert after < 1e-9 * before, name
     # The straight end faces stay straight.
     ends = nodes_along_element_edges(basis, mesh.boundaries["hinge"])
     assert np.abs(moves[:, ends]).max() < 1e-12
@@ -254,8 +258,11 @@ def test_the_report_counts_stated_errors_that_are_too_small():
         assert line.endswith("least 0.50, median 2.00, 1 of 3 too small")
 
 
-CLOSE = {41023: 35.0, 41047: 35.0, 41069: 35.0, 40081: 100.0, 42041: 16.0, 42092: 16.0}
-"""Seeds of meshes whose stated errors are little above the true ones, and their finest size."""
+CLOSE = {41023: 35.0, 41047: 35.0, 41069: 35.0, 42041: 16.0, 520033: 70.0, 520041: 70.0}
+"""Seeds of meshes whose stated errors are little above the true ones, and their finest size.
+
+On the mesh of seed 520033 rounded contact nodes count as a gap, which makes p 0.7 % wrong.
+"""
 
 
 @pytest.mark.slow
@@ -428,6 +435,36 @@ def test_rounded_nodes_inside_sides_are_put_on_the_drum(tmp_path, form):
     assert read.contact.rounded > 20
     assert read.contact.rounded_by > 1e-7
     assert np.abs(read.off).max() < 1e-12
+
+
+@pytest.mark.parametrize("recombined", [False, True])
+def test_long_third_order_sides_on_the_drum_stay_on_it(tmp_path, recombined):
+    """The middle of a cubic side 1/11 of the radius long lies 2 nm off, which changed the torque.
+
+    The torque changed by 6e-6, and no difference of two levels showed it.
+    """
+    pytest.importorskip("gmsh")
+    brake = draw_random_shoe(np.random.default_rng([104, 3]))
+    form = MeshForm(3, straight=False, recombined=recombined)
+    write_gmsh_mesh_of_shoe(brake, form, brake.size / 11, tmp_path / "shoe.msh")
+    filed = vary(brake, {"shoe.mesh": str(tmp_path / "shoe.msh"), "shoe.mesh_unit": "mm"})
+    read = read_shoe_mesh_with_notes(filed.shoes[0].mesh, filed.shoes[0], filed.size)
+    assert read.contact.mesh is read.in_file
+    assert np.abs(read.off).max() < 1e-13
+
+
+def test_levels_end_when_no_level_reduces_the_error_that_misses_its_tolerance():
+    aim = degrees.Tolerance(pressure=1e-3, torque=1e-4)
+
+    def helps(error, of_level):
+        both = (Errors(dict(zip(aim._fields, each, strict=True)), ()) for each in (error, of_level))
+        return degrees._would_further_level_help(*both, aim)
+
+    assert not helps((9e-4, 9e-5), (9e-4, 9e-5))
+    assert helps((2e-3, 9e-5), (9e-4, 9e-5))
+    # Straight sides cause the error of p, and the torque meets its tolerance.
+    assert not helps((2e-2, 9e-5), (1e-3, 9e-5))
+    assert helps((2e-2, 2e-4), (1e-3, 9e-5))
 
 
 @pytest.mark.slow

@@ -111,15 +111,24 @@ class NodalElement:
         `at` (2, points) are points of the reference triangle or square.
         """
         i, j = self._exponents
+        x, y = self._powers_of_coordinates(at)
+        by_x = i * x[:, np.maximum(i - 1, 0)] * y[:, j]
+        by_y = j * x[:, i] * y[:, np.maximum(j - 1, 0)]
+        return x[:, i] * y[:, j], np.array([by_x, by_y])
+
+    def _powers_of_coordinates(self, at: Any) -> Any:
+        """The powers (2, points, degree + 1) of x and of y at points `at` (2, points)."""
         # Powers of the distance from the element's centre have less round-off than powers of x, y.
-        x, y = (at - (1 / 3 if self.corners == 3 else 1 / 2))[:, :, None]
-        by_x = i * x ** np.maximum(i - 1, 0) * y**j
-        by_y = j * x**i * y ** np.maximum(j - 1, 0)
-        return x**i * y**j, np.array([by_x, by_y])
+        centred = at - (1 / 3 if self.corners == 3 else 1 / 2)
+        factors = np.repeat(centred[:, :, None], self.degree + 1, axis=2)
+        factors[:, :, 0] = 1
+        return np.multiply.accumulate(factors, axis=2)
 
     def shape_function_values(self, X: Floats) -> Floats:
         """All shape functions (points, nodes) at reference points X (2, points)."""
-        return np.asarray(self._monomial_values_and_slopes(X)[0] @ self._coefficients.astype(float))
+        i, j = self._exponents
+        x, y = self._powers_of_coordinates(X)
+        return np.asarray((x[:, i] * y[:, j]) @ self._coefficients.astype(float))
 
     def lbasis(self, X: Any, i: int) -> tuple[Any, Any]:
         """Shape function i (points,) and its slopes (2, points), at reference points X (2, points).

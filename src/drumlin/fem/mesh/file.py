@@ -184,7 +184,7 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     points = points * unit
     if shoe.mesh_frame == "brake":
         points = shoe.convert_points_to_shoe_frame(points)
-    plane = convert_plane_cells_to_one_kind(content, points, fault)
+    plane = convert_plane_cells_to_one_kind(content, points, fault, on_drum=not shoe.flat)
     # Nodes that were added lie between other nodes and have no rounding of their own. A middle
     # node that was added on a third-order side has the rounding errors of the side's nodes.
     slack = np.zeros((len(plane.points), 2))

@@ -7,6 +7,7 @@ entities with its option Mesh.SaveAll.
 
 from collections import defaultdict
 from collections.abc import Iterator
+from itertools import islice
 
 import numpy as np
 
@@ -83,13 +84,14 @@ def _lines_of_each_named_block(text: str) -> dict[str, list[str]]:
     name = ""
     for raw in text.splitlines():
         line = raw.strip()
-        if line.startswith("$End"):
+        if line[:1] != "$":
+            if name and line:
+                found[name].append(line)
+        elif line.startswith("$End"):
             name = ""
-        elif line.startswith("$"):
+        else:
             name = line[1:]
             found[name] = []
-        elif name and line:
-            found[name].append(line)
     missing = [name for name in ("MeshFormat", "Nodes", "Elements") if not found.get(name)]
     if missing:
         raise ValueError(f"has no ${missing[0]}")
@@ -123,7 +125,7 @@ def _read_physical_groups_of_entities(lines: list[str], old: bool) -> dict[Entit
         # and the highest x, y, z of the entity.
         start = 4 if dim == 0 and not old else 7
         for _ in range(int(count)):
-            words = _next_line_of_block(rest, "$Entities").split()
+            words = _next_lines_of_block(rest, 1, "$Entities")[0].split()
             tags = words[start + 1 : start + 1 + int(words[start])]
             # The sign of a tag only tells the direction of the entity in its group.
             found[dim, int(words[0])] = [abs(int(tag)) for tag in tags]
@@ -141,12 +143,12 @@ def _read_node_numbers_and_points(
     points: list[list[float]] = []
     rest = iter(lines[1:])
     for _ in range(int(lines[0].split()[0])):
-        count = int(_next_line_of_block(rest, "$Nodes").split()[3])
+        count = int(_next_lines_of_block(rest, 1, "$Nodes")[0].split()[3])
         # Format 4.1 lists the tags of all nodes of an entity first. Format 4.0 has the tag of each
         # node on the line of its point.
-        tags = [] if old else [_next_line_of_block(rest, "$Nodes") for _ in range(count)]
-        for i in range(count):
-            words = _next_line_of_block(rest, "$Nodes").split()
+        tags = [] if old else _next_lines_of_block(rest, count, "$Nodes")
+        for i, line in enumerate(_next_lines_of_block(rest, count, "$Nodes")):
+            words = line.split()
             tag = int(words.pop(0) if old else tags[i])
             if tag in number:
                 raise ValueError(f"node {tag} is defined twice")
@@ -165,17 +167,20 @@ def _read_elements_of_each_entity(
     """
     rest = iter(lines[1:])
     for _ in range(int(lines[0].split()[0])):
-        first, second, kind, count = map(int, _next_line_of_block(rest, "$Elements").split())
+        (line,) = _next_lines_of_block(rest, 1, "$Elements")
+        first, second, kind, count = map(int, line.split())
         found = [
-            [int(word) for word in _next_line_of_block(rest, "$Elements").split()]
-            for _ in range(count)
+            list(map(int, line.split())) for line in _next_lines_of_block(rest, count, "$Elements")
         ]
         yield ((second, first) if old else (first, second)), kind, found
 
 
-def _next_line_of_block(lines: Iterator[str], block: str) -> str:
-    """The next line of a block in an .msh file. ValueError is raised if the block has no more."""
-    line = next(lines, None)
-    if line is None:
+def _next_lines_of_block(lines: Iterator[str], count: int, block: str) -> list[str]:
+    """The next `count` lines of a block in an .msh file.
+
+    ValueError is raised if the block has fewer lines.
+    """
+    found = list(islice(lines, count))
+    if len(found) < count:
         raise ValueError(f"{block} has fewer lines than it says")
-    return line
+    return found

@@ -33,6 +33,13 @@ CUBIC_MIDDLE = (-1 / 16, 9 / 16, 9 / 16, -1 / 16)
 
 They are the values of the four cubic shape functions in the middle of the edge.
 """
+ALONG_CIRCLE = 0.1
+"""Largest change of the distance from the drum's centre along an edge that follows a circle.
+
+The change is relative to the edge's chord. The middle of a third-order edge up to this limit is put
+on the circle. On all other edges it is the middle of the cubic curve. The value is a judgement:
+edges on circles about the centre are far below it, and radial edges have 1.
+"""
 
 
 @dataclass(frozen=True)
@@ -72,7 +79,9 @@ class PlaneCells:
         return np.sort(np.concatenate([part[count[rows] > i] for i, part in enumerate(parts)]))
 
 
-def convert_plane_cells_to_one_kind(content: FileContent, points: Floats, fault: str) -> PlaneCells:
+def convert_plane_cells_to_one_kind(
+    content: FileContent, points: Floats, fault: str, *, on_drum: bool
+) -> PlaneCells:
     """The plane cells of a mesh file, converted to cells of one kind.
 
     Parameters
@@ -80,6 +89,7 @@ def convert_plane_cells_to_one_kind(content: FileContent, points: Floats, fault:
     content : content of the mesh file
     points : (n, 2) coordinates of its nodes
     fault : beginning of each message
+    on_drum : whether the origin of the coordinates is the centre of a drum
 
     Raises
     ------
@@ -102,7 +112,7 @@ def convert_plane_cells_to_one_kind(content: FileContent, points: Floats, fault:
     own = len(points)
     notes: list[str] = []
     if set(kinds) & set(LOWER):
-        kinds, points = _convert_third_order_cells_to_second(kinds, points)
+        kinds, points = _convert_third_order_cells_to_second(kinds, points, on_drum)
         notes.append("its elements of third order are solved as elements of second order")
     if len(kinds) > 1:
         counts = ", ".join(f"{len(cells)} {name}" for name, cells in kinds.items())
@@ -132,7 +142,7 @@ def _add_centre_nodes_to_quadrilaterals(cells: Ints, points: Floats) -> tuple[st
 
 
 def _convert_third_order_cells_to_second(
-    kinds: dict[str, Ints], points: Floats
+    kinds: dict[str, Ints], points: Floats, on_drum: bool
 ) -> tuple[dict[str, Ints], Floats]:
     """The cells of a mesh file with second order in place of third order, and all points.
 
@@ -154,7 +164,7 @@ def _convert_third_order_cells_to_second(
             inner = cells[:, corners + 2 * side : corners + 2 * side + 2]
             # The two cells that share an edge also share the node added in the middle of the edge.
             nodes = points[np.column_stack([first, inner, last])]
-            places = np.einsum("i,mix->mx", CUBIC_MIDDLE, nodes)
+            places = _middles_of_third_order_edges(nodes, on_drum)
             for row, place in enumerate(places):
                 a, b = int(first[row]), int(last[row])
                 key = (min(a, b), max(a, b))
@@ -164,6 +174,26 @@ def _convert_third_order_cells_to_second(
                 rows[row, corners + side] = middles[key]
         found[name] = rows
     return found, np.vstack([points, *new])
+
+
+def _middles_of_third_order_edges(nodes: Floats, on_drum: bool) -> Floats:
+    """The middles (m, 2) of m edges whose four nodes (m, 4, 2), from end to end, are given.
+
+    The middle of a cubic curve through four points of a circle of radius R lies inside the circle
+    by R/3456 times the fourth power of the edge's length over R. This distance is small, but on the
+    contact line it would count as a gap. If the origin is the centre of a drum (`on_drum`), the
+    middle of an edge along a circle therefore has the distance from the centre that its four nodes
+    have.
+    """
+    middles = np.einsum("i,mix->mx", CUBIC_MIDDLE, nodes)
+    if not on_drum:
+        return middles
+    distances = np.hypot(nodes[:, :, 0], nodes[:, :, 1])
+    chords = np.hypot(*(nodes[:, -1] - nodes[:, 0]).T)
+    along = np.ptp(distances, axis=1) < ALONG_CIRCLE * chords
+    wanted = distances @ np.array(CUBIC_MIDDLE)
+    middles[along] *= (wanted[along] / np.hypot(*middles[along].T))[:, None]
+    return middles
 
 
 @dataclass(frozen=True)

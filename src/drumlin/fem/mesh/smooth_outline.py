@@ -74,8 +74,13 @@ def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
     xy = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
     chord = xy[:, -1] - xy[:, 0]
     along = 0.5 + 0.5 * gauss_lobatto_points(basis.elem.degree)[:, None]
-    # A curve to the left bulges to the right of its chord, by up to curvature times length^2 / 8.
-    bulge = 0.5 * along * (1 - along) * curvature * np.hypot(*chord)
+    # A curve to the left bulges to the right of its chord. The height of a circle's arc over its
+    # chord is the root of r^2 - x^2 minus the root of r^2 - length^2 / 4, with the radius r and the
+    # distance x from the middle of the chord. The quotient below is the same without cancellation,
+    # relative to the length.
+    angle = curvature * np.hypot(*chord)
+    roots = [np.sqrt(1 - (angle * x) ** 2) for x in (along - 0.5, 0.5)]
+    bulge = angle * along * (1 - along) / (roots[0] + roots[1])
     arc = xy[:, :1] + along * chord[:, None] + bulge * np.array([chord[1], -chord[0]])[:, None]
     moves = np.where(count > 0, arc - xy, 0.0)
     return moves_of_nodes_that_follow_sides(basis, facets, moves)

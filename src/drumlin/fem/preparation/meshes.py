@@ -328,18 +328,23 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
         raise NoAnswer(
             f"its mesh has {nodes} nodes at degree {raised.degree}; at most {MOST_RAISED_NODES}"
         )
-    basis = nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
-    if raised.smooth:
-        basis = basis.basis_with_moved_nodes(smooth_outline.moves_onto_smooth_outline(basis))
+
+    def basis_of_degree(degree: int) -> Any:
+        """The basis of a degree on the mesh, before elements are split."""
+        basis = nodal_basis_of_shoe_mesh(mesh, degree, shoe, radius)
+        if not raised.smooth:
+            return basis
+        return basis.basis_with_moved_nodes(smooth_outline.moves_onto_smooth_outline(basis))
+
     if raised.level is None:
-        return basis
-    shape = nodal_basis_of_shoe_mesh(mesh, SHAPE_DEGREE, shoe, radius)
+        return basis_of_degree(raised.degree)
+    shape = basis_of_degree(SHAPE_DEGREE)
     finest = _longest_sides_at_singular_points(mesh, raised, shoe, radius)
     # A mesh of triangles of degree p has about p^2 / 2 nodes for each triangle.
     most = 2 * MOST_RAISED_NODES // raised.degree**2
     parts = splitting.split_mesh_towards_points(shape, finest, most)
     if parts is None:
-        return basis
+        return basis_of_degree(raised.degree)
     return splitting.nodal_basis_on_parts(shape, parts, raised.degree)
 
 

@@ -262,6 +262,8 @@ def _factorise_front_of_each_region(
     inner, regions = len(region), len(complements) - 1
     starts = np.searchsorted(region, np.arange(regions + 1))
     indptr, indices, data = lower.indptr, lower.indices, lower.data
+    is_touched = np.zeros(lower.shape[0], dtype=bool)
+    position = np.empty(lower.shape[0], dtype=np.int64)
     for r in range(regions):
         start, end = starts[r], starts[r + 1]
         if start == end:
@@ -271,10 +273,14 @@ def _factorise_front_of_each_region(
         span = slice(indptr[start], indptr[end])
         rows = indices[span]
         columns = np.repeat(np.arange(end - start), np.diff(indptr[start : end + 1]))
-        touched = np.unique(np.concatenate([rows, *(numbers for numbers, _ in complements[r])]))
+        for unknowns in (rows, *(numbers for numbers, _ in complements[r])):
+            is_touched[unknowns] = True
+        touched = start + np.flatnonzero(is_touched[start:])
+        is_touched[touched] = False
+        position[touched] = np.arange(len(touched))
         F = np.zeros((len(touched), len(touched)), order="F")
-        F[np.searchsorted(touched, rows), columns] = data[span]
-        _add_schur_complements_to_front(F, touched, complements, r)
+        F[position[rows], columns] = data[span]
+        _add_schur_complements_to_front(F, position, complements, r)
 
         own = end - start
         later = touched[own:]
@@ -297,21 +303,21 @@ def _schur_complement_on_kept_unknowns(lower: Any, inner: int, complements: _Com
     The kept unknowns follow the first `inner` unknowns in the matrix `lower`.
     """
     S: Floats = lower[inner:, inner:].toarray(order="F")
-    _add_schur_complements_to_front(
-        S, np.arange(inner, lower.shape[0]), complements, len(complements) - 1
-    )
+    position = np.arange(lower.shape[0]) - inner
+    _add_schur_complements_to_front(S, position, complements, len(complements) - 1)
     return S
 
 
 def _add_schur_complements_to_front(
-    F: Floats, touched: Ints, complements: _Complements, region: int
+    F: Floats, position: Ints, complements: _Complements, region: int
 ) -> None:
     """Add the Schur complements of earlier fronts to the lower triangle of a region's front.
 
-    `F` (n, n) is the front and `touched` (n,) are its unknowns.
+    `F` (n, n) is the front. `position` holds the row of the front for each of the front's unknowns,
+    by the number of the unknown in the whole matrix.
     """
     for unknowns, complement in complements[region]:
-        position = np.searchsorted(touched, unknowns)
+        own = position[unknowns]
         # Both matrices are stored by columns, so that their transposes have contiguous rows.
-        F.T[np.ix_(position, position)] += complement.T
+        F.T[np.ix_(own, own)] += complement.T
     complements[region] = []
