@@ -26,7 +26,7 @@ from drumlin.brake.writing import brake_file_text
 from drumlin.cli.commands import app
 from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -81,7 +81,7 @@ def brake_files(folder: Path, count: int) -> Iterator[Path]:
         brake = (
             draw_random_brake(seed, kind)
             if kind in SHAPE_KINDS
-            else draw_brake_of_support_kind(seed, kind)
+            else draw_random_brake_of_support_kind(seed, kind)
         )
         path = folder / f"random_{seed}_{kind.replace(' ', '_')}.toml"
         path.write_text(brake_file_text(brake), encoding="utf-8")

@@ -3,7 +3,7 @@
 from math import pi
 from typing import Any
 
-from drumlin.brake.file import make_validated_part
+from drumlin.brake.file import make_validated_brake_part
 from drumlin.brake.plane_brake import FlatBrake
 
 LINING = {"thickness": 0.001, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
@@ -36,4 +36,4 @@ def pad(kind: str, sliding: str = "+x", mu: float = 0.3, **more: Any) -> FlatBra
         "plane": {"sliding": sliding},
         "shoe": [shoe | KINDS[kind] | more],
     }
-    return make_validated_part(FlatBrake, data)
+    return make_validated_brake_part(FlatBrake, data)

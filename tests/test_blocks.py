@@ -11,7 +11,7 @@ import blocks
 from drumlin import Brake, NoAnswer, Response, solve, vary
 from drumlin.fem.error_control import levels
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
-from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.error_control.singular_points import (
     pressure_changes_by_kinks_of_gap,
     singular_points_of_all_linings,
@@ -22,8 +22,8 @@ from drumlin_studies.consistency_blocks import (
     BLOCK_KINDS,
     FEWEST_BLOCK_STEPS,
     MOST_BLOCK_STEPS,
-    draw_brake_with_blocks,
-    stated_error_rows_for_block_linings,
+    draw_random_brake_with_blocks,
+    rows_of_stated_and_true_errors_of_block_linings,
 )
 from picking import picked
 
@@ -113,7 +113,7 @@ def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Res
     """The default response, and the one on the second level with an element end at every kink."""
     found = solve(brake)
     monkeypatch.setattr("drumlin.fem.error_control.singular_points.NEGLIGIBLE_KINKS", 0.0)
-    (*_, true) = islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), 2)
+    (*_, true) = islice(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 2)
     return found, true.response
 
 
@@ -203,14 +203,14 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
         passes.append(scene)
         return solve_prepared_model(scene, brake, start=start)
 
-    list(solve_on_finer_and_finer_levels(brake, counted, levels=LEVELS[:1]))
+    list(solve_brake_on_finer_and_finer_mesh_levels(brake, counted, levels=LEVELS[:1]))
     assert len(passes) == 2
 
 
 @pytest.mark.parametrize("seed", (11, len(BLOCK_KINDS) + 1))
 def test_random_linings_of_blocks_are_those_of_their_seed(seed) -> None:
-    brake, other = draw_brake_with_blocks(seed), draw_brake_with_blocks(seed, 6)
-    assert brake == draw_brake_with_blocks(seed) and brake.title == other.title
+    brake, other = draw_random_brake_with_blocks(seed), draw_random_brake_with_blocks(seed, 6)
+    assert brake == draw_random_brake_with_blocks(seed) and brake.title == other.title
     for shoe in brake.shoes:
         assert FEWEST_BLOCK_STEPS <= len(shoe.lining.misfit.blocks) <= MOST_BLOCK_STEPS
     for shoe in other.shoes:
@@ -224,7 +224,7 @@ def test_a_brake_without_a_truth_is_a_row_that_is_refused(monkeypatch: pytest.Mo
     monkeypatch.setattr(
         "drumlin_studies.consistency_blocks.solve_fine_reference_by_hp_elements", none
     )
-    assert picked(stated_error_rows_for_block_linings(11), ("outcome", "said")) == [
+    assert picked(rows_of_stated_and_true_errors_of_block_linings(11), ("outcome", "said")) == [
         ("refused", "no level has an answer")
     ]
 
@@ -232,4 +232,6 @@ def test_a_brake_without_a_truth_is_a_row_that_is_refused(monkeypatch: pytest.Mo
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 14, 22, 27, 30, 34])
 def test_stated_errors_of_random_linings_of_blocks_hold(seed: int) -> None:
-    assert set(picked(stated_error_rows_for_block_linings(seed), "outcome")) == {"agrees"}
+    assert set(picked(rows_of_stated_and_true_errors_of_block_linings(seed), "outcome")) == {
+        "agrees"
+    }

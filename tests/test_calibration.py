@@ -15,14 +15,14 @@ from drumlin.fem.error_control.estimate import (
     Factors,
     read_safety_factors,
 )
-from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.studies import import_study
 from drumlin_studies.calibration import (
     STATED_QUANTILE,
     LevelRecord,
     Provenance,
-    draw_calibration_brake,
+    draw_random_calibration_brake,
     estimate_factors_as_json_text,
     fit_safety_factors,
     true_and_estimated_errors_of_quantity,
@@ -143,20 +143,22 @@ def test_the_file_that_the_code_reads_was_written_by_the_command():
 
 @pytest.fixture(scope="module")
 def seen():
-    _, brake = draw_calibration_brake(300_001)
+    _, brake = draw_random_calibration_brake(300_001)
     return brake, true_errors_and_estimates_on_each_mesh(
         brake,
         solve_brake_by_finer_hp_meshes(brake),
-        solve_on_finer_and_finer_levels(brake, solve_prepared_model),
+        solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model),
     )
 
 
 @pytest.mark.slow
 def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
     brake, levels = seen
-    responses = picked(solve_on_finer_and_finer_levels(brake, solve_prepared_model), "response")
+    responses = picked(
+        solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), "response"
+    )
     for (before, last), level in zip(pairwise(responses), levels, strict=True):
-        stated = estimate.estimate_errors_from_two_levels(brake, before, last)
+        stated = estimate.estimate_errors_from_two_mesh_levels(brake, before, last)
         assert stated.brake["pressure"] == pytest.approx(
             FACTORS.pressure * level.step["pressure"] + level.beside["pressure"], rel=1e-6
         )

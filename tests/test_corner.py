@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.special import betainc
 
-from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.hp.corner import (
     POWER_LAW_PART,
     UnboundedCorner,
@@ -88,7 +88,9 @@ def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
     elements at the corner nor the rest of the lining matter.
     """
     stored = read_stored_fine_solution(TRUTHS / "corner_dragged_inwards.json")
-    *_, last = islice(solve_on_finer_and_finer_levels(stored.brake, solve_prepared_model), 5)
+    *_, last = islice(
+        solve_brake_on_finer_and_finer_mesh_levels(stored.brake, solve_prepared_model), 5
+    )
     (found,) = last.response.shoes
     ((at_start, power),) = corners_with_unbounded_pressure(stored.brake, 0, found)
     assert (
@@ -166,7 +168,9 @@ def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
 )
 def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, gain):
     stored = read_stored_fine_solution(TRUTHS / f"{name}.json")
-    *_, last = islice(solve_on_finer_and_finer_levels(stored.brake, solve_prepared_model), level)
+    *_, last = islice(
+        solve_brake_on_finer_and_finer_mesh_levels(stored.brake, solve_prepared_model), level
+    )
     raw = true_errors_of_response(stored.brake, last.response.shoes, stored.true.shoes)["pressure"]
     found = response_with_power_laws_at_corners(stored.brake, last.response)
     error = true_errors_of_response(stored.brake, found.shoes, stored.true.shoes)["pressure"]
@@ -179,14 +183,16 @@ def test_what_is_left_of_p_is_known_where_it_has_no_bound():
     At a corner, far smaller elements leave little error.
     """
     stored = read_stored_fine_solution(TRUTHS / "tip_short.json")
-    *_, last = islice(solve_on_finer_and_finer_levels(stored.brake, solve_prepared_model), 4)
+    *_, last = islice(
+        solve_brake_on_finer_and_finer_mesh_levels(stored.brake, solve_prepared_model), 4
+    )
     (shoe,), (found,) = stored.brake.shoes, last.response.shoes
     left = pressure_error_left_at_pointed_gap_kinks(shoe, stored.brake.size, found)
     assert left == pytest.approx(
         true_errors_of_response(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
     )
     corner = read_stored_fine_solution(TRUTHS / "corner_dragged_inwards.json").brake
-    *_, last = islice(solve_on_finer_and_finer_levels(corner, solve_prepared_model), 2)
+    *_, last = islice(solve_brake_on_finer_and_finer_mesh_levels(corner, solve_prepared_model), 2)
     (found,) = last.response.shoes
     assert pressure_error_left_at_lining_corners(corner, 0, found) > 2e-3
     (better,) = response_with_power_laws_at_corners(corner, last.response).shoes

@@ -10,8 +10,8 @@ from skfem.models.elasticity import plane_stress
 
 from drumlin.brake.elasticity import (
     ElasticLayer,
-    is_elasticity_matrix_orthotropic,
     plane_stress_elasticity_matrix,
+    which_elasticity_matrices_are_orthotropic,
 )
 from drumlin.brake.fields import Material
 from drumlin.fem.hp import element as hp
@@ -121,10 +121,12 @@ def test_the_matrix_of_an_isotropic_material_has_the_constants_of_plane_stress()
 @pytest.mark.parametrize("nu", [-0.999, -0.3, 0.0, 0.25, 0.4999])
 def test_isotropic_materials_have_no_directions(nu):
     matrix = plane_stress_elasticity_matrix(Material(E=3e8, nu=nu))
-    assert not is_elasticity_matrix_orthotropic(matrix) and not is_elasticity_matrix_orthotropic(
-        0.0371 * matrix
-    )
-    assert is_elasticity_matrix_orthotropic(DIRECTED) and is_elasticity_matrix_orthotropic(
+    assert not which_elasticity_matrices_are_orthotropic(
+        matrix
+    ) and not which_elasticity_matrices_are_orthotropic(0.0371 * matrix)
+    assert which_elasticity_matrices_are_orthotropic(
+        DIRECTED
+    ) and which_elasticity_matrices_are_orthotropic(
         matrix * [[1, 1, 1], [1, 1 + 1e-9, 1], [1, 1, 1]]
     )
 

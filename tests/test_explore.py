@@ -20,16 +20,16 @@ import drumlin
 from browsing import PROGRAM, browser, play, served
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
-from drumlin.base.round_numbers import largest_round_number_up_to
+from drumlin.base.round_numbers import largest_round_number_not_above_value
 from drumlin.brake import read_any, read_brake, vary
 from drumlin.brake.friction import FrictionTable
 from drumlin.explore.answers import WIDTH_EXPLORE_LEVEL, Explorer
 from drumlin.explore.knobs import (
-    brake_at_knob_setting,
-    knobs_for_brake,
-    link_query_of_setting,
-    setting_at_brake_file_values,
-    setting_from_link_query,
+    brake_at_slider_setting,
+    link_query_of_slider_setting,
+    slider_setting_at_brake_file_values,
+    slider_setting_from_link_query,
+    sliders_for_brake,
 )
 from drumlin.explore.page import http_reply_to_requested_address
 from drumlin.explore.picture import (
@@ -58,9 +58,9 @@ def knob(explorer, name):
 
 
 def turned(explorer, **values):
-    setting = setting_at_brake_file_values(explorer.brake)
+    setting = slider_setting_at_brake_file_values(explorer.brake)
     for name, value in values.items():
-        setting = setting.setting_with_knob_moved(knob(explorer, name), value)
+        setting = setting.setting_with_slider_moved(knob(explorer, name), value)
     return setting
 
 
@@ -68,7 +68,7 @@ WIDE = {"model": "solid"}
 
 
 def at_setting(explorer, query):
-    setting, refused = setting_from_link_query(explorer.knobs, explorer.brake, query)
+    setting, refused = slider_setting_from_link_query(explorer.knobs, explorer.brake, query)
     return explorer.fem_and_law_answer_at_slider_setting(setting), refused
 
 
@@ -82,9 +82,11 @@ def test_shoes_with_their_widths_are_a_choice_of_the_page(explorer):
     assert 1e-3 < wide.found.torque / plain.found.torque - 1 < 5e-3
     stated = explorer.difference_from_accurate_answer(wide)
     assert stated is not None and stated.torque < 1e-3
-    assert link_query_of_setting(explorer.knobs, explorer.brake, wide.setting) == "model=solid"
+    assert (
+        link_query_of_slider_setting(explorer.knobs, explorer.brake, wide.setting) == "model=solid"
+    )
     limits = [
-        min(explorer.locking_friction_of_groups(explorer.brake, model).values())
+        min(explorer.self_locking_friction_of_groups(explorer.brake, model).values())
         for model in ("fem", "solid")
     ]
     assert limits[0] != limits[1]
@@ -114,19 +116,19 @@ def test_the_page_wears_in_plane_stress_only_and_refuses_several_widths(explorer
 
 def test_untouched_knobs_leave_the_brake_as_it_is(explorer):
     assert (
-        brake_at_knob_setting(
-            explorer.brake, explorer.knobs, setting_at_brake_file_values(explorer.brake)
+        brake_at_slider_setting(
+            explorer.brake, explorer.knobs, slider_setting_at_brake_file_values(explorer.brake)
         )
         == explorer.brake
     )
     # Nor does a knob that is turned and turned back.
     for each in explorer.knobs:
         setting = (
-            setting_at_brake_file_values(explorer.brake)
-            .setting_with_knob_moved(each, each.high)
-            .setting_with_knob_moved(each, each.start)
+            slider_setting_at_brake_file_values(explorer.brake)
+            .setting_with_slider_moved(each, each.high)
+            .setting_with_slider_moved(each, each.start)
         )
-        assert setting == setting_at_brake_file_values(explorer.brake)
+        assert setting == slider_setting_at_brake_file_values(explorer.brake)
 
 
 CHANGES = {
@@ -177,7 +179,7 @@ def test_a_knob_does_what_a_changed_file_does(explorer, name):
 
 def test_every_quantity_has_a_test():
     assert set(CHANGES) | {"wear"} == set(
-        picked(knobs_for_brake(read_brake(STUDY / "brake.toml")), "name")
+        picked(sliders_for_brake(read_brake(STUDY / "brake.toml")), "name")
     )
 
 
@@ -213,7 +215,7 @@ def test_what_is_kept_changes_no_answer(explorer):
         turned(explorer, friction=0.2),
         turned(explorer, shoe=20.0),
         turned(explorer, wear=3.0),
-        setting_at_brake_file_values(brake),
+        slider_setting_at_brake_file_values(brake),
     ]
     for setting in [*path, *reversed(path)]:
         assert (
@@ -233,7 +235,7 @@ def test_a_setting_that_keeps_the_bodies_costs_a_fraction_of_a_solve(explorer):
         return median(times)
 
     brake = explorer.brake
-    explorer.fem_and_law_answer_at_slider_setting(setting_at_brake_file_values(brake))
+    explorer.fem_and_law_answer_at_slider_setting(slider_setting_at_brake_file_values(brake))
     kept = spent(
         lambda k: http_reply_to_requested_address(
             explorer, f"/picture?friction={0.2 + 0.01 * k}", "b"
@@ -249,9 +251,9 @@ def test_a_setting_that_keeps_the_bodies_costs_a_fraction_of_a_solve(explorer):
 
 def test_self_locking_is_said_and_its_distance(explorer):
     answer = explorer.fem_and_law_answer_at_slider_setting(
-        setting_at_brake_file_values(explorer.brake)
+        slider_setting_at_brake_file_values(explorer.brake)
     )
-    limit = min(explorer.locking_friction_of_groups(answer.brake).values())
+    limit = min(explorer.self_locking_friction_of_groups(answer.brake).values())
     # The limit comes from the condensed matrices on 80 elements.
     assert limit == pytest.approx(1.1812, rel=1e-3)
     assert answer.law_locking == pytest.approx(0.8231, rel=1e-3)
@@ -297,7 +299,9 @@ def test_a_brake_on_a_plane_is_explored_too():
         "wear",
         "misfit",
     } & names
-    answer = explorer.fem_and_law_answer_at_slider_setting(setting_at_brake_file_values(brake))
+    answer = explorer.fem_and_law_answer_at_slider_setting(
+        slider_setting_at_brake_file_values(brake)
+    )
     solved = drumlin.solve(brake)
     assert not answer.failure
     assert answer.found.effect == pytest.approx(solved.effect, rel=1e-3)
@@ -308,10 +312,10 @@ def test_a_brake_on_a_plane_is_explored_too():
         expected.effect, rel=1e-3
     )
     back = brake.opposite_direction_of_motion
-    setting, lines = setting_from_link_query(explorer.knobs, brake, {"sliding": back})
+    setting, lines = slider_setting_from_link_query(explorer.knobs, brake, {"sliding": back})
     assert (
         not lines
-        and link_query_of_setting(explorer.knobs, brake, setting)
+        and link_query_of_slider_setting(explorer.knobs, brake, setting)
         == f"sliding={back.replace('+', '%2B')}"
     )
     expected = drumlin.solve(vary(brake, {"plane.sliding": back}))
@@ -376,19 +380,21 @@ def test_the_scale_is_round_and_holds_the_peak():
     ("value", "largest"), [(0.3, 0.2), (1.0, 1.0), (4.9999999999, 5.0), (9.9, 5.0), (731.0, 500.0)]
 )
 def test_a_factor_on_displacements_is_round(value, largest):
-    assert largest_round_number_up_to(value) == pytest.approx(largest, rel=1e-12)
+    assert largest_round_number_not_above_value(value) == pytest.approx(largest, rel=1e-12)
 
 
 def test_a_link_leads_back_to_its_setting(explorer):
     setting = turned(explorer, friction=0.345, shoe=77.7, wear=12.25)
-    link = link_query_of_setting(explorer.knobs, explorer.brake, setting)
-    assert setting_from_link_query(explorer.knobs, explorer.brake, dict(parse_qsl(link))) == (
+    link = link_query_of_slider_setting(explorer.knobs, explorer.brake, setting)
+    assert slider_setting_from_link_query(
+        explorer.knobs, explorer.brake, dict(parse_qsl(link))
+    ) == (
         setting,
         (),
     )
     assert (
-        link_query_of_setting(
-            explorer.knobs, explorer.brake, setting_at_brake_file_values(explorer.brake)
+        link_query_of_slider_setting(
+            explorer.knobs, explorer.brake, slider_setting_at_brake_file_values(explorer.brake)
         )
         == ""
     )
@@ -488,7 +494,9 @@ def test_every_example_can_be_explored(path):
             Explorer(brake)
         return
     explorer = Explorer(brake)
-    answer = explorer.fem_and_law_answer_at_slider_setting(setting_at_brake_file_values(brake))
+    answer = explorer.fem_and_law_answer_at_slider_setting(
+        slider_setting_at_brake_file_values(brake)
+    )
     assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     assert http_reply_to_requested_address(explorer, "/", "b").status == 200
 
@@ -496,7 +504,9 @@ def test_every_example_can_be_explored(path):
 @pytest.mark.parametrize("brake", [cam_brake(body=0.01), servo(body=0.01)], ids=["cam", "servo"])
 def test_shoes_that_share_a_force_are_explored_by_it(brake):
     explorer = Explorer(brake)
-    answer = explorer.fem_and_law_answer_at_slider_setting(setting_at_brake_file_values(brake))
+    answer = explorer.fem_and_law_answer_at_slider_setting(
+        slider_setting_at_brake_file_values(brake)
+    )
     assert not answer.failure
     assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     force = knob(explorer, "force")

@@ -235,18 +235,20 @@ def test_command_lines_that_used_to_fall(case):
 
 def test_a_small_vtu_that_unpacks_to_much_is_refused_before(monkeypatch):
     data = valid_mesh_files_by_suffix()[".vtu"]
-    vtu.check_unpacked_vtu_size_fits_memory(data)
+    vtu.check_decompressed_vtu_size_fits_memory(data)
     monkeypatch.setattr(vtu, "MOST_UNPACKED", 1000)
     with pytest.raises(ValueError, match="unpacks to more than 1000 bytes"):
-        vtu.check_unpacked_vtu_size_fits_memory(data)
+        vtu.check_decompressed_vtu_size_fits_memory(data)
     with pytest.raises(ValueError, match="unpacks"):
-        vtu._size_of_unpacked_block(zlib.compress(bytes(50_000_000)), zlib.decompressobj, 1000)
+        vtu._size_of_decompressed_block(zlib.compress(bytes(50_000_000)), zlib.decompressobj, 1000)
     assert (
-        vtu._size_of_unpacked_block(zlib.compress(bytes(5_000_000)), zlib.decompressobj, 5_000_000)
+        vtu._size_of_decompressed_block(
+            zlib.compress(bytes(5_000_000)), zlib.decompressobj, 5_000_000
+        )
         == 5_000_000
     )
     with pytest.raises(ValueError, match="entities"):
-        vtu.check_unpacked_vtu_size_fits_memory(b'<!DOCTYPE x [<!ENTITY a "b">]>' + data)
+        vtu.check_decompressed_vtu_size_fits_memory(b'<!DOCTYPE x [<!ENTITY a "b">]>' + data)
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,7 @@ def test_torque_and_pressure_converge(brake):
     assert limit.uncertainty < 1e-5 * limit.value
     assert abs(result.responses[-1].torque / limit.value - 1) < 2e-6
     for shoe in (0, 1):
-        steps = result.pressure_distances_between_meshes(shoe)
+        steps = result.relative_pressure_distances_between_meshes(shoe)
         for a, b in pairwise(steps):
             assert b < a / 1.9
         order, error = result.pressure(shoe)

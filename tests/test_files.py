@@ -17,8 +17,8 @@ from drumlin.base.errors import (
     BadInput,
     NoAnswer,
     Stopped,
+    call_function_and_return_exit_status,
     error_line_and_exit_status,
-    run_and_return_exit_status,
 )
 from drumlin.base.files import (
     check_output_files_are_writable,
@@ -424,7 +424,7 @@ def test_every_exception_ends_in_one_line_and_a_status(capsys, case):
     def run_it():
         raise error
 
-    assert run_and_return_exit_status(run_it) == status
+    assert call_function_and_return_exit_status(run_it) == status
     said = capsys.readouterr().err
     assert said.count("\n") == (1 if line else 0) and (not line or said.startswith("drumlin: "))
 

@@ -21,10 +21,10 @@ from drumlin.fem.width.correction import (
     shoe_response_corrected_for_widths,
 )
 from drumlin.fem.width.error import (
-    coarse_solutions_with_and_without_widths,
-    distance_of_plane_stress_from_widths,
+    coarse_solutions_with_and_without_shoe_width,
+    distance_of_plane_stress_from_width_solution,
 )
-from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.response.balance import relative_imbalance_of_shoe
 from drumlin.sweeps.cases import solve_case_and_return_results_or_failure
 from drumlin.sweeps.file import sweep_from_file_data
@@ -43,7 +43,7 @@ def solid_answer(brake, plane, degree=5, level=LEVELS[1]):
         brake, plane, error=level.pressure_error_by_column_ratio
     )
     return solve_prepared_model(
-        prepare_brake_with_widths(brake, level, degree, points), brake, start=plane
+        prepare_model_with_shoe_widths(brake, level, degree, points), brake, start=plane
     )
 
 
@@ -51,13 +51,15 @@ def test_without_contraction_one_width_is_not_corrected(flexible):
     changes = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
     brake = vary(flexible, changes)
     plane, found = solve(brake), solve(brake, finite_width=True)
-    assert max(distance_of_plane_stress_from_widths(brake, plane, found).brake.values()) < 1e-9
+    assert (
+        max(distance_of_plane_stress_from_width_solution(brake, plane, found).brake.values()) < 1e-9
+    )
     assert max(found.plane_stress_error.brake.values()) < 1e-9
 
 
 def test_on_equal_sections_it_is_the_answer_with_the_widths(flexible):
     brake = t_section(flexible)
-    answers = coarse_solutions_with_and_without_widths(brake, solve(brake, elements=12))
+    answers = coarse_solutions_with_and_without_shoe_width(brake, solve(brake, elements=12))
     for i, (plane, wide) in enumerate(zip(*(each.shoes for each in answers), strict=True)):
         found = shoe_response_corrected_for_widths(brake, i, plane, answers)
         assert plane.torque != pytest.approx(wide.torque, rel=1e-3)
@@ -69,7 +71,7 @@ def test_on_equal_sections_it_is_the_answer_with_the_widths(flexible):
 
 def test_beyond_the_contact_the_coarse_pressure_is_zero(flexible):
     """The polynomials of the coarse section oscillate beyond the end of the contact."""
-    wide = coarse_solutions_with_and_without_widths(
+    wide = coarse_solutions_with_and_without_shoe_width(
         flexible, solve(flexible, elements=12)
     ).wide.shoes[1]
     end = wide.contact_arcs[-1][1]
@@ -88,8 +90,8 @@ def test_it_more_than_halves_the_error_and_states_what_remains(flexible, section
     brake = section(flexible)
     plane, found = solve(brake), solve(brake, finite_width=True)
     true = solid_answer(brake, plane)
-    without = distance_of_plane_stress_from_widths(brake, plane, true).brake
-    remaining = distance_of_plane_stress_from_widths(brake, found, true).brake
+    without = distance_of_plane_stress_from_width_solution(brake, plane, true).brake
+    remaining = distance_of_plane_stress_from_width_solution(brake, found, true).brake
     for name, size in remaining.items():
         stated = found.plane_stress_error.brake[name] + found.error[name]
         assert without[name] > 1e-3
@@ -152,7 +154,7 @@ def test_where_the_coarse_section_has_no_answer_it_is_refused(brake, monkeypatch
     def refuse(*_, **__):
         raise NoAnswer("no equilibrium")
 
-    monkeypatch.setattr(error, "prepare_divided_brake_with_widths", refuse)
+    monkeypatch.setattr(error, "prepare_model_with_widths_on_given_elements", refuse)
     said = "--finite-width: the correction is not known: on a coarse section, .*no equilibrium"
     with pytest.raises(NoAnswer, match=said):
         solve(brake, elements=8, finite_width=True)
@@ -163,7 +165,7 @@ def test_it_corrects_brakes_on_a_plane(root):
     brake = read_any(root / "studies" / "brakes" / "rail_clamp.toml")
     plane, found = solve(brake), solve(brake, finite_width=True)
     assert found.effect == pytest.approx(plane.effect, rel=0.1)
-    sizes = distance_of_plane_stress_from_widths(brake, plane, found).brake
+    sizes = distance_of_plane_stress_from_width_solution(brake, plane, found).brake
     assert sizes["pressure"] > found.plane_stress_error.brake["pressure"] > 1e-5
 
 

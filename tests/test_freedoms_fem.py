@@ -12,7 +12,7 @@ from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import refine_group_solution
+from drumlin.fem.model import solve_full_system_of_group_by_refinement
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
@@ -100,7 +100,7 @@ def test_the_whole_system_refined_is_the_same_answer() -> None:
         )
         group, found = group.solve_contact_and_abutment_friction()
         for order in ("COLAMD", "MMD_AT_PLUS_A"):
-            refined = refine_group_solution(group, found.active, order)
+            refined = solve_full_system_of_group_by_refinement(group, found.active, order)
             np.testing.assert_allclose(refined.p[0], found.p, atol=1e-8 * found.p.max())
             np.testing.assert_allclose(
                 refined.coordinates[0], found.y, rtol=1e-6, atol=1e-9 * abs(found.y).max()

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pytest import approx
 
 from drumlin import BadInput, Brake, NoAnswer
-from drumlin.brake.file import make_drum_brake_from_data, make_validated_part, vary
+from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.laws import LAWS, rigid, solve_brake_by_its_rigid_shoe_law
 from drumlin.laws.hinged import angles_and_radii_of_hinged_shoe
@@ -315,7 +315,7 @@ def plane(
         "actuation": {"force": 500.0, "direction": -pi / 2, "point": {"x": 0.25, "y": 0.06}}
         | actuation,
     } | held
-    return make_validated_part(
+    return make_validated_brake_part(
         FlatBrake, {"title": "t", "friction": mu, "plane": {"sliding": sliding}, "shoe": [shoe]}
     )
 
@@ -441,7 +441,7 @@ def mirrored(brake: Brake) -> Brake:
         shoe["lining"] |= dict(
             zip(("end", "start"), ((0 if flat else pi) - x for x in ends), strict=True)
         )
-    return make_validated_part(type(brake), data)
+    return make_validated_brake_part(type(brake), data)
 
 
 def same(a: ShoeResponse, b: ShoeResponse, size: float = 1.0) -> None:
@@ -478,7 +478,7 @@ def test_torque_grows_without_bound_towards_locking(brake: Brake) -> None:
     assume(len(brake.shoes) == 1 and not (shoe.abutment and shoe.abutment.friction))
     mu_lock = rigid.self_locking_friction_of_rigid_shoe(brake, shoe)
     assume(mu_lock < 5 and not brake.surface.is_plane_and_not_drum)
-    free = shoe.freedoms()
+    free = shoe.rigid_body_modes_of_support()
     face, ends = (
         rigid.friction_surface_of_shoe(brake, shoe),
         ((shoe.lining.start, shoe.lining.end),),

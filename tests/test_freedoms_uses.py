@@ -8,7 +8,7 @@ from drumlin.brake.file import vary
 from drumlin.contact import stick_slip
 from drumlin.fem.analysis.at_rest import FeetOnRoughAbutments, make_stick_slip_problem_of_shoe_group
 from drumlin.fem.analysis.holding import (
-    find_full_slip_rotation,
+    find_drum_rotation_of_full_slip,
     states_of_holding_brake_at_rotations,
 )
 from drumlin.fem.equilibrium.group import divide_shoes_into_groups
@@ -42,7 +42,7 @@ def test_forces_shared_by_a_cam_or_a_strut_hold_the_drum_by_what_it_slides_at(
     brake = vary(make(spin=spin, body=0.012), {"shoe.lining.thickness": 0.005, "drum.ring": ring})
     scene = make_prepared_model(brake, elements=10)
     states = states_of_holding_brake_at_rotations(
-        scene, brake, np.linspace(0, find_full_slip_rotation(scene, brake), 4)
+        scene, brake, np.linspace(0, find_drum_rotation_of_full_slip(scene, brake), 4)
     )
     assert states[-1].sticking == 0
     assert states[-1].torque == pytest.approx(solve_prepared_model(scene, brake).torque, rel=1e-6)
@@ -62,23 +62,25 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
     scene = make_prepared_model(brake, elements=12)
     (group,) = divide_shoes_into_groups(scene, brake, [0], 1e6)
     problem, lever = make_stick_slip_problem_of_shoe_group(group)
-    mu = FeetOnRoughAbutments.collect_feet_on_rough_abutments(
+    mu = FeetOnRoughAbutments.collect_shoe_ends_on_rough_abutments(
         group
     ).friction_coefficients_of_all_nodes()
     assert mu[-1] == 0.2
     assert lever[-1] == 0
-    end, n = find_full_slip_rotation(scene, brake), len(lever)
+    end, n = find_drum_rotation_of_full_slip(scene, brake), len(lever)
     nothing, seen = np.zeros(n), set()
     before = stick_slip.SlipHistory(nothing, nothing)
-    at = stick_slip.solve_load_increment(problem, mu, before, np.full(n, stick_slip.STICK))
+    at = stick_slip.solve_stick_slip_load_increment(
+        problem, mu, before, np.full(n, stick_slip.STICK)
+    )
     for rotation in end * np.array([0.0, 0.2, 1.0, 0.5, -0.5]):
         q_s = (
             problem.q_s + lever * (brake.sign_of_motion / group.largest_actuation_force) * rotation
         )
         before, at = (
-            at.history_for_next_increment,
-            stick_slip.solve_load_increment(
-                problem._replace(q_s=q_s), mu, at.history_for_next_increment, at.state
+            at.tractions_and_slips_for_next_increment,
+            stick_slip.solve_stick_slip_load_increment(
+                problem._replace(q_s=q_s), mu, at.tractions_and_slips_for_next_increment, at.state
             ),
         )
         p, t = at.p[-1], at.t[-1]

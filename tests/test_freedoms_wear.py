@@ -13,7 +13,7 @@ from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
     compute_checks_of_wear_run,
-    end_of_wear_by_rigid_shoe_law,
+    final_pressure_and_torque_by_rigid_shoe_law,
     wear_brake_linings_until_worn_in,
 )
 from flat_pads import pad
@@ -74,7 +74,10 @@ def test_running_in_ends_at_the_law(name: str) -> None:
     """The forces of a cam are shared anew at every step: new F1 B1 is not F2 B2, worn in it is."""
     brake = BRAKES[name]()
     setup = wear_setup_by_finite_elements(make_prepared_model(brake, elements=24), brake)
-    states, goal = wear_brake_linings_until_worn_in(setup), end_of_wear_by_rigid_shoe_law(setup)
+    states, goal = (
+        wear_brake_linings_until_worn_in(setup),
+        final_pressure_and_torque_by_rigid_shoe_law(setup),
+    )
     assert goal.torque == pytest.approx(solve_brake_by_its_rigid_shoe_law(brake).torque, rel=2e-4)
     assert states[-1].torque == pytest.approx(goal.torque, rel=2e-3)
     assert abs(states[0].torque / goal.torque - 1) > 3e-3

@@ -12,16 +12,16 @@ from conftest import ROOT
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.cli.commands import app
-from drumlin.explore.knobs import knobs_for_brake
+from drumlin.explore.knobs import sliders_for_brake
 from drumlin.fem.analysis.holding import (
-    find_full_slip_rotation,
+    find_drum_rotation_of_full_slip,
     states_of_holding_brake_at_rotations,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.refinement import (
     assemble_full_system_of_group,
-    solve_full_system_by_refinement,
+    solve_full_system_by_iterative_refinement,
 )
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -146,7 +146,7 @@ def test_limit_of_a_strut_is_followed_from_zero_friction():
 def test_a_held_drum_slips_at_the_torque_of_solve(brake):
     own = unlike(brake)
     scene = make_prepared_model(own, elements=8)
-    turned = find_full_slip_rotation(scene, own)
+    turned = find_drum_rotation_of_full_slip(scene, own)
     (state,) = states_of_holding_brake_at_rotations(scene, own, [turned])
     assert state.torque == pytest.approx(solve_prepared_model(scene, own).torque, rel=1e-6)
 
@@ -159,7 +159,7 @@ def test_worn_linings_keep_their_friction(brake):
 
 def test_the_page_scales_all_frictions(brake):
     own = unlike(brake)
-    (knob,) = [knob for knob in knobs_for_brake(own) if knob.name == "friction"]
+    (knob,) = [knob for knob in sliders_for_brake(own) if knob.name == "friction"]
     assert knob.low > 0
     changed = vary(own, knob.changes(0.4))
     assert [shoe.lining.friction for shoe in changed.shoes] == pytest.approx([0.6, 0.9])
@@ -194,6 +194,8 @@ def test_the_ring_bends_under_the_friction_of_each_lining(root):
     scene = make_prepared_model(brake, elements=6)
     (group,) = divide_pressed_shoes_into_groups(scene, brake)
     group, contact = group.solve_contact_and_abutment_friction()
-    full = solve_full_system_by_refinement(assemble_full_system_of_group(group), contact.active)
+    full = solve_full_system_by_iterative_refinement(
+        assemble_full_system_of_group(group), contact.active
+    )
     pressures = np.concatenate(full.p)
     assert pressures == pytest.approx(contact.p, rel=1e-7, abs=1e-9 * contact.p.max())

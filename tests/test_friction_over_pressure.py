@@ -10,14 +10,14 @@ from scipy.integrate import quad
 import drumlin
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import read_any
-from drumlin.brake.file import make_drum_brake_from_data, make_validated_part, vary
+from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part, vary
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_file_text
 from drumlin.contact import pressure_friction
 from drumlin.contact.active_set import solve_contact_problem
 from drumlin.contact.pressure_friction import (
     NodalFriction,
-    solve_contact_with_friction_over_pressure,
+    solve_contact_with_pressure_dependent_friction,
 )
 from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.explore.answers import Explorer
@@ -52,7 +52,7 @@ def test_a_winkler_lining_under_friction_linear_in_pressure_has_its_closed_form(
     interface, phi = winkler(lambda phi: 0 * phi, elements=96, mu=1.0)
     whole = interface.problem
     without = winkler(lambda phi: 0 * phi, elements=96, mu=0.0)[0].problem
-    problem = FrictionDependentProblem.friction_dependent_problem_from_two_frictions(without, whole)
+    problem = FrictionDependentProblem.linear_function_of_friction_from_two_problems(without, whole)
     steps = []
 
     def friction(p):
@@ -60,7 +60,7 @@ def test_a_winkler_lining_under_friction_linear_in_pressure_has_its_closed_form(
         return NodalFriction(mu + slope * p, np.full(len(p), slope))
 
     start = solve_contact_problem(without)
-    found = solve_contact_with_friction_over_pressure(problem, friction, start, 0 * phi)
+    found = solve_contact_with_pressure_dependent_friction(problem, friction, start, 0 * phi)
 
     def moment(power, lever):
         value, _ = quad(lambda x: math.sin(x) ** power * lever(x), 0.3, 2.2)
@@ -200,8 +200,8 @@ def test_friction_agrees_with_the_pressure_and_every_shoe_balances(brake, name):
     found = on_mesh(table)
     assert max(found.balance.force, found.balance.moment) < 1e-9
     for shoe, given in zip(found.shoes, table.shoes, strict=True):
-        curve = table.friction_curve_of_shoe(given)
-        stress = curve.coefficient(shoe.pressure) * shoe.pressure
+        curve = table.friction_over_pressure_of_shoe(given)
+        stress = curve.friction_coefficient_at_pressures(shoe.pressure) * shoe.pressure
         assert_allclose(shoe.friction_stress, stress, atol=2e-10 * stress.max())
         # The torque is that of the friction stress, integrated by hand.
         force = integral_of_piecewise_polynomial(shoe.theta, stress, shoe.order)
@@ -294,13 +294,13 @@ GRID = {
 def test_each_shoe_needs_few_steps_of_newtons_method(brake, monkeypatch):
     """With another slope than the tangent's the steps come closer in proportion only: 10 a shoe."""
     tangents = []
-    made = pressure_friction._problem_with_tangent_of_friction
+    made = pressure_friction._contact_problem_with_friction_tangent
 
     def counted(*arguments):
         tangents.append(arguments)
         return made(*arguments)
 
-    monkeypatch.setattr(pressure_friction, "_problem_with_tangent_of_friction", counted)
+    monkeypatch.setattr(pressure_friction, "_contact_problem_with_friction_tangent", counted)
     on_mesh(over_pressure(brake))
     assert len(tangents) <= 5 * len(brake.shoes)
 
@@ -308,10 +308,16 @@ def test_each_shoe_needs_few_steps_of_newtons_method(brake, monkeypatch):
 def test_a_grid_is_linear_in_pressure_and_speed(brake):
     # 150 mm at 50 rad/s slide at 7.5 m/s, a quarter of the way from 5 to 15 m/s.
     table = over_pressure(brake, GRID, **{"drum.speed": 50.0})
-    curve = table.friction_curve_of_shoe(table.shoes[0])
+    curve = table.friction_over_pressure_of_shoe(table.shoes[0])
     assert table.sliding_speed == pytest.approx(0.150 * 50)
-    assert_allclose(curve.coefficient(np.array([0, 5e5, 9e9])), [0.39, 0.3425, 0.295], rtol=1e-12)
-    assert_allclose(curve.slope(np.array([0, 5e5, 9e9])), [-9.5e-8, -9.5e-8, 0], rtol=1e-9)
+    assert_allclose(
+        curve.friction_coefficient_at_pressures(np.array([0, 5e5, 9e9])),
+        [0.39, 0.3425, 0.295],
+        rtol=1e-12,
+    )
+    assert_allclose(
+        curve.friction_slope_at_pressures(np.array([0, 5e5, 9e9])), [-9.5e-8, -9.5e-8, 0], rtol=1e-9
+    )
     reduced = {"pressure": [0, 1e6], "mu": [0.39, 0.295]}
     expected = on_mesh(over_pressure(brake, reduced)).torque
     assert on_mesh(table).torque == pytest.approx(expected, rel=1e-12)
@@ -401,7 +407,7 @@ def test_a_speed_without_a_table_over_speed_is_refused(brake):
     moved = vary(
         pad("guide"), {"friction": {"mu": [0.4, 0.3], "speed": [0.0, 1.0]}, "plane.speed": 0.5}
     )
-    assert make_validated_part(FlatBrake, moved.model_dump(by_alias=True)).friction == 0.35
+    assert make_validated_brake_part(FlatBrake, moved.model_dump(by_alias=True)).friction == 0.35
 
 
 REFUSED = {

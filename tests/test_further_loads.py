@@ -13,7 +13,7 @@ from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import refine_group_solution
+from drumlin.fem.model import solve_full_system_of_group_by_refinement
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.laws.rigid import solve_brake_by_rigid_shoe_law
@@ -185,7 +185,7 @@ def test_refined_full_system_takes_the_further_force(kind: str) -> None:
     brake = brake_with(kind, force=[FORCE], body=BODY)
     (group,) = divide_pressed_shoes_into_groups(make_prepared_model(brake, LEVELS[1]), brake, 1e6)
     group, found = group.solve_contact_and_abutment_friction()
-    refined = refine_group_solution(group, found.active)
+    refined = solve_full_system_of_group_by_refinement(group, found.active)
     np.testing.assert_allclose(refined.p[0], found.p, atol=1e-8 * found.p.max())
     size = abs(found.y).max()
     np.testing.assert_allclose(refined.coordinates[0], found.y, rtol=1e-6, atol=1e-9 * size)
@@ -409,6 +409,9 @@ def test_brake_file_with_all_loads_is_read_back(tmp_path: Any) -> None:
     again = drumlin.read_brake(tmp_path / "b.toml")
     assert again == brake
     assert again.shoe_speed == pytest.approx(1500 * 2 * math.pi / 60)
-    assert np.array_equal(again.shoes[0].further_load, brake.shoes[0].further_load)
-    assert not np.allclose(again.shoes[0].further_load, 0)
+    assert np.array_equal(
+        again.shoes[0].resultant_of_loads_besides_actuation,
+        brake.shoes[0].resultant_of_loads_besides_actuation,
+    )
+    assert not np.allclose(again.shoes[0].resultant_of_loads_besides_actuation, 0)
     assert brake.size == R

@@ -10,14 +10,14 @@ from conftest import ROOT
 from drumlin.base.errors import BadInput
 from drumlin.brake import read_any, read_brake, vary
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.heat import brake_with_heat_in_parts, radial_growth_of_heated_drum
+from drumlin.brake.heat import brake_with_heat_only_in_given_parts, radial_growth_of_heated_drum
 from drumlin.brake.writing import brake_file_text
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.refinement import (
     assemble_full_system_of_group,
-    solve_full_system_by_refinement,
+    solve_full_system_by_iterative_refinement,
 )
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -125,7 +125,7 @@ def thin_lining_on_rigid_shoe():
 def test_a_thin_lining_on_a_rigid_shoe_swells_through_its_thickness(level):
     """The bond keeps its length: through the thickness it grows by (1 + nu) alpha T t."""
     hot = thin_lining_on_rigid_shoe()
-    brake, shoe = brake_with_heat_in_parts(hot, ()), hot.shoes[0]
+    brake, shoe = brake_with_heat_only_in_given_parts(hot, ()), hot.shoes[0]
     swelling = (1 + shoe.lining.material.nu) * 1e-5 * shoe.lining.thickness
     thicker = vary(brake, {"shoe.lining.clearance": -swelling})
     cold, warm, gap = (solved(each, level, 160) for each in (brake, hot, thicker))
@@ -165,9 +165,9 @@ def test_the_refinement_in_long_double_has_the_heat_as_well():
     scene = make_prepared_model(brake, LEVELS[0])
     warm, torque = solve_prepared_model(scene, brake), 0.0
     for group in divide_pressed_shoes_into_groups(scene, brake):
-        refined = solve_full_system_by_refinement(
+        refined = solve_full_system_by_iterative_refinement(
             assemble_full_system_of_group(group),
-            group.solve_contact_for_known_friction_senses().active,
+            group.solve_contact_for_given_abutment_friction().active,
         )
         torque += group.largest_actuation_force * refined.torque
     assert warm.torque == pytest.approx(torque, rel=1e-7)
@@ -241,14 +241,16 @@ def test_heat_is_read_written_and_said():
     )
     assert "takes no heated shoes" in response.plane_stress_error.unknown
     law = drumlin.solve(HOT, "sine")
-    assert law.torque == drumlin.solve(brake_with_heat_in_parts(HOT, ()), "sine").torque
+    assert law.torque == drumlin.solve(brake_with_heat_only_in_given_parts(HOT, ()), "sine").torque
     assert any(line.startswith("warning: left out is the heat of drum;") for line in law.notes)
 
 
 def test_a_comparison_has_the_hot_brake_beside_the_cold_one():
     found = drumlin.compare(HOT, models=["fem", "sine"]).responses
     assert list(found) == ["fem", "cold", "sine"]
-    assert found["cold"].torque == drumlin.solve(brake_with_heat_in_parts(HOT, ())).torque
+    assert (
+        found["cold"].torque == drumlin.solve(brake_with_heat_only_in_given_parts(HOT, ())).torque
+    )
     assert found["cold"].torque > 1.2 * found["fem"].torque
     assert list(drumlin.compare(MAIN, models=["fem"]).responses) == ["fem"]
 

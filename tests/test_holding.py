@@ -14,7 +14,7 @@ from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK
 from drumlin.fem.analysis.at_rest import make_stick_slip_problem_of_shoe_group
 from drumlin.fem.analysis.holding import (
-    find_full_slip_rotation,
+    find_drum_rotation_of_full_slip,
     states_of_holding_brake_at_rotations,
 )
 from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
@@ -22,7 +22,7 @@ from drumlin.fem.equilibrium.group import divide_shoes_into_groups
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 from drumlin_studies.standing_off import draw_random_brake_with_clearances
 from picking import picked
 
@@ -61,7 +61,7 @@ def test_random_brakes_go_through_full_slip_and_back(count):
     for seed in range(count):
         brake, scene = any_brake(seed)
         # The drum turns forth until all nodes slip.
-        end = find_full_slip_rotation(scene, brake, increments=6)
+        end = find_drum_rotation_of_full_slip(scene, brake, increments=6)
         forth = np.linspace(0, end, 6)
         states = states_of_holding_brake_at_rotations(scene, brake, forth)
         assert states[-1].sticking == 0
@@ -78,7 +78,7 @@ def test_random_brakes_go_through_full_slip_and_back(count):
             ends["back it locks"] += 1
             continue
         # The way back first releases the brake, then leads to full slip in the other sense.
-        far = end + 3 * max(end, find_full_slip_rotation(scene, back))
+        far = end + 3 * max(end, find_drum_rotation_of_full_slip(scene, back))
         state = states_of_holding_brake_at_rotations(
             scene, brake, np.concatenate([forth, end - np.linspace(0, far, 10)[1:]])
         )[-1]
@@ -95,9 +95,9 @@ def test_at_the_rotation_of_full_slip_no_path_sticks():
 
     On this pad the last node begins to slip later if the increments are smaller.
     """
-    pad = draw_brake_of_support_kind(410003, "pad on a pivot")
+    pad = draw_random_brake_of_support_kind(410003, "pad on a pivot")
     scene = make_prepared_model(pad, elements=12)
-    end = find_full_slip_rotation(scene, pad, increments=1)
+    end = find_drum_rotation_of_full_slip(scene, pad, increments=1)
     for count in (2, 6, 12):
         last = states_of_holding_brake_at_rotations(scene, pad, np.linspace(0, end, count))[-1]
         assert last.sticking == 0
@@ -111,7 +111,7 @@ def test_an_increment_that_does_not_settle_is_halved():
     """
     brake = draw_random_brake_with_clearances(420078)
     scene = make_prepared_model(brake, elements=12)
-    far = 40 * find_full_slip_rotation(scene, brake)
+    far = 40 * find_drum_rotation_of_full_slip(scene, brake)
     there, back, again = states_of_holding_brake_at_rotations(
         scene, brake, np.array([far, -far, far])
     )
@@ -131,19 +131,22 @@ def test_every_increment_obeys_contact_and_friction():
         problem, lever = make_stick_slip_problem_of_shoe_group(
             divide_shoes_into_groups(scene, brake, [0], 1e6)[0]
         )
-        end, mu = find_full_slip_rotation(scene, brake), brake.friction
+        end, mu = find_drum_rotation_of_full_slip(scene, brake), brake.friction
         turn = lever * (brake.sign_of_motion / brake.shoes[0].actuation.force)
         nothing = np.zeros(len(lever))
-        at = stick_slip.solve_load_increment(
+        at = stick_slip.solve_stick_slip_load_increment(
             problem, mu, stick_slip.SlipHistory(nothing, nothing), np.full(len(lever), STICK)
         )
         before = stick_slip.SlipHistory(nothing, nothing)
         for rotation in end * np.array([0.1, 0.5, 1.0, 0.6, -0.4]):
             q_s = problem.q_s + turn * rotation
             before, at = (
-                at.history_for_next_increment,
-                stick_slip.solve_load_increment(
-                    problem._replace(q_s=q_s), mu, at.history_for_next_increment, at.state
+                at.tractions_and_slips_for_next_increment,
+                stick_slip.solve_stick_slip_load_increment(
+                    problem._replace(q_s=q_s),
+                    mu,
+                    at.tractions_and_slips_for_next_increment,
+                    at.state,
                 ),
             )
             kinds |= set(at.state.tolist())
@@ -181,7 +184,7 @@ def test_both_paths_lead_to_the_answer_of_newtons_method(seed, monkeypatch, left
     One path begins with the present states of the nodes, the other with wide gaps.
     """
     brake, scene = any_brake(seed)
-    rotations = find_full_slip_rotation(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
+    rotations = find_drum_rotation_of_full_slip(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
     expected = states_of_holding_brake_at_rotations(scene, brake, rotations)
     with monkeypatch.context() as patch:
         for way in left:
@@ -207,7 +210,7 @@ def test_another_discretisation_and_another_method_give_the_same_history():
     both = read_brake(STUDY / "flexible.toml")
     brake = both.model_copy(update={"shoes": both.shoes[1:]})
     scene = make_prepared_model(brake, elements=24)
-    end = find_full_slip_rotation(scene, brake)
+    end = find_drum_rotation_of_full_slip(scene, brake)
     rotations = end * np.array([0.0, 0.3, 0.7, 1.0, 0.5, 0.2, -0.5])
     found = np.array(
         picked(states_of_holding_brake_at_rotations(scene, brake, rotations), "torque")
@@ -223,7 +226,7 @@ def test_the_history_converges_with_the_increment():
     """Errors of moment and dissipated energy fall with the increment, also with a gap to close."""
     brake, scene = any_brake(7)
     brake = vary(brake, {"shoe[0].lining.clearance": 1e-4 * brake.size})
-    end = find_full_slip_rotation(scene, brake)
+    end = find_drum_rotation_of_full_slip(scene, brake)
 
     def after(n):
         state = states_of_holding_brake_at_rotations(
@@ -251,15 +254,15 @@ def test_self_locking_is_refused_with_its_limit(rotation):
     locks = self_locking_friction_of_shoe_groups(scene, brake)[0,].friction
     if math.isinf(locks):
         strong = vary(brake, {"friction": 1.5})
-        assert find_full_slip_rotation(scene, strong) > 0
+        assert find_drum_rotation_of_full_slip(scene, strong) > 0
         return
     for share in (0.97, 1.03):
         strong = vary(brake, {"friction": share * locks})
         if share < 1:
             torque = states_of_holding_brake_at_rotations(
-                scene, strong, np.linspace(0, find_full_slip_rotation(scene, strong), 5)
+                scene, strong, np.linspace(0, find_drum_rotation_of_full_slip(scene, strong), 5)
             )[-1].torque
             assert torque == pytest.approx(solve_prepared_model(scene, strong).torque, rel=1e-6)
         else:
             with pytest.raises(NoAnswer, match=rf"self-locking.*mu_lock = {locks:.4g}"):
-                find_full_slip_rotation(scene, strong)
+                find_drum_rotation_of_full_slip(scene, strong)

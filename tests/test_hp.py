@@ -20,14 +20,14 @@ from drumlin.fem.analysis.fields import (
     stress_and_displacement_fields_of_shoe,
 )
 from drumlin.fem.analysis.holding import (
-    find_full_slip_rotation,
+    find_drum_rotation_of_full_slip,
     states_of_holding_brake_at_rotations,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_brake_to_tolerance
-from drumlin.fem.error_control.estimate import FACTORS, estimate_errors_from_two_levels
-from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.estimate import FACTORS, estimate_errors_from_two_mesh_levels
+from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp import division
 from drumlin.fem.hp.arc import (
@@ -37,7 +37,7 @@ from drumlin.fem.hp.arc import (
 )
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_row_of_element_columns,
+    assemble_and_condense_row_of_element_columns,
     condensed_element_column_stiffness,
     eliminate_nodes_on_column_side,
     join_and_condense_neighbouring_substructures,
@@ -60,8 +60,12 @@ from drumlin.fem.hp.shoe import (
     distinct_sizes_up_to_round_off,
     node_coordinates_of_layers_and_columns,
 )
-from drumlin.fem.model import PENALTY, refine_group_solution, solve_prepared_model
-from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
+from drumlin.fem.model import (
+    PENALTY,
+    solve_full_system_of_group_by_refinement,
+    solve_prepared_model,
+)
+from drumlin.fem.preparation.bodies import load_column_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
@@ -197,7 +201,7 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
         ColumnSubstructure(part, of.line, of.line)
         for part in condensed_element_column_stiffness(K, of)
     ]
-    whole = assemble_row_of_element_columns(parts, 2)
+    whole = assemble_and_condense_row_of_element_columns(parts, 2)
     # Columns are joined from left to right, in place of pairs of pairs.
     one_by_one = parts[0]
     for part in parts[1:]:
@@ -206,7 +210,7 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
     np.testing.assert_allclose(whole.K, one_by_one.K, atol=1e-11 * size)
     assert len(whole.K) == 2 * of.line + 2 * (m * p + 1)
     assert np.abs(whole.K.reshape(len(whole.K), -1, 2).sum(axis=1)).max() < 1e-12 * size
-    ends = assemble_row_of_element_columns(
+    ends = assemble_and_condense_row_of_element_columns(
         [
             eliminate_nodes_on_column_side(parts[0]),
             *parts[1:-1],
@@ -336,7 +340,7 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     ends = [body.basis.doflocs[:, body.basis.sets[name]] for name in ("hinge", "actuation")]
     # The beam's axis goes from the pin to the force.
     middles = [0.5 * (nodes[:, 0] + nodes[:, -1]) for nodes in ends]
-    assert middles[0] == pytest.approx(shoe.pin_in_shoe_frame, abs=1e-12)
+    assert middles[0] == pytest.approx(shoe.pin_position_in_shoe_frame, abs=1e-12)
     assert middles[1] == pytest.approx(
         shoe.convert_points_to_shoe_frame(shoe.actuation.point.xy), abs=1e-12
     )
@@ -358,11 +362,13 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     brake = flexible if which == "flexible" else draw_random_brake(which)
     brake = vary(brake, {"shoe.body.material.E": softer * brake.shoes[0].body.material.E})
     made, response = list(
-        solve_on_finer_and_finer_levels(brake, solve_prepared_model, levels=LEVELS[: level + 1])
+        solve_brake_on_finer_and_finer_mesh_levels(
+            brake, solve_prepared_model, levels=LEVELS[: level + 1]
+        )
     )[-1]
     (group, *_) = divide_pressed_shoes_into_groups(made, brake, PENALTY)
     group, found = group.solve_contact_and_abutment_friction(None)
-    refined = refine_group_solution(group, found.active)
+    refined = solve_full_system_of_group_by_refinement(group, found.active)
     p, error = (
         found.p[group.contact_node_slices_of_shoes[0]],
         refined.p[0] - found.p[group.contact_node_slices_of_shoes[0]],
@@ -436,7 +442,7 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     The finest level is the reference. The stated error is at most ten times the true one.
     """
     # The last level has fewer digits than the others.
-    made = list(solve_on_finer_and_finer_levels(flexible, solve_prepared_model))[:5]
+    made = list(solve_brake_on_finer_and_finer_mesh_levels(flexible, solve_prepared_model))[:5]
     responses, truth = picked(made, "response"), made[-1].response
     # Round-off of the finest level limits how well it can judge the others.
     lost = max(picked(truth.shoes, "lost.pressure"))
@@ -445,7 +451,7 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
         for r in responses
     ]
     for k in range(1, len(responses) - 1):
-        stated = estimate_errors_from_two_levels(flexible, *responses[k - 1 : k + 1])
+        stated = estimate_errors_from_two_mesh_levels(flexible, *responses[k - 1 : k + 1])
         assert errors[k] < 0.6 * errors[k - 1]
         assert errors[k] <= stated.brake["pressure"] < 20 * errors[k]
         assert abs(responses[k].torque / truth.torque - 1) <= stated.brake["torque"] + lost
@@ -463,7 +469,9 @@ def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(bra
         == set(response.shoes[0].error)
         == {"pressure", "torque", "peak", "reaction"}
     )
-    fine = picked(solve_on_finer_and_finer_levels(half, solve_prepared_model), "response")[3]
+    fine = picked(
+        solve_brake_on_finer_and_finer_mesh_levels(half, solve_prepared_model), "response"
+    )[3]
     for shoe, a, b in zip(half.shoes, response.shoes, fine.shoes, strict=True):
         assert relative_distance_of_pressures(a, b) < response.error["pressure"]
         start, end = shoe.lining.start, shoe.lining.end
@@ -508,7 +516,7 @@ def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     Within this distance the pressure rises from zero to much of its peak.
     """
     brake = draw_random_brake(seed, "small contact")
-    found = next(solve_on_finer_and_finer_levels(brake, solve_prepared_model))
+    found = next(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model))
     line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
     first, last = shoe.contact_arcs[0]
     ends = brake.shoes[0].frame.theta(line.phi[:: line.interpolation_degree_along_contact_line])
@@ -551,12 +559,13 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
     }
     brake = make_drum_brake_from_data(data)
     found = picked(
-        islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), 5), "response"
+        islice(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 5),
+        "response",
     )
     for k in (2, 3, 4):
         assert (
             abs(found[k - 1].torque / found[-1].torque - 1)
-            < estimate_errors_from_two_levels(brake, *found[k - 2 : k]).brake["torque"]
+            < estimate_errors_from_two_mesh_levels(brake, *found[k - 2 : k]).brake["torque"]
         )
 
 
@@ -569,7 +578,7 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
     """
     brake, found = draw_random_brake(seed, "small contact"), []
     (_, before), (_, true) = islice(
-        solve_on_finer_and_finer_levels(brake, solve_prepared_model), 1, 3
+        solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 1, 3
     )
     # The ends of the contact are kept: their rounding changes p by more.
     places = singular_points_of_all_linings(brake, true)
@@ -600,7 +609,7 @@ def test_most_short_contacts_are_known_by_default_on_the_third_level():
         for seed in range(8):
             brake = draw_random_brake(seed, "small contact")
             (_, before), (_, last) = islice(
-                solve_on_finer_and_finer_levels(brake, solve_prepared_model), 1, 3
+                solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 1, 3
             )
             found.append(relative_distance_of_pressures(before.shoes[0], last.shoes[0]))
         return np.array(found)
@@ -617,7 +626,9 @@ def test_a_short_contact_is_graded_faster():
     fifth more columns of elements.
     """
     brake = draw_random_brake(2, "small contact")
-    true = picked(solve_on_finer_and_finer_levels(brake, solve_prepared_model), "response")[-1]
+    true = picked(
+        solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), "response"
+    )[-1]
     places = singular_points_of_all_linings(brake, true)
 
     def solved(level):
@@ -747,7 +758,7 @@ def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
     """
     *_, one, other = (
         step.response.shoes[0]
-        for step in solve_on_finer_and_finer_levels(
+        for step in solve_brake_on_finer_and_finer_mesh_levels(
             draw_random_brake(7986), solve_prepared_model, levels=LEVELS[:5]
         )
     )
@@ -872,7 +883,7 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     u = body.condensed.nodal_displacements_in_one_case(
         nodal,
         np.zeros(FRAME),
-        shoe.actuation.force * load_factors_and_pin_moment_per_newton(body, shoe)[0],
+        shoe.actuation.force * load_column_factors_and_pin_moment_per_newton(body, shoe)[0],
     )
     forces = body.basis.stiffness(elastic_layers_of_shoe(shoe)) @ u.T.ravel()
     n = 2 * len(body.line.nodes)
@@ -929,7 +940,7 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
     made, answer = prepared_model_with_finest_elements(brake), solve(brake)
     theta = picked(made.bodies, "line.phi")
     assert list(map(len, theta)) == list(map(len, picked(answer.shoes, "theta")))
-    end = find_full_slip_rotation(made, brake)
+    end = find_drum_rotation_of_full_slip(made, brake)
     assert states_of_holding_brake_at_rotations(made, brake, np.linspace(0.0, end, 9))[
         -1
     ].torque == pytest.approx(answer.torque, rel=1e-5)
@@ -1016,8 +1027,8 @@ def test_a_brake_that_locks_is_divided_too(brake):
 def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies(brake, support):
     whole = vary(brake, drum_ring(0.02, support))
     (group,) = divide_pressed_shoes_into_groups(make_prepared_model(whole, LEVELS[0]), whole)
-    found = group.solve_contact_for_known_friction_senses()
-    refined = refine_group_solution(group, found.active)
+    found = group.solve_contact_for_given_abutment_friction()
+    refined = solve_full_system_of_group_by_refinement(group, found.active)
     assert refined.correction < 1e-10
     for part, p in zip(group.contact_node_slices_of_shoes, refined.p, strict=True):
         np.testing.assert_allclose(found.p[part], p, rtol=0, atol=1e-8 * p.max())

@@ -17,7 +17,7 @@ from drumlin.base.errors import DrumlinError
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli.commands import app
 from drumlin.fem.analysis.holding import (
-    find_full_slip_rotation,
+    find_drum_rotation_of_full_slip,
     states_of_holding_brake_at_rotations,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
@@ -193,7 +193,7 @@ def held(at: Posed) -> None:
     """`hold` ends at full slip: friction holds the drum, or a line names a foot held elsewhere."""
     scene = make_prepared_model(at.brake, elements=ELEMENTS)
     states = states_of_holding_brake_at_rotations(
-        scene, at.brake, np.linspace(0, find_full_slip_rotation(scene, at.brake), 4)
+        scene, at.brake, np.linspace(0, find_drum_rotation_of_full_slip(scene, at.brake), 4)
     )
     torque = drumlin.solve(at.brake, elements=ELEMENTS).effect
     agrees = states[-1].torque == pytest.approx(torque, rel=1e-6)

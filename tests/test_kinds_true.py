@@ -9,7 +9,7 @@ import pytest
 import drumlin
 from drumlin.brake.brake import Brake
 from drumlin.verification import triangles
-from drumlin_studies.random_kinds import HOLDING_KINDS, draw_brake_of_support_kind
+from drumlin_studies.random_kinds import HOLDING_KINDS, draw_random_brake_of_support_kind
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
     Truth,
@@ -26,7 +26,7 @@ QUICK = triangles.TRIANGLE_LEVELS[:1]
 
 
 def brake_of(seed: int, kind: str) -> Brake:
-    brake = draw_brake_of_support_kind(seed, kind)
+    brake = draw_random_brake_of_support_kind(seed, kind)
     assert not brake.surface.is_plane_and_not_drum
     return brake
 

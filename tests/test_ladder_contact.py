@@ -107,7 +107,7 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     hertz = BodyPair.couple_two_bodies_at_contact_nodes(*half_planes, motions="xy")
     rest = stick_slip.SlipHistory(np.zeros(len(s)), np.zeros(len(s)))
     start = np.where(touching, stick_slip.STICK, stick_slip.OPEN)
-    first = stick_slip.solve_load_increment(
+    first = stick_slip.solve_stick_slip_load_increment(
         hertz.frictional_contact_problem(s**2 / (2 * rho), [P, 0.0]), mu, rest, start
     )
     inner = np.abs(s) < 0.8 * A
@@ -115,10 +115,10 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     assert np.abs(first.t[inner]).max() < 5e-3 * first.p.max()
     increment = first
     for step in np.linspace(0, share, 5)[1:]:
-        increment = stick_slip.solve_load_increment(
+        increment = stick_slip.solve_stick_slip_load_increment(
             hertz.frictional_contact_problem(s**2 / (2 * rho), [P, step * mu * P]),
             mu,
-            increment.history_for_next_increment,
+            increment.tractions_and_slips_for_next_increment,
             increment.state,
         )
     assert {stick_slip.OPEN, stick_slip.STICK} <= set(increment.state)

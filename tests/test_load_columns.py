@@ -8,7 +8,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.bodies import (
     DividedBody,
     ShoeSubstructure,
-    load_factors_under_actuation_force,
+    load_column_factors_under_all_loads,
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -18,7 +18,10 @@ from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_ring, elastic_layers_of_shoe
-from drumlin.fem.substructure.expansion import expansion_forces, stress_belonging_to_free_strain
+from drumlin.fem.substructure.expansion import (
+    nodal_forces_of_thermal_expansion,
+    stress_belonging_to_free_strain,
+)
 from drumlin.fem.substructure.loads import ACTUATION, HEAT
 from drumlin.fem.substructure.ring import unknowns_of_statically_determinate_support
 
@@ -41,13 +44,15 @@ def everywhere(strain):
 
 def heated(condensed, basis, layers, strain=EVEN):
     """The body with a further load: a free strain in all of its layers."""
-    forces = expansion_forces(basis, layers, dict.fromkeys(layers, everywhere(strain)))
+    forces = nodal_forces_of_thermal_expansion(
+        basis, layers, dict.fromkeys(layers, everywhere(strain))
+    )
     return condensed.body_with_further_loads({HEAT: forces[:, None]})
 
 
 def displacement(body, **factors):
     """Displacements (2, nodes) of a body under its loads without contact, by load factors."""
-    loads = body.columns.factors_of_all_load_columns(
+    loads = body.columns.column_factors_of_all_loads(
         {name: np.array([value]) for name, value in factors.items()}
     )
     return body.nodal_displacements_in_one_case(np.zeros(len(body.L_cc)), np.zeros(3), loads)
@@ -122,7 +127,7 @@ def test_a_clamped_body_is_pressed_as_plane_stress_tells(root, level):
     assert sigma == pytest.approx(
         np.broadcast_to((pressed * np.eye(2))[:, :, None], sigma.shape), rel=1e-12
     )
-    forces = expansion_forces(
+    forces = nodal_forces_of_thermal_expansion(
         body.basis, elastic_layers_of_shoe(shoe), {"lining": everywhere(EVEN)}
     ).reshape(-1, 2)
     length = np.ptp(body.line.xy[0])
@@ -161,7 +166,7 @@ def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
         largest = np.abs(theirs).max(axis=0)
         assert (np.abs(mine - theirs) <= 1e-8 * largest).all()
     nodal = np.ones(len(warm.L_cc))
-    factors = warm.columns.factors_of_all_load_columns(
+    factors = warm.columns.column_factors_of_all_loads(
         {ACTUATION: np.array([1.0, 2.0, 3.0]), HEAT: np.array([0.1])}
     )
     mine, theirs = (
@@ -191,7 +196,7 @@ def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
     u = displacement(warm, heat=1.0)[:, body.line.nodes].T.ravel()
     closed = coupled.closure_by_load[:, 3]
     assert closed == pytest.approx(coupled.coupling.N @ u, abs=1e-8 * np.abs(closed).max())
-    assert load_factors_under_actuation_force(coupled, shoe, 10.0)[3] == 1.0
-    assert load_factors_under_actuation_force(coupled, shoe, 10.0)[:3] == pytest.approx(
-        load_factors_under_actuation_force(body, shoe, 10.0)
+    assert load_column_factors_under_all_loads(coupled, shoe, 10.0)[3] == 1.0
+    assert load_column_factors_under_all_loads(coupled, shoe, 10.0)[:3] == pytest.approx(
+        load_column_factors_under_all_loads(body, shoe, 10.0)
     )

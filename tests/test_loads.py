@@ -9,7 +9,7 @@ from drumlin.fem.hp import body as body_path
 from drumlin.fem.hp import shoe as shoe_path
 from drumlin.fem.hp.shoe import LoadedEnd, unit_actuation_loads_on_end_face
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
+from drumlin.fem.preparation.bodies import load_column_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import condense_body_to_contact_and_frame
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -44,23 +44,23 @@ def further(monkeypatch):
 
 def test_factors_name_the_loads_that_act():
     assert TWO.number_of_load_columns == 4
-    assert TWO.factors_of_all_load_columns({FURTHER: np.array([2.0])}).tolist() == [
+    assert TWO.column_factors_of_all_loads({FURTHER: np.array([2.0])}).tolist() == [
         0.0,
         0.0,
         0.0,
         2.0,
     ]
-    factors = TWO.factors_of_all_load_columns({ACTUATION: np.array([1.0, 2.0, 3.0])})
-    assert TWO.factors_of_load_with_name(ACTUATION, factors).tolist() == [1.0, 2.0, 3.0]
-    assert TWO.factors_of_load_with_name(FURTHER, factors).tolist() == [0.0]
-    assert LoadColumns().factors_of_all_load_columns({}).shape == (0,)
+    factors = TWO.column_factors_of_all_loads({ACTUATION: np.array([1.0, 2.0, 3.0])})
+    assert TWO.column_factors_of_one_named_load(ACTUATION, factors).tolist() == [1.0, 2.0, 3.0]
+    assert TWO.column_factors_of_one_named_load(FURTHER, factors).tolist() == [0.0]
+    assert LoadColumns().column_factors_of_all_loads({}).shape == (0,)
     with pytest.raises(KeyError):
-        TWO.factors_of_all_load_columns({"heat": np.array([1.0])})
+        TWO.column_factors_of_all_loads({"heat": np.array([1.0])})
 
 
 def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, further):
     shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[1]).bodies[0]
-    assert body.unit_load_vectors_by_name == TWO
+    assert body.load_matrix_columns_by_load_name == TWO
     assert body.closure_by_load.shape == (len(body.line.nodes), 4)
     assert body.load_motion_by_load.shape == (4, 4)
     _, ties, loads = body.condensed.assemble_equations_of_whole_body()
@@ -77,14 +77,14 @@ def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, 
 def test_the_frame_bears_a_further_force(brake, further):
     """All of the force, and its moment about the pin, held where the contact is free."""
     shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[1]).bodies[0]
-    held = body.reaction_to_load @ TWO.factors_of_all_load_columns({FURTHER: np.array([1.0])})
+    held = body.reaction_to_load @ TWO.column_factors_of_all_loads({FURTHER: np.array([1.0])})
     x = body.basis.doflocs[0, body.basis.sets["actuation"][0]]
-    assert held == pytest.approx([0.0, -1.0, -(x - shoe.pin_in_shoe_frame[0])], abs=1e-8)
+    assert held == pytest.approx([0.0, -1.0, -(x - shoe.pin_position_in_shoe_frame[0])], abs=1e-8)
 
 
 def test_a_load_that_does_not_act_changes_no_answer(brake, further, monkeypatch):
     scene = make_prepared_model(brake, LEVELS[1])
-    factors, _ = load_factors_and_pin_moment_per_newton(scene.bodies[0], brake.shoes[0])
+    factors, _ = load_column_factors_and_pin_moment_per_newton(scene.bodies[0], brake.shoes[0])
     assert factors.shape == (4,) and factors[3] == 0.0
     found = solve_prepared_model(scene, brake)
     monkeypatch.undo()

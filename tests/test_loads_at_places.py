@@ -10,13 +10,13 @@ from scipy.sparse.linalg import spsolve
 
 import drumlin
 from drumlin import BadInput, vary
-from drumlin.brake.further_loads import brake_with_loads_at_actuation
+from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
 from drumlin.fem import solid
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.load_places import unit_loads_of_forces_and_mass
+from drumlin.fem.preparation.load_places import unit_loads_at_points_and_mass
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import sparse_stiffness_of_body
@@ -62,7 +62,7 @@ def test_a_rotating_ring_has_the_displacements_of_the_closed_form(level: Any) ->
         brake={"shoe_speed": 1.0},
     )
     shoe, body = brake.shoes[0], prepared_body(brake, level)
-    load = unit_loads_of_forces_and_mass(body.basis, shoe, R)[FORCES_ON_MASS][:, 2]
+    load = unit_loads_at_points_and_mass(body.basis, shoe, R)[FORCES_ON_MASS][:, 2]
     K = sparse_stiffness_of_body(body.basis, elastic_layers_of_shoe(shoe))
     x, y = body.basis.doflocs
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
@@ -110,7 +110,7 @@ def test_a_force_bends_a_curved_cantilever_where_it_acts(level: Any) -> None:
     )
     body, shoe = prepared_body(brake, level, 64), brake.shoes[0]
     columns = body.condensed.columns.column_slice_of_each_load[FURTHER_FORCES]
-    along = shoe.frame.convert_to_shoe_frame(np.array([math.cos(at), math.sin(at)]))
+    along = shoe.frame.convert_vectors_to_shoe_frame(np.array([math.cos(at), math.sin(at)]))
     found = along @ body.load_motion_by_load[columns, columns] @ along
     angle, radius = at + 1.1, R - 0.001 - thickness / 2
     stiffness = 2.1e11 * width * thickness**3 / 12
@@ -122,7 +122,7 @@ def test_unit_loads_have_the_resultants_of_their_forces() -> None:
     """Force and moment of each unit load are those of a force at its point, by statics."""
     brake = brake_with(body=BODY, force=[FORCE, INNER], **HEAVY)
     shoe, body = brake.shoes[0], prepared_body(brake, None)
-    unit = unit_loads_of_forces_and_mass(body.basis, shoe, R)
+    unit = unit_loads_at_points_and_mass(body.basis, shoe, R)
     x, y = body.basis.doflocs
     points = [each["point"] for each in (FORCE, FORCE, INNER, INNER)] + 3 * [HEAVY["mass"]["point"]]
     forces = [[1, 0], [0, 1]] * 3
@@ -152,9 +152,9 @@ def test_mass_lies_in_the_volume_of_a_section_of_two_widths() -> None:
         brake={"gravity": {"direction": 0.0}},
     )
     shoe, body = brake.shoes[0], prepared_body(brake, None, 32)
-    load = unit_loads_of_forces_and_mass(body.basis, shoe, R)[FORCES_ON_MASS]
+    load = unit_loads_at_points_and_mass(body.basis, shoe, R)[FORCES_ON_MASS]
     # Weight square to the line through both centres would have a couple if the centres differed.
-    line, weight = shoe.frame.convert_to_shoe_frame(np.eye(2))
+    line, weight = shoe.frame.convert_vectors_to_shoe_frame(np.eye(2))
     along = load[:, :2].reshape(-1, 2, 2) @ weight @ line
     assert np.abs(along).max() < 1e-5 * np.abs(load).max()
 
@@ -165,9 +165,9 @@ def test_the_work_of_the_loads_is_the_energy_of_the_body(level: Any, loads: Any)
     """Clapeyron's theorem, and equilibrium of each unit load with its reactions."""
     brake = brake_with(body=BODY, **loads)
     body, shoe = prepared_body(brake, level), brake.shoes[0]
-    unit = unit_loads_of_forces_and_mass(body.basis, shoe, R)
+    unit = unit_loads_at_points_and_mass(body.basis, shoe, R)
     K = sparse_stiffness_of_body(body.basis, elastic_layers_of_shoe(shoe))
-    x, y = body.basis.doflocs - shoe.pin_in_shoe_frame[:, None]
+    x, y = body.basis.doflocs - shoe.pin_position_in_shoe_frame[:, None]
     for name, forces in unit.items():
         columns = body.condensed.columns.column_slice_of_each_load[name]
         for k, column in enumerate(range(columns.start, columns.stop)):
@@ -211,7 +211,7 @@ def test_places_do_not_matter_on_a_stiff_body() -> None:
     for modulus in (2.1e11, 2.1e21):
         brake = brake_with(body=BODY | {"material": STEEL | {"E": modulus}}, force=[FORCE, INNER])
         own = solve(brake, elements=12)
-        at_end = solve(brake_with_loads_at_actuation(brake), elements=12)
+        at_end = solve(brake_with_all_loads_moved_to_actuation(brake), elements=12)
         apart.append(abs(own.torque / at_end.torque - 1))
     assert apart[0] > 1e-4
     assert apart[1] < 1e-9

@@ -11,7 +11,10 @@ from conftest import partly, settled_sizes
 from drumlin import NoAnswer, vary
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import ContactProblem
-from drumlin.contact.self_locking import FrictionDependentProblem, find_friction_limit_of_contact
+from drumlin.contact.self_locking import (
+    FrictionDependentProblem,
+    find_largest_friction_with_equilibrium,
+)
 from drumlin.fem.analysis.self_locking import (
     self_locking_friction_of_shoe_groups,
     shoe_torques_at_friction_coefficients,
@@ -39,7 +42,7 @@ def one_node(a=1.0, lever=0.5):
 
 @given(st.floats(0.1, 10))
 def test_the_limit_of_one_node_on_a_hinge_is_that_of_its_lever(lever):
-    end = self_locking.find_friction_limit_of_contact(one_node(lever=lever))
+    end = self_locking.find_largest_friction_with_equilibrium(one_node(lever=lever))
     assert not end.pressure_stays_finite
     assert end.friction == pytest.approx(1 / lever, rel=1e-12)
 
@@ -49,7 +52,7 @@ def test_a_path_that_stands_on_the_singular_friction_ends_there():
     below = active_set.solve_contact_problem(
         one_node().contact_problem_at_friction_coefficient(1.0)
     )
-    end = self_locking.find_friction_limit_of_contact(one_node(), known_answer=(2.0, below))
+    end = self_locking.find_largest_friction_with_equilibrium(one_node(), known_answer=(2.0, below))
     assert end.friction == 2.0 and not end.pressure_stays_finite
 
 
@@ -65,7 +68,7 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
     problems = FrictionDependentProblem(
         still, np.array([[0.0, -8.0], [-1.0, 0.0]]), np.zeros((0, 2))
     )
-    end = self_locking.find_friction_limit_of_contact(problems)
+    end = self_locking.find_largest_friction_with_equilibrium(problems)
     assert end.pressure_stays_finite
     assert end.friction == pytest.approx(0.5, rel=1e-10)
     both = active_set.solve_contact_problem(
@@ -76,7 +79,7 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
     assert (
         self_locking.compare_solutions_from_starting_contact_sets(
             problems.contact_problem_at_friction_coefficient(0.45),
-            self_locking.find_friction_limit_of_contact(problems, 0.45).last_contact,
+            self_locking.find_largest_friction_with_equilibrium(problems, 0.45).last_contact,
             [both.active],
         ).unstable
         == 1
@@ -175,7 +178,7 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
     scene = make_prepared_model(brake, elements=10)
     problems = ShoeGroup(scene, brake, (0,)).contact_problem_as_function_of_friction
     end, rng = (
-        self_locking.find_friction_limit_of_contact(problems, 20.0),
+        self_locking.find_largest_friction_with_equilibrium(problems, 20.0),
         np.random.default_rng(seed),
     )
     n = len(problems.frictionless.q)
@@ -183,7 +186,7 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
     mu = 0.5 * min(end.friction, 0.6)
     found = self_locking.compare_solutions_from_starting_contact_sets(
         problems.contact_problem_at_friction_coefficient(mu),
-        self_locking.find_friction_limit_of_contact(problems, mu).last_contact,
+        self_locking.find_largest_friction_with_equilibrium(problems, mu).last_contact,
         starts,
     )
     assert (found.same, found.others, found.unstable, found.lost) == (7, 0, 0, 0)
@@ -212,7 +215,7 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
     ends = []
     for scene in scenes:
         problems = ShoeGroup(scene, brake, (0,)).contact_problem_as_function_of_friction
-        end = self_locking.find_friction_limit_of_contact(problems)
+        end = self_locking.find_largest_friction_with_equilibrium(problems)
         assert end.pressure_stays_finite
         ends.append(end.friction)
     assert max(ends) < 1.01 * min(ends)
@@ -238,7 +241,7 @@ def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollow
     (group,) = divide_pressed_shoes_into_groups(make_prepared_model(brake, elements=14), brake, 1e6)
     law = rigid.self_locking_friction_of_rigid_shoe(brake, group.shoes[0])
     problems, mu = group.contact_problem_as_function_of_friction, 2 * law
-    end = self_locking.find_friction_limit_of_contact(problems).friction
+    end = self_locking.find_largest_friction_with_equilibrium(problems).friction
     assert end < mu
     found = active_set.solve_contact_by_block_pivoting(
         problems.contact_problem_at_friction_coefficient(mu)
@@ -268,7 +271,7 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
             group.contact_problem_as_function_of_friction,
             len(group.contact_problem_of_group.q),
         )
-        end = min(self_locking.find_friction_limit_of_contact(problems, 3.0).friction, 3.0)
+        end = min(self_locking.find_largest_friction_with_equilibrium(problems, 3.0).friction, 3.0)
         for mu in (0.2 * end, 0.6 * end, 0.9 * end, 1.001 * end, 2 * end):
             answers = []
             for large in (n, 10):
@@ -317,14 +320,14 @@ def test_the_law_that_is_kept_with_a_scene_is_that_of_the_brake_at_hand(
         ]
         assert math.inf in expected and min(expected) < 10
         laws = [
-            group.locking_friction_of_rigid_shoe(group.members[0])
+            group.locking_friction_of_brake_shoe_by_rigid_law(group.members[0])
             for group in divide_pressed_shoes_into_groups(scene, at_hand, 1e6)
         ]
         assert laws == pytest.approx(expected, rel=1e-9)
     # A hinged shoe needs no second computation.
     monkeypatch.setattr(rigid, "self_locking_friction_of_rigid_shoe", None)
     laws = [
-        group.locking_friction_of_rigid_shoe(group.members[0])
+        group.locking_friction_of_brake_shoe_by_rigid_law(group.members[0])
         for group in divide_pressed_shoes_into_groups(scene, brake, 1e6)
     ]
     assert min(laws) < 10
@@ -339,7 +342,7 @@ def test_below_the_first_singular_set_every_load_has_one_answer(brake):
         self_locking.smallest_singular_friction_of_contact_sets(problems),
         len(problems.frictionless.q),
     )
-    assert 0 < first <= self_locking.find_friction_limit_of_contact(problems).friction
+    assert 0 < first <= self_locking.find_largest_friction_with_equilibrium(problems).friction
     rng = np.random.default_rng(0)
     below = problems.contact_problem_at_friction_coefficient(0.99 * first)
     scale = np.abs(below.A).max()
@@ -367,7 +370,7 @@ def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, m
             )
         )
     )
-    end = find_friction_limit_of_contact(
+    end = find_largest_friction_with_equilibrium(
         group.contact_problem_as_function_of_friction, brake.friction
     )
     followed = (
@@ -396,14 +399,14 @@ def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(
     """To the very answer, and the very end, that are followed from no friction at all."""
     group = divide_pressed_shoes_into_groups(make_prepared_model(brake, elements=16), brake, 1e6)[1]
     problems, known = group.contact_problem_as_function_of_friction, []
-    end = find_friction_limit_of_contact(problems)
-    mu, follow = share * end.friction, self_locking.find_friction_limit_of_contact
+    end = find_largest_friction_with_equilibrium(problems)
+    mu, follow = share * end.friction, self_locking.find_largest_friction_with_equilibrium
 
     def noted(*given):
         known.append(given[2])
         return follow(*given)
 
-    monkeypatch.setattr(self_locking, "find_friction_limit_of_contact", noted)
+    monkeypatch.setattr(self_locking, "find_largest_friction_with_equilibrium", noted)
     try:
         found = self_locking.solve_contact_reached_from_zero_friction(
             problems.contact_problem_at_friction_coefficient,
@@ -413,7 +416,7 @@ def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(
         )
         np.testing.assert_allclose(
             found.p,
-            find_friction_limit_of_contact(problems, mu).last_contact.p,
+            find_largest_friction_with_equilibrium(problems, mu).last_contact.p,
             rtol=1e-9,
             atol=1e-12 * found.p.max(),
         )

@@ -16,17 +16,20 @@ from drumlin.fem.error_control import degrees
 from drumlin.fem.error_control.estimate import (
     QUANTITIES,
     Errors,
-    relative_differences_of_two_levels,
+    relative_differences_of_responses_on_two_levels,
 )
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
 from drumlin.fem.mesh.degree import NodalElement, nodal_basis_of_shoe_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes, write_shoe_mesh_to_file
-from drumlin.fem.mesh.smooth_outline import moves_onto_smooth_outline, singular_corners_of_mesh
+from drumlin.fem.mesh.smooth_outline import (
+    node_displacements_onto_smooth_outline,
+    singular_corners_of_mesh,
+)
 from drumlin.fem.mesh.splitting import (
     FinestSides,
-    nodal_basis_on_parts,
-    split_mesh_towards_points,
+    nodal_basis_on_split_triangles,
+    split_mesh_into_triangles_towards_points,
 )
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation import meshes
@@ -123,9 +126,13 @@ def test_contact_nodes_keep_the_distance_of_the_meshs_own_nodes(shoe, brake, kin
         off = replace(mesh, doflocs=mesh.doflocs * (1 - shoe.sign * gap / brake.size))
         basis = nodal_basis_of_shoe_mesh(off, 4, shoe, brake.size)
         nodes = nodes_along_element_edges(basis, off.boundaries["contact"])
-        assert shoe.off(basis.doflocs[:, nodes], brake.size) == pytest.approx(gap, abs=1e-9)
+        assert shoe.distance_from_friction_surface(
+            basis.doflocs[:, nodes], brake.size
+        ) == pytest.approx(gap, abs=1e-9)
         # Straight sides would lie some 0.2 mm off the drum. The nodes of a side stand in its order.
-        along = shoe.phi_of_points_in_shoe_frame(basis.doflocs[:, nodes], brake.size)
+        along = shoe.surface_coordinates_of_points_in_shoe_frame(
+            basis.doflocs[:, nodes], brake.size
+        )
         part = (along - along[0]) / (along[-1] - along[0])
         even = 0.5 + 0.5 * gauss_lobatto_points(4)[:, None]
         np.testing.assert_allclose(part, np.broadcast_to(even, part.shape), atol=2e-2)
@@ -144,7 +151,7 @@ def test_degree_two_is_that_of_scikit_fem(own, kind):
 def test_straight_sides_on_arcs_become_arcs_and_corners_stay(shoe, brake):
     mesh = parametric_mesh_of_shoe(shoe, brake.size, ELEMENTS, "tri1")
     basis = nodal_basis_of_shoe_mesh(mesh, 3, shoe, brake.size)
-    moves = moves_onto_smooth_outline(basis)
+    moves = node_displacements_onto_smooth_outline(basis)
     assert np.abs(moves[:, : mesh.nvertices]).max() < 1e-15
     moved = basis.basis_with_moved_nodes(moves)
     # The back of the body and the interface of the lining are circles about the drum's centre.
@@ -294,9 +301,9 @@ def test_rounded_coordinates_change_a_response_by_less_than_stated(tmp_path, see
         brake = vary(shoe, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"})
         # Such a tolerance is not met, and both meshes are solved at the highest degree.
         response = solve(brake, tolerance=1e-6)
-        solved.append((response, degrees._errors_of_rounded_coordinates(brake, Cache())))
+        solved.append((response, degrees._errors_by_rounded_mesh_coordinates(brake, Cache())))
     (rounded, stated), (exact, nothing) = solved
-    changes = relative_differences_of_two_levels(shoe, rounded, exact).steps
+    changes = relative_differences_of_responses_on_two_levels(shoe, rounded, exact).steps
     assert not nothing.any()
     assert (changes < stated).all()
     assert max(changes[1:] / stated[1:]) > 0.7
@@ -318,7 +325,7 @@ def test_a_degree_without_an_answer_is_said_beside_the_stated_error(own, monkeyp
             raise NoAnswer("no equilibrium")
         return solve_prepared_model(model, brake, start=start)
 
-    solved = degrees.solve_meshes_of_files(own("tri2"), refuse_degree_four_and_five, 1e-6)
+    solved = degrees.solve_brake_on_mesh_files(own("tri2"), refuse_degree_four_and_five, 1e-6)
     assert saying(solved.response.notes, "no higher degree: no equilibrium")
     assert solved.response.error["torque"] > 0
     assert solved.scene.bodies[0].line.interpolation_degree_along_contact_line == 3
@@ -337,7 +344,9 @@ def test_split_elements_fit_together_and_keep_the_shape_of_the_mesh(shoe, brake,
     inside = shoe.arc[0] + 0.37 * (shoe.arc[1] - shoe.arc[0])
     point = brake.size * np.array([[math.cos(inside)], [math.sin(inside)]])
     finest = FinestSides(np.hstack([mesh.p[:, corners], point]), np.full(len(corners) + 1, side))
-    split = nodal_basis_on_parts(basis, split_mesh_towards_points(basis, finest, 10_000), 3)
+    split = nodal_basis_on_split_triangles(
+        basis, split_mesh_into_triangles_towards_points(basis, finest, 10_000), 3
+    )
     parts = split.mesh
     # No element overlaps another, no node hangs in a side, and no side is open in between.
     assert split.dx.sum() == pytest.approx(basis.dx.sum(), rel=1e-6)
@@ -359,15 +368,18 @@ def test_split_elements_fit_together_and_keep_the_shape_of_the_mesh(shoe, brake,
         area = split.dx[parts.subdomains[name]].sum()
         assert area == pytest.approx(basis.dx[members].sum(), rel=1e-6), name
     contact = nodes_along_element_edges(split, parts.boundaries["contact"])
-    assert np.abs(shoe.off(split.doflocs[:, contact], brake.size)).max() < 1e-7
+    assert (
+        np.abs(shoe.distance_from_friction_surface(split.doflocs[:, contact], brake.size)).max()
+        < 1e-7
+    )
     # Elements at each point are small enough.
     for xy in finest.xy.T:
         nearest = np.hypot(*(parts.p - xy[:, None])).argsort()[1]
         assert np.hypot(*(parts.p[:, nearest] - xy)) < side
     with pytest.raises(NoAnswer, match="split into more than 100 triangles"):
-        split_mesh_towards_points(basis, finest, 100)
+        split_mesh_into_triangles_towards_points(basis, finest, 100)
     large = FinestSides(finest.xy, np.full(len(finest.sides), 1.0))
-    assert split_mesh_towards_points(basis, large, 100) is None
+    assert split_mesh_into_triangles_towards_points(basis, large, 100) is None
 
 
 def test_corners_of_a_mesh_are_those_of_the_shoe_and_not_of_its_circles(shoe, brake):
@@ -375,13 +387,13 @@ def test_corners_of_a_mesh_are_those_of_the_shoe_and_not_of_its_circles(shoe, br
     for kind in MESH_KINDS:
         mesh = parametric_mesh_of_shoe(shoe, brake.size, ELEMENTS, kind)
         corners = mesh.p[:, singular_corners_of_mesh(mesh)]
-        angles = shoe.phi_of_points_in_shoe_frame(corners, brake.size)
+        angles = shoe.surface_coordinates_of_points_in_shoe_frame(corners, brake.size)
         start, end = shoe.arc
         ends = np.sort([start, end, start, end])
         on_hinge = (
             np.abs(
                 angles
-                - shoe.phi_of_points_in_shoe_frame(
+                - shoe.surface_coordinates_of_points_in_shoe_frame(
                     mesh.p[:, mesh.facets[:, mesh.boundaries["hinge"]]], brake.size
                 ).min()
             )
@@ -457,8 +469,10 @@ def test_levels_end_when_no_level_reduces_the_error_that_misses_its_tolerance():
     aim = degrees.Tolerance(pressure=1e-3, torque=1e-4)
 
     def helps(error, of_level):
-        both = (Errors(dict(zip(aim._fields, each, strict=True)), ()) for each in (error, of_level))
-        return degrees._would_further_level_help(*both, aim)
+        whole, part = (
+            Errors(dict(zip(aim._fields, each, strict=True)), ()) for each in (error, of_level)
+        )
+        return degrees._would_further_level_help(whole, part, aim)
 
     assert not helps((9e-4, 9e-5), (9e-4, 9e-5))
     assert helps((2e-3, 9e-5), (9e-4, 9e-5))

@@ -477,7 +477,7 @@ def test_a_file_in_the_shoes_frame_serves_both_hands(tmp_path, brake):
     path = tmp_path / "one.msh"
     write_shoe_mesh_to_file(path, parametric_mesh_of_shoe(shoe, brake.drum.radius, ELEMENTS), shoe)
     mesh = meshio.read(path)
-    mesh.points[:, :2] = shoe.frame.convert_to_shoe_frame(mesh.points[:, :2]) * 1e3
+    mesh.points[:, :2] = shoe.frame.convert_vectors_to_shoe_frame(mesh.points[:, :2]) * 1e3
     mesh.write(path, file_format="gmsh22", binary=False)
     one = vary(brake, {"shoe.mesh": str(path), "shoe.mesh_frame": "shoe", "shoe.mesh_unit": "mm"})
     assert solve_on_elements_of_files(one).torque == pytest.approx(

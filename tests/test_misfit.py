@@ -226,12 +226,12 @@ def test_a_drum_turns_with_its_surface():
         vary(BRAKE, {"drum.out_of_round": lobes, "drum.angle": angle}) for angle in (0.0, 0.7)
     )
     theta = np.linspace(-3, 3, 13)
-    assert still.radial_deviation_of_surface(np.array([0.4]))[0] == pytest.approx(
+    assert still.radial_deviation_of_drum_surface(np.array([0.4]))[0] == pytest.approx(
         2e-5 + 1e-5 * math.cos(1.2)
     )
     np.testing.assert_allclose(
-        turned.radial_deviation_of_surface(theta + 0.7),
-        still.radial_deviation_of_surface(theta),
+        turned.radial_deviation_of_drum_surface(theta + 0.7),
+        still.radial_deviation_of_drum_surface(theta),
         atol=1e-18,
     )
 
@@ -250,7 +250,7 @@ def test_the_torque_over_a_turn_has_the_period_of_the_lobes(order):
     # One turn of the lobes' period later the drum presents the same shape.
     once, again = (
         picked(
-            clearance.solve_at_drum_positions(
+            clearance.solve_brake_at_angular_drum_positions(
                 brake, lambda b: solve_prepared_model(SCENE, b), start + angles
             ),
             "torque",
@@ -343,7 +343,7 @@ def test_the_foundation_has_the_same_misfit():
     tables = {}
     for i, shoe in enumerate(changed.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 4001)
-        gap = clearance.unloaded_gap_of_shoe(changed, shoe, theta)
+        gap = clearance.gap_between_unloaded_lining_and_surface(changed, shoe, theta)
         # The same gap is given as a table of many rows.
         tables[f"shoe[{i}].lining.clearance"] = np.column_stack([theta, gap]).tolist()
     same(
@@ -397,7 +397,7 @@ def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
     """
     off = vary(BRAKE, {f"{MISFIT}.radius": R + 5e-5, f"{MISFIT}.taper": -3e-5})
     setup = wear_setup_by_finite_elements(SCENE, off)
-    goal = run_in.end_of_wear_by_rigid_shoe_law(setup)
+    goal = run_in.final_pressure_and_torque_by_rigid_shoe_law(setup)
     states = run_in.wear_brake_linings_until_worn_in(
         setup, until=run_in.make_test_for_end_of_wear(setup, goal, 1e-4)
     )
@@ -407,7 +407,7 @@ def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
     )
     for by_wear, at_once in zip(ended.shoes, limit.shoes, strict=True):
         theta, gap = np.array(at_once.lining.clearance).T
-        difference = clearance.unloaded_gap_of_shoe(ended, by_wear, theta) - gap
+        difference = clearance.gap_between_unloaded_lining_and_surface(ended, by_wear, theta) - gap
         turn = np.sin(by_wear.frame.phi(theta))
         # The part of the difference that a turn of the shoe makes is taken off.
         left = difference - turn * (turn @ difference) / (turn @ turn)

@@ -20,11 +20,11 @@ from drumlin.response.norms import relative_distance_of_pressures
 from drumlin_studies.omission import (
     brake_without_neglected_parts,
     predict_response_change_by_omitting_parts,
-    prepared_model_without_parts,
+    prepared_model_without_neglected_parts,
     relative_change_from_whole_to_simpler_brake,
 )
 from drumlin_studies.omission_table import (
-    predicted_over_true_changes,
+    predicted_over_true_changes_by_omission,
     row_of_largest_straight_edge_effect,
     saved_time_ranges_by_omission,
     table_rows_for_each_part_omitted_from_brake,
@@ -167,7 +167,7 @@ def test_predictions_are_within_a_factor_two_of_the_truth(case):
 
     predicted = predict_response_change_by_omitting_parts(brake, [part], solve_prepared_model)
     true = relative_change_from_whole_to_simpler_brake(
-        solve_prepared_model(*prepared_model_without_parts(brake, [part], make)),
+        solve_prepared_model(*prepared_model_without_neglected_parts(brake, [part], make)),
         solve_prepared_model(make(brake), brake),
     )
     judged = [
@@ -247,7 +247,7 @@ def test_omissions_compose_and_their_words_are_checked():
 
 def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
     brake = vary(BRAKE, ringed("free"))
-    scene, simple = prepared_model_without_parts(
+    scene, simple = prepared_model_without_neglected_parts(
         brake, ["drag"], lambda spec: make_prepared_model(spec, elements=16)
     )
     A = ShoeGroup(
@@ -297,9 +297,9 @@ def test_rows_are_summed_up_and_a_case_without_answer_stays():
         for row in rows
         if row["exact"] == "no"
     }
-    assert set(predicted_over_true_changes(every, "pressure")) <= set(ratios.values())
-    assert ratios["drag"] in predicted_over_true_changes(every, "pressure")
-    assert ratios["curvature"] not in predicted_over_true_changes(every, "pressure")
+    assert set(predicted_over_true_changes_by_omission(every, "pressure")) <= set(ratios.values())
+    assert ratios["drag"] in predicted_over_true_changes_by_omission(every, "pressure")
+    assert ratios["curvature"] not in predicted_over_true_changes_by_omission(every, "pressure")
     assert row_of_largest_straight_edge_effect(every)["pressure"] == next(
         row["pressure"] for row in rows if row["part"] == "curvature"
     )

@@ -181,8 +181,8 @@ def test_a_holding_duo_servo_reverses_through_its_anchor() -> None:
     """Turned to full slip and back, it holds with the torque of each sliding sense."""
     brake = duo_servo(half=(0.6, 0.7))
     scene = prepared_model_for_analysis(brake, "fem", elements=16)
-    full = holding.find_full_slip_rotation(scene, brake)
-    back = holding.find_full_slip_rotation(scene, brake.brake_with_reversed_motion())
+    full = holding.find_drum_rotation_of_full_slip(scene, brake)
+    back = holding.find_drum_rotation_of_full_slip(scene, brake.brake_with_reversed_motion())
     rotations = np.concatenate([np.linspace(0, full, 5), np.linspace(full, -full - 4 * back, 12)])
     states = holding.states_of_holding_brake_at_rotations(scene, brake, rotations)
     forwards = drumlin.solve(brake, elements=16).torque
@@ -261,14 +261,14 @@ def test_a_worn_in_duo_servo_is_its_law() -> None:
 def test_the_limit_of_a_duo_servo_is_where_solves_end_and_takes_few_searches(rotation, monkeypatch):
     """While the present supports bear, one contact solve a step follows the friction."""
     searches = []
-    search = ShoeGroup._solve_with_consistent_friction_senses
+    search = ShoeGroup._solve_contact_with_confirmed_abutment_friction
 
     def counted(group, first=None):
         searches.append(group.brake.friction)
         return search(group, first)
 
     brake = vary(drumlin.example("duo_servo"), {"rotation": rotation})
-    monkeypatch.setattr(ShoeGroup, "_solve_with_consistent_friction_senses", counted)
+    monkeypatch.setattr(ShoeGroup, "_solve_contact_with_confirmed_abutment_friction", counted)
     scene = make_prepared_model(brake, elements=4)
     (limit,) = self_locking_friction_of_shoe_groups(scene, brake).values()
     # The friction grows by 60 steps, and 20 more steps halve the last one.

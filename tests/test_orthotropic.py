@@ -15,12 +15,12 @@ from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
 from drumlin.brake.elasticity import ElasticLayer, plane_stress_elasticity_matrix
 from drumlin.brake.fields import Material, Orthotropic
-from drumlin.brake.file import make_drum_brake_from_data, make_validated_part, vary
+from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.schema import json_schema_of_brake_file
 from drumlin.brake.writing import brake_file_text
 from drumlin.comparison import compare
-from drumlin.explore.knobs import knobs_for_brake
+from drumlin.explore.knobs import sliders_for_brake
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensitivity_as_text_lines
 from drumlin.fem.error_control.levels import LEVELS
@@ -51,7 +51,10 @@ from drumlin_studies.consistency_slopes import (
     largest_difference_from_central_slopes,
 )
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import draw_brake_of_support_kind, mirror_turn_and_shift_brake
+from drumlin_studies.random_kinds import (
+    draw_random_brake_of_support_kind,
+    mirror_turn_and_shift_brake,
+)
 from drumlin_studies.stated_true import solve_fine_reference_by_triangles
 from drumlin_studies.two_bodies import scikit_fem_basis_of_mesh
 from picking import having, picked
@@ -201,7 +204,7 @@ def test_a_material_is_taken_just_where_every_strain_has_a_positive_energy(
         return
     ratios = {"nu_along_through": nu_at, "nu_along_across": nu_ac, "nu_through_across": nu_tc}
     try:
-        make_validated_part(
+        make_validated_brake_part(
             Orthotropic, {"E_along": a, "E_through": t, "E_across": c} | ratios | shears
         )
     except BadInput:
@@ -291,7 +294,7 @@ def pad(thickness, material):
         "lining": lining,
         "actuation": {"force": 500.0, "direction": -math.pi / 2, "point": {"x": 0.06, "y": 0.1}},
     }
-    return make_validated_part(
+    return make_validated_brake_part(
         FlatBrake, {"title": "pad", "friction": 0.0, "plane": {"sliding": "+x"}, "shoe": [shoe]}
     )
 
@@ -445,7 +448,7 @@ def test_the_second_solver_finds_the_same_torque_of_one_shoe():
 @settings(deadline=None, max_examples=8)
 @given(st.integers(0, 10**6), st.floats(-3, 3), st.booleans())
 def test_a_brake_that_is_turned_or_mirrored_has_the_same_torque(seed, turn, mirrored):
-    brake = orthotropic(draw_brake_of_support_kind(seed % 50), seed)
+    brake = orthotropic(draw_random_brake_of_support_kind(seed % 50), seed)
     one, other = (
         solve(b, elements=6)
         for b in (brake, mirror_turn_and_shift_brake(brake, turn=turn, mirrored=mirrored))
@@ -592,7 +595,7 @@ def test_stresses_are_those_of_the_layers_directions():
 
 def test_the_explorers_sliders_take_all_moduli_in_proportion():
     brake = with_lining(MAIN)
-    slider = having(knobs_for_brake(brake), name="lining")[0]
+    slider = having(sliders_for_brake(brake), name="lining")[0]
     assert slider.start == pytest.approx(300.0)
     (softer,) = set(picked(vary(brake, slider.changes(150.0)).shoes, "lining.material"))
     assert softer.moduli == pytest.approx(

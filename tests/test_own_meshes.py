@@ -229,7 +229,9 @@ def test_middle_nodes_of_straight_sides_are_put_on_the_drum(tmp_path, brake, sho
     found = read_shoe_mesh_with_notes(path, shoe, radius)
     assert found.contact.straight == ELEMENTS
     on = found.mesh.dofs.facet_dofs[0, found.mesh.boundaries["contact"]]
-    assert shoe.off(found.mesh.doflocs[:, on], radius) == pytest.approx(0, abs=1e-12)
+    assert shoe.distance_from_friction_surface(found.mesh.doflocs[:, on], radius) == pytest.approx(
+        0, abs=1e-12
+    )
 
 
 @pytest.mark.parametrize("depth", [3e-6, 20e-6])
@@ -250,7 +252,7 @@ def test_a_flat_in_rounded_coordinates_stays(tmp_path, brake, shoe, depth):
     in_mm = vary(brake, {"shoe[0].mesh": str(path), "shoe[0].mesh_unit": "mm"}).shoes[0]
     mesh = read_shoe_mesh_from_file(path, in_mm, radius)
     nodes = np.unique(mesh.facets[:, mesh.boundaries["contact"]])
-    off = shoe.off(mesh.p[:, nodes], radius)
+    off = shoe.distance_from_friction_surface(mesh.p[:, nodes], radius)
     assert off.max() == pytest.approx(depth, abs=1e-6)
     assert np.count_nonzero(off > depth / 2) > 2
 

@@ -11,7 +11,7 @@ import drumlin
 from drumlin import BadInput, vary
 from drumlin.brake import read_any
 from drumlin.brake.file import make_drum_brake_from_data
-from drumlin.brake.plane_brake import make_brake_from_data
+from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.laws.rigid import solve_brake_by_rigid_shoe_law
 from drumlin.laws.shapes import ratio_of_equivalent_friction
 from further_loads import moment, two_shoes
@@ -81,9 +81,9 @@ def test_pattern_joins_links_and_shoes_that_are_written_out() -> None:
 def test_pattern_on_a_plane_moves_pads_along_it() -> None:
     """Pads that repeat along the plane are the same pads at other places."""
     data = tomllib.loads((ROOT / "studies/laws/pad.toml").read_text(encoding="utf-8"))
-    (first,) = make_brake_from_data(data, unit_required=True).shoes
+    (first,) = make_drum_or_plane_brake_from_data(data, unit_required=True).shoes
     data["shoe"][0]["pattern"] = {"count": 3, "step": "0.5 m"}
-    pads = make_brake_from_data(data, unit_required=True).shoes
+    pads = make_drum_or_plane_brake_from_data(data, unit_required=True).shoes
     assert [pad.lining.start - first.lining.start for pad in pads] == pytest.approx([0, 0.5, 1])
     assert [pad.pin.x - first.pin.x for pad in pads] == pytest.approx([0, 0.5, 1])
     assert [pad.pin.y for pad in pads] == [first.pin.y] * 3

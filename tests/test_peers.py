@@ -22,10 +22,10 @@ from drumlin.peers.deck import (
     angles_of_drum_nodes,
     plane_stress_deck_text,
 )
-from drumlin.peers.peer import hinged_shoes_under_actuation
+from drumlin.peers.peer import mesh_hinged_shoes_under_actuation
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin_studies.brake_kinds import brake_and_reversed_brake
-from drumlin_studies.random_kinds import HOLDING_KINDS, draw_brake_of_support_kind
+from drumlin_studies.random_kinds import HOLDING_KINDS, draw_random_brake_of_support_kind
 from picking import picked
 
 STUDIES = Path(__file__).parents[1] / "studies"
@@ -113,7 +113,7 @@ def test_deck_states_the_brake(brake, kind, index):
     Faces look towards each other on the friction surface.
     """
     setting = DeckSetting(rotation=2e-3, thickness=0.02)
-    loaded = hinged_shoes_under_actuation(brake, 12, kind)[index]
+    loaded = mesh_hinged_shoes_under_actuation(brake, 12, kind)[index]
     shoe, text = loaded.shoe, plane_stress_deck_text(brake, loaded, setting)
     assert text == plane_stress_deck_text(brake, loaded, setting)
     parsed, R = Parsed(text), brake.drum.radius * 1e3
@@ -193,17 +193,17 @@ def test_deck_states_the_brake(brake, kind, index):
 def test_decks_that_calculix_does_not_get():
     with pytest.raises(BadInput, match="quad2, tri2"):
         plane_stress_deck_text(
-            MAIN, hinged_shoes_under_actuation(MAIN, 8, "quad1")[0], DeckSetting()
+            MAIN, mesh_hinged_shoes_under_actuation(MAIN, 8, "quad1")[0], DeckSetting()
         )
     open_ = vary(MAIN, {"shoe[0].lining.clearance": 1e-4})
     with pytest.raises(BadInput, match="clearance"):
-        plane_stress_deck_text(open_, hinged_shoes_under_actuation(open_, 8)[0], DeckSetting())
+        plane_stress_deck_text(open_, mesh_hinged_shoes_under_actuation(open_, 8)[0], DeckSetting())
     for change, said in (
         ({"friction": 0.0}, "friction"),
         ({"drum.ring": {"bending_stiffness": 1e3}}, "ring"),
     ):
         with pytest.raises(BadInput, match=said):
-            hinged_shoes_under_actuation(vary(MAIN, change))
+            mesh_hinged_shoes_under_actuation(vary(MAIN, change))
 
 
 def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
@@ -267,7 +267,10 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
 
 @pytest.mark.parametrize("index", [0, 1])
 def test_results_are_read_as_written(index):
-    setting, loaded = DeckSetting(thickness=0.02), hinged_shoes_under_actuation(MAIN, 20)[index]
+    setting, loaded = (
+        DeckSetting(thickness=0.02),
+        mesh_hinged_shoes_under_actuation(MAIN, 20)[index],
+    )
     dat, sta, output, pressure = written(MAIN, loaded, setting)
     state = calculix.read_calculix_state(dat, sta, output, MAIN, loaded, setting)
     calculix.require_equilibrium_and_contact(loaded, state)
@@ -297,7 +300,7 @@ def test_results_are_read_as_written(index):
     ids=["unbalanced", "handful", "stopped"],
 )
 def test_states_that_are_none_are_refused(changes, said):
-    setting, loaded = DeckSetting(), hinged_shoes_under_actuation(MAIN, 20)[0]
+    setting, loaded = DeckSetting(), mesh_hinged_shoes_under_actuation(MAIN, 20)[0]
     dat, sta, output, _ = written(MAIN, loaded, setting, **changes)
     with pytest.raises(NoAnswer, match=said):
         calculix.require_equilibrium_and_contact(
@@ -314,7 +317,7 @@ def test_states_that_are_none_are_refused(changes, said):
 
 
 def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
-    loaded, turned = hinged_shoes_under_actuation(MAIN, 20)[0], []
+    loaded, turned = mesh_hinged_shoes_under_actuation(MAIN, 20)[0], []
 
     def run(brake, loaded, setting, posed=None):
         turned.append(setting.rotation)
@@ -325,12 +328,14 @@ def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
 
     monkeypatch.setattr(calculix, "run_calculix_on_deck_of_shoe", run)
     limit = 3e-3
-    state, rotation = calculix.run_until_lining_slips(MAIN, loaded, DeckSetting(rotation=1e-3))
+    state, rotation = calculix.run_calculix_until_lining_slips(
+        MAIN, loaded, DeckSetting(rotation=1e-3)
+    )
     assert (state.sticking, rotation, turned) == (0.0, 4e-3, [1e-3, 2e-3, 4e-3])
     # No rotation is far enough now.
     limit = 1.0
     with pytest.raises(NoAnswer, match="do not slip"):
-        calculix.run_until_lining_slips(MAIN, loaded, DeckSetting(rotation=1e-3))
+        calculix.run_calculix_until_lining_slips(MAIN, loaded, DeckSetting(rotation=1e-3))
 
 
 def test_absent_peers_say_how_to_install_them(monkeypatch):
@@ -483,7 +488,7 @@ def test_getfem_on_random_brakes_of_every_kind(kind):
         for elements in (48, 40, 56, 64, 72):
             with suppress(NoAnswer):
                 agree(
-                    draw_brake_of_support_kind(seed, kind),
+                    draw_random_brake_of_support_kind(seed, kind),
                     elements=elements,
                     close=1e-3,
                     balanced=1e-8,

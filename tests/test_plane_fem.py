@@ -12,7 +12,7 @@ import drumlin
 from conftest import ROOT, partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
-from drumlin.brake.file import make_validated_part, vary
+from drumlin.brake.file import make_validated_brake_part, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.error_control.levels import LEVELS
@@ -165,7 +165,7 @@ def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) ->
             part["direction"] = pi - part["direction"]
     for part in (shoe["lining"], shoe["body"]):
         part["start"], part["end"] = -part["end"], -part["start"]
-    a, b = response.shoes[0], drumlin.solve(make_validated_part(FlatBrake, data)).shoes[0]
+    a, b = response.shoes[0], drumlin.solve(make_validated_brake_part(FlatBrake, data)).shoes[0]
     assert b.normal_force == pytest.approx(a.normal_force, rel=1e-8)
     assert b.hinge_reaction == pytest.approx(a.hinge_reaction * [-1, 1], rel=1e-6, abs=1e-6)
     np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-6 * a.peak_pressure)
@@ -183,7 +183,7 @@ def test_a_pad_answers_alike_wherever_it_stands(kind) -> None:
         part["start"], part["end"] = part["start"] + 1.3, part["end"] + 1.3
     a, b = (
         drumlin.solve(brake).shoes[0],
-        drumlin.solve(make_validated_part(FlatBrake, data)).shoes[0],
+        drumlin.solve(make_validated_brake_part(FlatBrake, data)).shoes[0],
     )
     assert b.normal_force == pytest.approx(a.normal_force, rel=1e-6)
     np.testing.assert_allclose(
@@ -224,7 +224,8 @@ def test_the_end_face_by_which_a_hinge_holds_a_pad_lies_on_the_plane_as_it_is() 
     brake = pad("hinge", body=BODY)
     (shoe,) = brake.shoes
     near, far = (
-        shoe.middle_of_body_end_face(brake.size, loaded=loaded) - shoe.pin_in_shoe_frame
+        shoe.middle_of_supported_end_face_of_shoe_body(brake.size, loaded=loaded)
+        - shoe.pin_position_in_shoe_frame
         for loaded in (False, True)
     )
     # Half of the body lies behind the lining.
@@ -263,7 +264,7 @@ def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
     (surface,) = setup.surfaces
     np.testing.assert_allclose(
         shoe.pressure,
-        surface.own_values_by_growing_angle(last.pressure),
+        surface.lining_values_by_growing_angle(last.pressure),
         atol=1e-8 * shoe.peak_pressure,
     )
 

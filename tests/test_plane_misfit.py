@@ -12,7 +12,7 @@ import drumlin
 from drumlin.base.errors import BadInput
 from drumlin.brake import off_circle
 from drumlin.brake.fields import Point
-from drumlin.brake.file import make_validated_part, vary
+from drumlin.brake.file import make_validated_brake_part, vary
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
@@ -49,7 +49,7 @@ def centred(
         | lining,
         "actuation": {"force": force, "direction": -math.pi / 2, "point": {"x": 0.0, "y": 0.1}},
     }
-    return make_validated_part(
+    return make_validated_brake_part(
         FlatBrake, {"title": "t", "friction": mu, "plane": {"sliding": "+x"}, "shoe": [shoe]}
     )
 

@@ -10,10 +10,10 @@ from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import read_any
-from drumlin.brake.plausibility import notes_on_values_that_can_hardly_be_meant as notes
+from drumlin.brake.plausibility import notes_on_implausible_brake_values as notes
 from drumlin.cli.commands import app
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 
 FAR_HINGE = {"x": "12.5 m", "y": "0 m"}
 PUSH = {"force": "1 kN", "direction": "0 deg"}
@@ -135,7 +135,7 @@ def test_brake_files_of_the_studies_have_no_note():
         assert notes(read_any(path)) == (), path
 
 
-@pytest.mark.parametrize("draw", [draw_random_brake, draw_brake_of_support_kind])
+@pytest.mark.parametrize("draw", [draw_random_brake, draw_random_brake_of_support_kind])
 def test_a_random_brake_has_no_note(draw):
     """Of seed 21 the first brake is of the kind "extreme", with a lining stiffer than its shoe."""
     brake = draw(21)
@@ -146,6 +146,6 @@ def test_a_random_brake_has_no_note(draw):
 def test_random_brakes_have_no_note():
     """The limits are wide enough for brakes with extreme sizes and moduli."""
     brakes = [draw_random_brake(seed) for seed in range(300)]
-    brakes += [draw_brake_of_support_kind(seed) for seed in range(100)]
+    brakes += [draw_random_brake_of_support_kind(seed) for seed in range(100)]
     for brake in brakes:
         assert notes(brake) == (), brake.title

@@ -121,7 +121,7 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
         ends[f"{len(response.shoes[0].contact_arcs)} arcs"] += 1
         body = scene.bodies[0]
         problem = ShoeGroup(scene, brake, (0,), penalty).contact_problem_of_group
-        found = ShoeGroup(scene, brake, (0,), penalty).solve_contact_for_known_friction_senses()
+        found = ShoeGroup(scene, brake, (0,), penalty).solve_contact_for_given_abutment_friction()
         w = (
             problem.q + problem.A @ found.p + problem.B @ found.y
         ) / body.coupling.areas_of_contact_nodes
@@ -136,7 +136,7 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
         if brake.friction > UNIQUE:
             return
         start = np.random.default_rng(seed).random(len(problem.q)) < 0.5
-        other = ShoeGroup(scene, brake, (0,), penalty).solve_contact_for_known_friction_senses(
+        other = ShoeGroup(scene, brake, (0,), penalty).solve_contact_for_given_abutment_friction(
             start
         )
         assert other.p == pytest.approx(found.p, rel=1e-6, abs=1e-8 * found.p.max())

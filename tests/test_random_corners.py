@@ -9,7 +9,7 @@ from conftest import partly
 from drumlin_studies.random_corners import (
     CORNER_KINDS,
     SHORT_CONTACT,
-    draw_brake_pressing_with_corner_or_tip,
+    draw_random_brake_pressing_with_corner_or_kink,
     is_kink_towards_drum_in_contact,
     is_lining_corner_in_contact,
 )
@@ -22,8 +22,8 @@ FIRST = 400_000
 def test_a_seed_gives_a_brake_that_presses_as_its_kind_says(number):
     """With a corner or under a tip, and on no more of the lining than some degrees."""
     kind = list(CORNER_KINDS)[number]
-    brake = draw_brake_pressing_with_corner_or_tip(FIRST + number)
-    assert brake == draw_brake_pressing_with_corner_or_tip(FIRST + number, kind)
+    brake = draw_random_brake_pressing_with_corner_or_kink(FIRST + number)
+    assert brake == draw_random_brake_pressing_with_corner_or_kink(FIRST + number, kind)
     found = drumlin.solve(brake)
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     presses = {

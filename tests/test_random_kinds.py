@@ -23,7 +23,7 @@ from drumlin.response.resultants import planar_cross_product
 from drumlin_studies.random_kinds import (
     HOLDING_KINDS,
     brake_with_scaled_lengths_and_moduli,
-    draw_brake_of_support_kind,
+    draw_random_brake_of_support_kind,
     mirror_turn_and_shift_brake,
 )
 from picking import picked
@@ -49,7 +49,7 @@ def whole_balance(brake: Brake, found: Response) -> None:
             -to.actuation.force_vector, rel=1e-8, abs=1e-8 * to.actuation.force
         )
         assert to.actuation.force == pytest.approx(np.linalg.norm(source.hinge_reaction), rel=1e-9)
-    if brake.actuation is not None and brake.actuation.is_cam:
+    if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         assert sum(own.force or 0.0 for own in found.shoes) == pytest.approx(
             brake.actuation.force_of_cylinder_or_sum_of_cam_forces, rel=1e-9
         )
@@ -57,8 +57,8 @@ def whole_balance(brake: Brake, found: Response) -> None:
         reaction = own.hinge_reaction
         if shoe.abutment is not None and own.contact_arcs:
             bearing, along = (
-                reaction @ shoe.unit_vector_of_abutment_force_on_foot,
-                abs(planar_cross_product(shoe.unit_vector_of_abutment_force_on_foot, reaction)),
+                reaction @ shoe.unit_vector_of_smooth_abutment_force,
+                abs(planar_cross_product(shoe.unit_vector_of_smooth_abutment_force, reaction)),
             )
             assert bearing > 0
             assert along <= shoe.abutment.friction * bearing + 1e-8 * bearing
@@ -85,7 +85,7 @@ def whole_balance(brake: Brake, found: Response) -> None:
 
 
 def judge(seed: int, kind: str) -> None:
-    brake = draw_brake_of_support_kind(seed, kind)
+    brake = draw_random_brake_of_support_kind(seed, kind)
     for solve in (solve_brake_by_its_rigid_shoe_law, drumlin.solve):
         found = solve(brake)
         assert max(found.balance.force, found.balance.moment) < 1e-9
@@ -116,7 +116,7 @@ def fitting(brake: Brake) -> bool:
 
 def moved(seed: int, kind: str, turn: float, length: float, modulus: float) -> None:
     """The brake turned, mirrored, shifted, scaled, stiffened, under twice the forces, as a file."""
-    brake = draw_brake_of_support_kind(seed, kind)
+    brake = draw_random_brake_of_support_kind(seed, kind)
     flat = isinstance(brake, FlatBrake)
     for solve in MODELS:
         a = solve(brake)
@@ -185,7 +185,7 @@ def both_ways(brake: Brake) -> list[Brake]:
 def rigid_limit(seed: int, kind: str) -> int:
     """How many of both rotations have an answer; finite elements have none where the law none."""
     answers = 0
-    for brake in both_ways(draw_brake_of_support_kind(seed, kind, rigid=True)):
+    for brake in both_ways(draw_random_brake_of_support_kind(seed, kind, rigid=True)):
         try:
             by_law = solve_brake_by_its_rigid_shoe_law(brake)
         except NoAnswer:
@@ -227,7 +227,7 @@ def end_by_law(brake: Brake, most: float) -> float | None:
 def locked(seed: int, kind: str, most: float = 1.2) -> int:
     """Judge a brake in both senses; in how many of them its law ends below `most`."""
     ends = 0
-    for brake in both_ways(draw_brake_of_support_kind(seed, kind, rigid=True)):
+    for brake in both_ways(draw_random_brake_of_support_kind(seed, kind, rigid=True)):
         try:
             solve_brake_by_its_rigid_shoe_law(brake)
         except NoAnswer:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin.base.arrays import polar_angles_near_given_angle
+from drumlin.base.arrays import polar_angles_within_half_turn_of_angle
 from drumlin.brake.file import vary
 from drumlin.brake.surface import DRUM
 from drumlin.response.balance import (
@@ -132,7 +132,9 @@ def test_an_even_pressure_on_an_arc(sign, drag):
 @given(st.floats(-9, 9), st.floats(-3.1, 3.1), st.floats(0.1, 10))
 def test_angles_are_counted_from_the_middle_and_cross_products_by_the_sine(middle, turn, size):
     xy = size * np.array([math.cos(middle + turn), math.sin(middle + turn)])
-    assert polar_angles_near_given_angle(middle, xy) == pytest.approx(middle + turn, abs=1e-12)
+    assert polar_angles_within_half_turn_of_angle(middle, xy) == pytest.approx(
+        middle + turn, abs=1e-12
+    )
     start = np.array([math.cos(middle), math.sin(middle)])
     assert planar_cross_product(start, xy) == pytest.approx(size * math.sin(turn), abs=1e-12 * size)
 

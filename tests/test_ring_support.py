@@ -7,7 +7,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake import read_brake, vary
 from drumlin.brake.components import Ring
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
+from drumlin.brake.ring_support import reason_if_ring_edge_is_not_fixed_or_free
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -36,8 +36,8 @@ def test_rings_of_brake_files_are_plain(root, support):
     brake = read_brake(root / "studies" / "double_shoe" / "brake.toml")
     brake = vary(brake, {"drum.ring": SECTION | {"support": support}})
     assert brake.ring.has_fixed_or_free_far_edge
-    assert reason_if_ring_support_is_not_plain(brake, "a model") is None
-    assert reason_if_ring_support_is_not_plain(brake.brake_without_ring(), "a model") is None
+    assert reason_if_ring_edge_is_not_fixed_or_free(brake, "a model") is None
+    assert reason_if_ring_edge_is_not_fixed_or_free(brake.brake_without_ring(), "a model") is None
 
 
 def test_the_foundation_model_refuses_it(strange):

@@ -16,7 +16,7 @@ from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, SlipHistory
 from drumlin.fem.analysis.at_rest import FeetOnRoughAbutments, make_stick_slip_problem_of_shoe_group
 from drumlin.fem.analysis.holding import (
-    find_full_slip_rotation,
+    find_drum_rotation_of_full_slip,
     states_of_holding_brake_at_rotations,
 )
 from drumlin.fem.analysis.self_locking import (
@@ -27,8 +27,8 @@ from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.laws import rigid
-from drumlin_studies.consistency_hold import torque_rows_of_hold_and_solve
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.consistency_hold import rows_comparing_torques_of_hold_and_solve
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 from picking import picked
 
 ELEMENTS = 12
@@ -141,7 +141,7 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
     """
     brake = pad(tmp_path)
     scene = make_prepared_model(brake, elements=40)
-    end = find_full_slip_rotation(scene, brake)
+    end = find_drum_rotation_of_full_slip(scene, brake)
     states = states_of_holding_brake_at_rotations(scene, brake, np.linspace(0.0, end, 21))
     # The pad begins just in contact, without friction.
     free = Layer(np.array([0.0, -1e-9, 0.0]), np.zeros(SPRINGS), 0.0, 0.0)
@@ -167,7 +167,7 @@ def test_hold_says_where_it_ends_elsewhere(tmp_path: Path) -> None:
     brake = pad(tmp_path)
     scene = make_prepared_model(brake, elements=20)
     states = states_of_holding_brake_at_rotations(
-        scene, brake, np.linspace(0.0, find_full_slip_rotation(scene, brake), 5)
+        scene, brake, np.linspace(0.0, find_drum_rotation_of_full_slip(scene, brake), 5)
     )
     (line,) = states[-1].notes
     assert f"at full slip the braking force is {states[-1].torque:.6g} N" in line
@@ -186,7 +186,7 @@ def test_hold_says_nothing_where_the_foot_is_smooth(tmp_path: Path) -> None:
     own = vary(pad(tmp_path), {"shoe.abutment.friction": 0.0})
     scene = make_prepared_model(own, elements=20)
     last = states_of_holding_brake_at_rotations(
-        scene, own, np.linspace(0.0, find_full_slip_rotation(scene, own), 5)
+        scene, own, np.linspace(0.0, find_drum_rotation_of_full_slip(scene, own), 5)
     )[-1]
     assert last.torque == pytest.approx(solve_prepared_model(scene, own).torque, rel=1e-6)
     assert last.notes == ()
@@ -195,7 +195,9 @@ def test_hold_says_nothing_where_the_foot_is_smooth(tmp_path: Path) -> None:
 def rough_brakes(count: int) -> list[Brake]:
     """Random brakes with a rough abutment."""
     kinds = ("rough abutment", "cylinder", "pad on an abutment")
-    return [draw_brake_of_support_kind(seed, kinds[seed % len(kinds)]) for seed in range(count)]
+    return [
+        draw_random_brake_of_support_kind(seed, kinds[seed % len(kinds)]) for seed in range(count)
+    ]
 
 
 @pytest.mark.parametrize("count", [6, pytest.param(60, marks=pytest.mark.slow)])
@@ -209,7 +211,7 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
         scene = make_prepared_model(brake, elements=ELEMENTS)
         for group in divide_pressed_shoes_into_groups(scene, brake, PENALTY):
             problem, lever = make_stick_slip_problem_of_shoe_group(group)
-            feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
+            feet = FeetOnRoughAbutments.collect_shoe_ends_on_rough_abutments(group)
             slid = problem._replace(
                 q_s=problem.q_s
                 + lever * 0.01 * brake.sign_of_motion / group.largest_actuation_force
@@ -217,7 +219,7 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
             nothing, n = np.zeros(len(lever)), group.contact_node_slices_of_shoes[-1].stop
             slips = np.full(n, FORWARD if brake.sign_of_motion > 0 else BACKWARD)
             start = np.append(slips, np.full(len(feet.shoe_numbers), STICK))
-            at = stick_slip.solve_load_increment(
+            at = stick_slip.solve_stick_slip_load_increment(
                 slid,
                 feet.friction_coefficients_of_all_nodes(),
                 SlipHistory(nothing, nothing),
@@ -236,13 +238,15 @@ def test_a_little_force_on_a_crowned_pad_is_no_refusal(seed: int) -> None:
 
     Seeds 61 and 219 were refused at rest.
     """
-    (row,) = torque_rows_of_hold_and_solve(seed)
+    (row,) = rows_comparing_torques_of_hold_and_solve(seed)
     assert row.outcome in {"agrees", "said"}, row
 
 
 @pytest.mark.slow
 def test_of_random_brakes_of_all_kinds_none_ends_elsewhere_without_a_line() -> None:
-    rows = list(chain.from_iterable(map(torque_rows_of_hold_and_solve, range(1000, 1104))))
+    rows = list(
+        chain.from_iterable(map(rows_comparing_torques_of_hold_and_solve, range(1000, 1104)))
+    )
     assert len(rows) > 90
     assert set(picked(rows, "outcome")) <= {"agrees", "said"}
     assert all("abutment" in row.said for row in rows if row.outcome == "said")
@@ -306,7 +310,7 @@ def test_the_limit_of_thin_linings_is_that_of_the_law() -> None:
     """
     seen = 0
     for seed in range(8):
-        brake = draw_brake_of_support_kind(seed, "rough abutment", rigid=True)
+        brake = draw_random_brake_of_support_kind(seed, "rough abutment", rigid=True)
         lock = self_locking_friction_of_shoe_groups(
             make_prepared_model(brake, elements=40), brake, 3.0
         )[0,].friction

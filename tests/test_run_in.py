@@ -27,8 +27,8 @@ from drumlin.lining_wear.run_in import (
     brake_with_worn_linings,
     compute_checks_of_wear_run,
     compute_life_of_linings,
-    end_of_wear_by_rigid_shoe_law,
-    relative_difference_from_end_of_wear,
+    final_pressure_and_torque_by_rigid_shoe_law,
+    relative_differences_from_end_of_wear,
     sliding_distance_of_e_fold_pressure_change,
     wear_brake_linings_until_worn_in,
 )
@@ -60,8 +60,8 @@ def states(setup):
 def holds(setup, states, law_torque):
     """Check everything that must hold after run-in."""
     assert (
-        relative_difference_from_end_of_wear(
-            setup, states[-1], end_of_wear_by_rigid_shoe_law(setup)
+        relative_differences_from_end_of_wear(
+            setup, states[-1], final_pressure_and_torque_by_rigid_shoe_law(setup)
         ).pressure
         <= 0.01
     )
@@ -72,7 +72,7 @@ def holds(setup, states, law_torque):
     for s in setup.surfaces:
         assert (
             amplitude_of_node_to_node_pressure_ripple(
-                s.own_values_by_growing_angle(states[-1].pressure)
+                s.lining_values_by_growing_angle(states[-1].pressure)
             )
             < 1e-3
         )
@@ -82,8 +82,8 @@ def test_the_main_brake_comes_to_the_sine_law_and_stays(brake, setup, states):
     law = hinged.solve_brake_by_sine_law(brake)
     holds(setup, states, law.torque)
     assert (
-        relative_difference_from_end_of_wear(
-            setup, states[0], end_of_wear_by_rigid_shoe_law(setup)
+        relative_differences_from_end_of_wear(
+            setup, states[0], final_pressure_and_torque_by_rigid_shoe_law(setup)
         ).pressure
         > 0.5
     )
@@ -92,8 +92,8 @@ def test_the_main_brake_comes_to_the_sine_law_and_stays(brake, setup, states):
         max(
             map(
                 abs,
-                relative_difference_from_end_of_wear(
-                    setup, long[-1], end_of_wear_by_rigid_shoe_law(setup)
+                relative_differences_from_end_of_wear(
+                    setup, long[-1], final_pressure_and_torque_by_rigid_shoe_law(setup)
                 ),
             )
         )
@@ -101,9 +101,11 @@ def test_the_main_brake_comes_to_the_sine_law_and_stays(brake, setup, states):
     )
     # The target is the law itself, not only near it.
     for surface in setup.surfaces:
-        expected = law.shoes[surface.shoe].pressure_at(surface.angles_in_growing_order)
+        expected = law.shoes[surface.shoe].pressure_at(surface.contact_angles_in_growing_order)
         np.testing.assert_allclose(
-            surface.own_values_by_growing_angle(end_of_wear_by_rigid_shoe_law(setup).pressure),
+            surface.lining_values_by_growing_angle(
+                final_pressure_and_torque_by_rigid_shoe_law(setup).pressure
+            ),
             expected,
             rtol=1e-6,
         )
@@ -117,7 +119,7 @@ def test_every_state_is_what_the_finite_elements_answer_for_the_worn_brake(scene
         assert response.torque == pytest.approx(state.torque, rel=1e-9)
         for surface, shoe in zip(setup.surfaces, response.shoes, strict=True):
             np.testing.assert_allclose(
-                surface.own_values_by_growing_angle(state.pressure),
+                surface.lining_values_by_growing_angle(state.pressure),
                 shoe.pressure,
                 atol=1e-7 * shoe.pressure.max(),
             )
@@ -152,8 +154,10 @@ def test_a_pivoted_shoe_comes_to_its_two_term_law():
     holds(setup, wear_brake_linings_until_worn_in(setup), law.torque)
     (surface,) = setup.surfaces
     np.testing.assert_allclose(
-        surface.own_values_by_growing_angle(end_of_wear_by_rigid_shoe_law(setup).pressure),
-        law.shoes[0].pressure_at(surface.angles_in_growing_order),
+        surface.lining_values_by_growing_angle(
+            final_pressure_and_torque_by_rigid_shoe_law(setup).pressure
+        ),
+        law.shoes[0].pressure_at(surface.contact_angles_in_growing_order),
         atol=1e-5 * law.shoes[0].peak_pressure,
     )
 
@@ -170,8 +174,10 @@ def test_a_guided_shoe_comes_to_the_cosine_law():
         hinged.torque_of_brake_with_guided_shoes(brake),
     )
     (surface,) = setup.surfaces
-    p = surface.own_values_by_growing_angle(end_of_wear_by_rigid_shoe_law(setup).pressure)
-    cosine = np.cos(surface.angles_in_growing_order - math.pi / 2)
+    p = surface.lining_values_by_growing_angle(
+        final_pressure_and_torque_by_rigid_shoe_law(setup).pressure
+    )
+    cosine = np.cos(surface.contact_angles_in_growing_order - math.pi / 2)
     np.testing.assert_allclose(p, p.max() * cosine, rtol=1e-6)
 
 
@@ -181,7 +187,7 @@ def test_a_post_comes_to_the_sine_law_on_the_foundation_once_it_may_tilt():
     holds(
         setup, wear_brake_linings_until_worn_in(setup), hinged.solve_brake_by_sine_law(brake).torque
     )
-    published = end_of_wear_by_rigid_shoe_law(
+    published = final_pressure_and_torque_by_rigid_shoe_law(
         wear_setup_by_foundation_model(brake, sections=180)
     ).torque
     # The shoes turn without tilt, which gives x cos(theta), not sin(phi).
@@ -201,15 +207,15 @@ def test_a_square_law_of_wear_tends_to_the_root_of_the_sine(setup):
     law = WearLaw(DEFAULT_WEAR_COEFFICIENT, 2.0)
     states, goal = (
         wear_brake_linings_until_worn_in(setup, law),
-        end_of_wear_by_rigid_shoe_law(setup, law),
+        final_pressure_and_torque_by_rigid_shoe_law(setup, law),
     )
     for surface in setup.surfaces:
-        phi = setup.brake.shoes[surface.shoe].frame.phi(surface.angles_in_growing_order)
-        p = surface.own_values_by_growing_angle(goal.pressure)
+        phi = setup.brake.shoes[surface.shoe].frame.phi(surface.contact_angles_in_growing_order)
+        p = surface.lining_values_by_growing_angle(goal.pressure)
         np.testing.assert_allclose(
             p / p.max(), np.sqrt(np.sin(phi) / np.sin(phi)[p.argmax()]), rtol=1e-5
         )
-    assert max(map(abs, relative_difference_from_end_of_wear(setup, states[-1], goal))) < 1e-3
+    assert max(map(abs, relative_differences_from_end_of_wear(setup, states[-1], goal))) < 1e-3
 
 
 def test_constant_torque_needs_the_force_that_the_worn_brake_needs(scene, brake, setup):
@@ -235,20 +241,20 @@ def test_a_reversal_undoes_the_law_until_the_lining_has_run_in_anew(scene, brake
     assert before.s == after.s == every
     assert (before.depth == after.depth).all()
     assert (
-        relative_difference_from_end_of_wear(
-            setup, before, end_of_wear_by_rigid_shoe_law(setup)
+        relative_differences_from_end_of_wear(
+            setup, before, final_pressure_and_torque_by_rigid_shoe_law(setup)
         ).pressure
         < 2e-3
     )
     assert (
-        relative_difference_from_end_of_wear(
-            other, after, end_of_wear_by_rigid_shoe_law(other)
+        relative_differences_from_end_of_wear(
+            other, after, final_pressure_and_torque_by_rigid_shoe_law(other)
         ).pressure
         > 0.3
     )
     assert (
-        relative_difference_from_end_of_wear(
-            other, run[-1], end_of_wear_by_rigid_shoe_law(other)
+        relative_differences_from_end_of_wear(
+            other, run[-1], final_pressure_and_torque_by_rigid_shoe_law(other)
         ).pressure
         < 0.01
     )
@@ -264,12 +270,14 @@ def test_a_reversal_undoes_the_law_until_the_lining_has_run_in_anew(scene, brake
 def test_the_part_of_life_does_not_depend_on_the_wear_coefficient_and_grows_with_the_force(
     brake, scene, setup, states
 ):
-    mine = compute_life_of_linings(setup, states, end_of_wear_by_rigid_shoe_law(setup), LAW)
+    mine = compute_life_of_linings(
+        setup, states, final_pressure_and_torque_by_rigid_shoe_law(setup), LAW
+    )
     faster = WearLaw(7 * DEFAULT_WEAR_COEFFICIENT)
     again = compute_life_of_linings(
         setup,
         wear_brake_linings_until_worn_in(setup, faster),
-        end_of_wear_by_rigid_shoe_law(setup),
+        final_pressure_and_torque_by_rigid_shoe_law(setup),
         faster,
     )
     assert again.pressure == pytest.approx(mine.pressure, rel=1e-6)
@@ -278,7 +286,10 @@ def test_the_part_of_life_does_not_depend_on_the_wear_coefficient_and_grows_with
     )
     heavy = wear_setup_by_finite_elements(scene, vary(brake, {"shoe.actuation.force": 4e3}))
     assert compute_life_of_linings(
-        heavy, wear_brake_linings_until_worn_in(heavy), end_of_wear_by_rigid_shoe_law(heavy), LAW
+        heavy,
+        wear_brake_linings_until_worn_in(heavy),
+        final_pressure_and_torque_by_rigid_shoe_law(heavy),
+        LAW,
     ).pressure == pytest.approx(2 * mine.pressure, rel=2e-3)
     assert 0.1 < mine.pressure < 0.2 and 0.03 < mine.torque < 0.06
 
@@ -290,7 +301,7 @@ def test_what_cannot_be_worn_in_is_refused(brake, scene, flexible):
         wear_setup_by_foundation_model(flexible)
     locking = vary(brake, {"friction": 1.0})
     with pytest.raises(NoAnswer):
-        end_of_wear_by_rigid_shoe_law(
+        final_pressure_and_torque_by_rigid_shoe_law(
             wear_setup_by_finite_elements(make_prepared_model(locking, elements=10), locking)
         )
 

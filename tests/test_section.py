@@ -13,7 +13,7 @@ from drumlin import BadInput, Brake
 from drumlin.brake import read_any, vary
 from drumlin.brake.components import ASSUMED_STEEL, Section, stiffnesses_of_bonded_plates
 from drumlin.brake.fields import Material
-from drumlin.brake.file import make_drum_brake_from_data, make_validated_part
+from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_file_text
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
@@ -65,7 +65,7 @@ def bar(**body: Any) -> Brake:
         "actuation": {"force": 1.0, "direction": -1.5, "point": {"x": 1.0, "y": 0.02}},
     }
     data = {"title": "t", "friction": 0.0, "plane": {"sliding": "+x"}, "shoe": [shoe]}
-    return make_validated_part(FlatBrake, data)
+    return make_validated_brake_part(FlatBrake, data)
 
 
 def scenes(brake: Brake) -> list[PreparedModel]:

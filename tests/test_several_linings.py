@@ -19,7 +19,7 @@ from drumlin.cli.commands import app
 from drumlin.laws.rigid import UNUSED_KEYS, solve_brake_by_rigid_shoe_law
 from drumlin.response.resultants import (
     LiningWithoutEndZones,
-    nodes_with_slots,
+    polynomial_nodes_on_linings_and_slots,
     slots_between_nodes,
 )
 from drumlin.verification.triangles.levels import (
@@ -141,7 +141,7 @@ def test_the_stated_error_holds_and_pressure_is_in_balance() -> None:
 def test_no_peak_is_sought_beside_a_slot() -> None:
     """The pressure is 1, and 9 within 0.1 of each edge of the two linings."""
     parts = [np.linspace(0, 1, 101), np.linspace(2, 3, 101)]
-    theta, on_lining = nodes_with_slots(parts, 1)
+    theta, on_lining = polynomial_nodes_on_linings_and_slots(parts, 1)
     slots = slots_between_nodes(theta, on_lining)
     assert slots == ((1.0, 2.0),)
     edge = np.min(np.abs(theta[:, None] - [0.0, 1.0, 2.0, 3.0]), axis=1)

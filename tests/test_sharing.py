@@ -11,7 +11,7 @@ from drumlin import NoAnswer, vary
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.bodies import load_factors_and_pin_moment_per_newton
+from drumlin.fem.preparation.bodies import load_column_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import sparse_stiffness_of_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -47,7 +47,7 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
     alone = vary(brake_with_forces_of_response(brake, both), {"actuation": None})
     tips = []
     for i, group in enumerate(divide_pressed_shoes_into_groups(scene, alone, 1e6)):
-        found = group.solve_contact_for_known_friction_senses()
+        found = group.solve_contact_for_given_abutment_friction()
         own = group.contact_effects_of_actuation_force_per_shoe(group.brake.friction)[0]
         tip = group.largest_actuation_force * (
             own.tip_travel_by_pressure @ found.p
@@ -95,7 +95,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
     scene = make_prepared_model(brake, elements=30)
     (group, _) = divide_pressed_shoes_into_groups(scene, brake, math.inf)
     found, own = (
-        group.solve_contact_for_known_friction_senses(),
+        group.solve_contact_for_given_abutment_friction(),
         group.contact_effects_of_actuation_force_per_shoe(group.brake.friction)[0],
     )
     tip = (
@@ -119,9 +119,9 @@ def test_the_tip_moves_as_the_energy_says() -> None:
 
 
 def _load(group: Any) -> Any:
-    return load_factors_and_pin_moment_per_newton(group.substructures_of_shoes[0], group.shoes[0])[
-        0
-    ]
+    return load_column_factors_and_pin_moment_per_newton(
+        group.substructures_of_shoes[0], group.shoes[0]
+    )[0]
 
 
 @pytest.mark.parametrize("make", [cam_brake, servo])

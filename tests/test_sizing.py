@@ -11,7 +11,7 @@ from conftest import STUDY, partly
 from drumlin import sizing
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, values_of_brake_key, vary
-from drumlin.brake.plane_brake import make_brake_from_data
+from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.cli.commands import app
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key
@@ -203,7 +203,7 @@ def test_a_torque_that_jumps_over_the_wanted_one_has_no_value(brake, monkeypatch
     def jumping(question, value):
         return sizing.Trial(value, 100.0 + value + 200.0 * (value > 2500.0), 1e6, {"torque": 0.0})
 
-    monkeypatch.setattr(sizing.Question, "trial", jumping)
+    monkeypatch.setattr(sizing.Question, "solve_trial_at_key_value", jumping)
     with pytest.raises(NoAnswer, match=r"because the torque jumps from 2600 N m to 2800 N m at 25"):
         drumlin.size(brake, FORCE, torque=2700.0, model="sine")
 
@@ -253,7 +253,7 @@ def test_a_plane_asks_for_a_braking_force():
         "lining": {"start": 0.1, "end": 0.2, "width": 0.05},
         "actuation": {"force": 1000.0, "direction": -math.pi / 2, "point": {"x": 0.3, "y": 0.05}},
     }
-    brake = make_brake_from_data(
+    brake = make_drum_or_plane_brake_from_data(
         {"title": "p", "friction": 0.3, "plane": {"sliding": "+x"}, "shoe": [pad]}
     )
     # N (0.15 + 0.3 0.05) = F 0.3 of a short pad, whose friction helps or hinders by its sense.

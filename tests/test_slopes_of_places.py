@@ -42,7 +42,7 @@ from drumlin_studies.consistency_slopes import (
     largest_difference_from_central_slopes,
 )
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 from shared_parts import modulus_slopes
 
 ELEMENTS = 10
@@ -121,10 +121,10 @@ def central(
 WRONG = [
     (partial(draw_random_brake, 51, "post"), "hinge", 1),
     (partial(draw_random_brake, 12, "post"), "hinge", 1),
-    (partial(draw_brake_of_support_kind, 6, "pivot"), "pivot", 0),
+    (partial(draw_random_brake_of_support_kind, 6, "pivot"), "pivot", 0),
     (partial(draw_random_brake, 9, "post"), "hinge", 0),
-    (partial(draw_brake_of_support_kind, 15, "grip"), "pivot", 1),
-    (partial(draw_brake_of_support_kind, 11, "pivot"), "pivot", 1),
+    (partial(draw_random_brake_of_support_kind, 15, "grip"), "pivot", 1),
+    (partial(draw_random_brake_of_support_kind, 11, "pivot"), "pivot", 1),
 ]
 
 
@@ -165,7 +165,9 @@ def test_slopes_of_the_studies_are_those_of_solves_by_default(name):
 @pytest.mark.parametrize("support", ["free", "fixed"])
 @pytest.mark.parametrize("elements", [None, ELEMENTS])
 def test_a_grip_on_an_elastic_ring_moves_the_contact_of_the_ring_too(elements, support):
-    brake = vary(draw_brake_of_support_kind(0, "pivot"), RING | {"drum.ring.support": support})
+    brake = vary(
+        draw_random_brake_of_support_kind(0, "pivot"), RING | {"drum.ring.support": support}
+    )
     assert largest(brake, elements, "pivot") < 1e-4
 
 
@@ -204,7 +206,8 @@ def test_posts_under_a_cam_share_its_force_anew_as_their_hinges_move(elements):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "draw"), [("post", draw_random_brake), ("rough abutment", draw_brake_of_support_kind)]
+    ("kind", "draw"),
+    [("post", draw_random_brake), ("rough abutment", draw_random_brake_of_support_kind)],
 )
 def test_a_mesh_in_the_shoes_frame_turns_with_its_pin(kind, draw, tmp_path):
     brake = draw(3, kind)
@@ -435,7 +438,7 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
 @pytest.mark.parametrize("seed", range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7))
 @pytest.mark.slow
 def test_random_brakes_of_all_kinds_keep_their_slopes(seed):
-    rows = consistency_slopes.torque_slope_rows_of_seed(seed, 1)
+    rows = consistency_slopes.rows_comparing_torque_slopes_of_random_brake(seed, 1)
     assert all(row.outcome == "agrees" for row in rows), rows
 
 
@@ -444,7 +447,7 @@ def test_more_random_brakes_keep_their_slopes():
     outcomes = [
         row.outcome
         for seed in range(1000, 1104)
-        for row in consistency_slopes.torque_slope_rows_of_seed(seed)
+        for row in consistency_slopes.rows_comparing_torque_slopes_of_random_brake(seed)
     ]
     assert len(outcomes) > 280
     assert set(outcomes) == {"agrees"}

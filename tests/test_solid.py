@@ -13,13 +13,16 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.contact import self_locking
 from drumlin.fem import solid
-from drumlin.fem.analysis.solid_fields import recover_fields_in_solid_shoes
+from drumlin.fem.analysis.solid_fields import recover_stresses_in_all_solid_shoes
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.width import prepare
 from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE
-from drumlin.fem.width.prepare import level_for_narrow_shoes, prepare_brake_with_widths
+from drumlin.fem.width.prepare import (
+    prepare_model_with_shoe_widths,
+    refinement_level_for_narrow_shoes,
+)
 from drumlin.response.balance import resultant_of_contact_on_shoe
 from drumlin.response.norms import relative_error_of_number
 from drumlin.sweeps.cases import solve_all_cases_of_sweep
@@ -40,8 +43,8 @@ def wide_and_plane(brake):
     return [
         solve_prepared_model(scene, brake)
         for scene in (
-            prepare_brake_with_widths(brake, LEVELS[0], 2),
-            make_prepared_model(brake, level_for_narrow_shoes(brake, LEVELS[0])),
+            prepare_model_with_shoe_widths(brake, LEVELS[0], 2),
+            make_prepared_model(brake, refinement_level_for_narrow_shoes(brake, LEVELS[0])),
         )
     ]
 
@@ -69,10 +72,10 @@ def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, na
 @pytest.mark.parametrize("name", KINDS)
 def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
     brake = of_kind(root, name)
-    scene = prepare_brake_with_widths(brake, LEVELS[0], 2)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 2)
     response = solve_prepared_model(scene, brake)
     assert max(response.balance.force, response.balance.moment) < 1e-9
-    for found in recover_fields_in_solid_shoes(scene, brake, response):
+    for found in recover_stresses_in_all_solid_shoes(scene, brake, response):
         r = found.points[:, :2] / np.hypot(*found.points[:, :2].T)[:, None]
         on = found.pressure > 0
         moved = np.einsum("nc,nc->n", r, found.displacement[:, :2])[on]
@@ -194,7 +197,7 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
 ):
     """A large face is solved on every other node and then once on all nodes."""
     brake = t_section(flexible)
-    scene = prepare_brake_with_widths(brake, LEVELS[0], 2)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 2)
     wanted = solve_prepared_model(scene, brake)
     monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", 60)
     sizes = settled_sizes(monkeypatch)
@@ -214,7 +217,7 @@ def test_the_cost_table_has_a_row_a_degree(flexible):
     assert heading.split()[:2] == ["degree", "unknowns"]
     degrees, unknowns, seconds = ([float(row.split()[k]) for row in rows] for k in (0, 1, 3))
     assert degrees == [1, 2]
-    made = [prepare_brake_with_widths(flexible, LEVELS[0], degree) for degree in (1, 2)]
+    made = [prepare_model_with_shoe_widths(flexible, LEVELS[0], degree) for degree in (1, 2)]
     assert unknowns == [sum({body.unknowns for body in scene.bodies}) for scene in made]
     assert min(seconds) > 0
 

@@ -72,7 +72,7 @@ def posed(request, flexible):
     brake = t_section(flexible) if request.param == "T-section" else flexible
     if request.param == "external":
         brake = vary(flexible, {"shoe.side": "external", "shoe.body": None})
-    loaded, solid = solid_deck._solid_shoes_under_actuation(brake, 8, 2)[1]
+    loaded, solid = solid_deck._mesh_solid_shoes_under_actuation(brake, 8, 2)[1]
     return (
         brake,
         loaded,

@@ -15,9 +15,9 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.file import vary
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK
 from drumlin.fem.analysis.holding import (
-    find_full_slip_rotation,
-    states_along_lining,
+    find_drum_rotation_of_full_slip,
     states_of_holding_brake_at_rotations,
+    stick_slip_states_along_lining,
 )
 from drumlin.fem.analysis.prepared import ANALYSIS_DEGREE, prepared_model_for_analysis
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
@@ -25,7 +25,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.width.face import WidthFace
-from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
@@ -48,7 +48,7 @@ def shoes(flexible, kind):
 
 
 def wide(brake, degree=2):
-    return prepare_brake_with_widths(brake, LEVELS[0], degree)
+    return prepare_model_with_shoe_widths(brake, LEVELS[0], degree)
 
 
 def plane(brake):
@@ -77,7 +77,7 @@ def mean_depths(setup, state):
 def apart(brake):
     """How far solid shoes are from plane stress: held moments, worn depths, slopes by friction."""
     flat, solid = plane(brake), wide(brake)
-    turns = np.array([0.0, 0.3, 1.2]) * find_full_slip_rotation(flat, brake)
+    turns = np.array([0.0, 0.3, 1.2]) * find_drum_rotation_of_full_slip(flat, brake)
     moments = [
         np.array([state.torque for state in held(scene, brake, turns)[1:]])
         for scene in (flat, solid)
@@ -104,7 +104,7 @@ def test_without_contraction_the_uses_are_those_of_plane_stress(flexible, kind):
 def test_without_contraction_nothing_varies_across_the_width(flexible):
     brake = without_contraction(flexible)
     flat, solid = plane(brake), wide(brake)
-    turns = np.array([0.0, 0.3]) * find_full_slip_rotation(flat, brake)
+    turns = np.array([0.0, 0.3]) * find_drum_rotation_of_full_slip(flat, brake)
     for one, true in zip(held(solid, brake, turns), held(flat, brake, turns), strict=True):
         assert one.sticking == true.sticking
         assert one.dissipated == pytest.approx(true.dissipated, rel=1e-9)
@@ -143,16 +143,16 @@ def test_worn_volume_is_mean_pressure_times_distance_times_coefficient(flexible,
     assert checks.volume < 1e-12
     assert checks.energy < 1e-8
     for surface in setup.surfaces:
-        face = surface.own_values_over_face(end.pressure)
+        face = surface.lining_values_over_arc_and_width(end.pressure)
         assert face @ surface.shares == pytest.approx(
-            surface.own_values_by_growing_angle(end.pressure)
+            surface.lining_values_by_growing_angle(end.pressure)
         )
     # Wear ends evenly across the width: the motion of the shoe is the same everywhere.
     final = final_pressure_and_torque_of_wear_on_mesh(setup)
     for surface in setup.surfaces:
-        face = surface.own_values_over_face(final.pressure)
+        face = surface.lining_values_over_arc_and_width(final.pressure)
         assert np.ptp(face, axis=1).max() < 1e-6 * face.max()
-        new = surface.own_values_over_face(states[0].pressure)
+        new = surface.lining_values_over_arc_and_width(states[0].pressure)
         assert np.ptp(new, axis=1).max() > 0.02 * new.max()
 
 
@@ -161,7 +161,7 @@ def test_worn_volume_is_mean_pressure_times_distance_times_coefficient(flexible,
 def test_full_slip_holds_the_torque_of_sliding(flexible, kind):
     brake = shoes(flexible, kind)
     scene = wide(brake, DEGREES[kind])
-    end = find_full_slip_rotation(scene, brake)
+    end = find_drum_rotation_of_full_slip(scene, brake)
     states = held(scene, brake, np.linspace(0, end, 4))
     assert states[-1].torque == pytest.approx(solve_prepared_model(scene, brake).torque, rel=1e-7)
     assert states[-1].sticking == 0
@@ -208,7 +208,7 @@ def test_slopes_of_solid_shoes_are_those_of_differences_of_solves(flexible, kind
 
 def test_an_angle_sticks_if_one_of_its_nodes_sticks():
     state = np.array([[FORWARD, STICK], [OPEN, BACKWARD], [BACKWARD, FORWARD], [OPEN, OPEN]])
-    assert states_along_lining(state).tolist() == [STICK, BACKWARD, FORWARD, OPEN]
+    assert stick_slip_states_along_lining(state).tolist() == [STICK, BACKWARD, FORWARD, OPEN]
 
 
 def test_worn_linings_settle_as_linings_with_clearance(flexible):

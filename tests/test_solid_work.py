@@ -6,10 +6,10 @@ from drumlin.response.response import Response
 from drumlin.studies import import_study
 from drumlin_studies.solid_work import (
     SolidSetting,
-    measure_cold_solve,
-    measure_models_beside_solid,
-    solve_solid_truth_of_brake,
-    uncertainty_of_solid_truth,
+    measure_models_against_solid_shoes,
+    solve_and_measure_processor_time,
+    solve_fine_reference_of_solid_shoes,
+    uncertainty_of_solid_shoe_reference,
 )
 from picking import having
 
@@ -18,9 +18,9 @@ SETTING = SolidSetting(truth=2, levels=2, degrees=(2, 3), tolerances=(2e-2,), el
 
 @pytest.fixture(scope="module")
 def measured(brake):
-    truth = solve_solid_truth_of_brake(brake, SETTING.truth)
-    rows = measure_models_beside_solid(brake, SETTING, truth.response)
-    return [row._asdict() for row in rows], uncertainty_of_solid_truth(brake, truth)
+    truth = solve_fine_reference_of_solid_shoes(brake, SETTING.truth)
+    rows = measure_models_against_solid_shoes(brake, SETTING, truth.response)
+    return [row._asdict() for row in rows], uncertainty_of_solid_shoe_reference(brake, truth)
 
 
 @pytest.mark.slow
@@ -60,7 +60,7 @@ def test_the_time_of_a_solve_is_that_of_one_call():
         calls.append(1)
         return Response
 
-    timed = measure_cold_solve(solve_once)
+    timed = solve_and_measure_processor_time(solve_once)
     assert timed.response is Response
     assert 0 <= timed.seconds < 1e-3
     assert len(calls) > 1

@@ -15,12 +15,12 @@ from drumlin.contact.equations import ContactProblem, condition_number_on_contac
 from drumlin.fem import model
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
-from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import (
     LARGEST_REFINED_ROUND_OFF,
     LARGEST_UNREFINED_ROUND_OFF,
     REFINED_REMARK,
-    refine_group_solution,
+    solve_full_system_of_group_by_refinement,
     solve_prepared_model,
 )
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -30,7 +30,7 @@ from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.verification import triangles
 from drumlin_studies.extreme_cases import KnobCase, all_extreme_cases
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import HOLDING_KINDS, draw_brake_of_support_kind
+from drumlin_studies.random_kinds import HOLDING_KINDS, draw_random_brake_of_support_kind
 from drumlin_studies.stated_true import solve_fine_reference_by_triangles, true_errors_of_response
 from drumlin_studies.trial import accuracy_of_answer_of_all_groups, solve_and_judge_case
 from picking import having, picked, saying
@@ -120,7 +120,7 @@ def test_the_whole_system_gives_the_torque_of_the_condensed_bodies(ring):
     scene, brake, response = solved(KnobCase(elements=20, **extra))
     group = list(range(len(brake.shoes)))
     p = [response.shoes[i].pressure[:: brake.shoes[i].frame.sense] for i in group]
-    refined = refine_group_solution(
+    refined = solve_full_system_of_group_by_refinement(
         ShoeGroup(scene, brake, tuple(group), 1e6), np.concatenate(p) > 0
     )
     assert refined.torque * 2000 == pytest.approx(response.torque, rel=1e-10)
@@ -131,7 +131,7 @@ def test_the_whole_system_gives_the_torque_of_the_condensed_bodies(ring):
 def test_the_whole_system_finds_the_contact_set_itself():
     scene, brake, response = solved(KnobCase(clearance="split", elements=24))
     wrong = everywhere(scene)
-    refined = refine_group_solution(ShoeGroup(scene, brake, (0,), 1e6), wrong)
+    refined = solve_full_system_of_group_by_refinement(ShoeGroup(scene, brake, (0,), 1e6), wrong)
     assert refined.contact_sets > 1
     assert refined.torque * 2000 == pytest.approx(response.torque, rel=1e-9)
 
@@ -140,7 +140,9 @@ def test_a_torque_near_self_locking_has_a_bad_condition():
     scene, brake, _ = solved(KnobCase(friction=0.3, elements=12))
     scene_, brake_, _ = solved(KnobCase(friction=1.17, elements=12))
     mild, sharp = (
-        refine_group_solution(ShoeGroup(s, b, (0,), 1e6), everywhere(s)).condition
+        solve_full_system_of_group_by_refinement(
+            ShoeGroup(s, b, (0,), 1e6), everywhere(s)
+        ).condition
         for s, b in ((scene, brake), (scene_, brake_))
     )
     assert sharp > 10 * mild
@@ -170,7 +172,7 @@ def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
 @pytest.mark.slow
 def test_a_refined_reaction_is_that_of_the_strains_where_those_have_their_digits(kind, monkeypatch):
     """However a shoe is held; those that share a force are not refined."""
-    brake = draw_brake_of_support_kind(0, kind)
+    brake = draw_random_brake_of_support_kind(0, kind)
     strained = solve(brake, elements=12)
     refined_anyway(monkeypatch)
     refined = solve(brake, elements=12)
@@ -246,7 +248,7 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
     refined_anyway(monkeypatch)
     brake = draw_random_brake(8326)
     along, (true,) = (
-        islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), 2),
+        islice(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 2),
         triangles.solve_on_triangle_level_sequence(brake, triangles.TRIANGLE_LEVELS[:1]),
     )
     found = solve_brake_to_tolerance(

@@ -9,15 +9,15 @@ from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
-from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin_studies import consistency_refused
 from drumlin_studies.consistency_refused import (
-    default_solve_against_mesh_rows,
-    draw_brake_for_refusal_check,
+    draw_random_brake_for_refusal_check,
+    rows_comparing_default_solve_with_meshes,
     sum_of_normal_forces_of_shoes,
 )
 from drumlin_studies.random_brake import draw_random_brake
@@ -142,7 +142,7 @@ def test_a_refusal_is_asked_for_once_more_where_another_division_may_answer(brak
         raise refusal
 
     with pytest.raises(NoAnswer) as raised:
-        list(solve_on_finer_and_finer_levels(brake, refuse))
+        list(solve_brake_on_finer_and_finer_mesh_levels(brake, refuse))
     assert raised.value is refusal
     assert len(nodes) == 2
     even = ELEMENTS * LEVELS[0].degree
@@ -177,13 +177,13 @@ def test_random_brakes_that_stand_off_press_by_the_law_and_are_drawn_again_from_
 def test_what_is_refused_is_refused_on_meshes_too(seed):
     assert [
         row
-        for row in default_solve_against_mesh_rows(seed)
+        for row in rows_comparing_default_solve_with_meshes(seed)
         if row.outcome not in {"agrees", "refused"}
     ] == []
 
 
 def test_a_refusal_that_three_meshes_do_not_share_differs(monkeypatch):
-    response = solve(draw_brake_for_refusal_check(4), elements=5)
+    response = solve(draw_random_brake_for_refusal_check(4), elements=5)
 
     def on_levels(brake, *, elements=None):
         if elements is None:
@@ -194,11 +194,11 @@ def test_a_refusal_that_three_meshes_do_not_share_differs(monkeypatch):
         raise NoAnswer("no equilibrium")
 
     monkeypatch.setattr(consistency_refused, "solve", on_levels)
-    (row,) = default_solve_against_mesh_rows(4)
+    (row,) = rows_comparing_default_solve_with_meshes(4)
     assert (
         row.outcome == "differs"
         and "self-locking" in row.quantity
-        and row.brake == draw_brake_for_refusal_check(4).title
+        and row.brake == draw_random_brake_for_refusal_check(4).title
     )
     monkeypatch.setattr(consistency_refused, "solve", nowhere)
-    assert picked(default_solve_against_mesh_rows(4), "outcome") == ["refused"]
+    assert picked(rows_comparing_default_solve_with_meshes(4), "outcome") == ["refused"]

@@ -19,11 +19,11 @@ from drumlin.fem.error_control.estimate import (
     FACTORS,
     SOFTER,
     Errors,
-    estimate_errors_from_two_levels,
+    estimate_errors_from_two_mesh_levels,
     sum_of_penalty_and_round_off_errors,
 )
 from drumlin.fem.error_control.levels import LEVELS as COLUMNS
-from drumlin.fem.error_control.levels import SolvedLevel, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import SolvedLevel, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
@@ -32,7 +32,7 @@ from drumlin.response.response import NO_CHANGE, ShoeChange, reference_force_of_
 from drumlin.response.resultants import integral_of_piecewise_polynomial, planar_cross_product
 from drumlin.verification.triangles import TriangleLevel, solve_on_triangle_level_sequence
 from drumlin_studies import stated_true
-from drumlin_studies.calibration import draw_calibration_brake
+from drumlin_studies.calibration import draw_random_calibration_brake
 from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
@@ -172,7 +172,7 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
         return replace(response, shoes=tuple(shoes))
 
     def stated(**more):
-        return estimate_errors_from_two_levels(
+        return estimate_errors_from_two_mesh_levels(
             brake, with_torque(1.001), with_torque(1.0, **more)
         ).brake
 
@@ -210,7 +210,7 @@ def test_forces_that_agree_by_chance_are_as_uncertain_as_the_columns_of_the_pres
         return 1e-2 * (inside > 0) * (-1.0) ** column
 
     before, parts = shifted(level, turns), []
-    found = estimate_errors_from_two_levels(brake, before, level)
+    found = estimate_errors_from_two_mesh_levels(brake, before, level)
     for a, b, own in zip(before.shoes, level.shoes, found.shoes, strict=True):
         column = np.arange(len(b.theta)) // b.order
         off = [
@@ -258,7 +258,7 @@ def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(br
     assert middle.pressure.max() == pytest.approx(middle.peak_pressure, rel=0.05)
     for by, near in ((high, 1e-3), (low, 0.0)):
         before = shifted(level, by)
-        own = estimate_errors_from_two_levels(brake, before, level).shoes[0]
+        own = estimate_errors_from_two_mesh_levels(brake, before, level).shoes[0]
         p = relative_distance_of_pressures(before.shoes[0], middle)
         assert p > 1e-6
         assert own["peak"] == pytest.approx(FACTORS.peak * math.sqrt(p * near), rel=0.1)
@@ -300,9 +300,9 @@ def test_errors_of_two_shoes_torques_do_not_cancel(brake):
     before = replace(last, shoes=tuple(gained))
     assert before.torque == pytest.approx(last.torque)
     for series in ([before, last], [last, before]):
-        assert estimate_errors_from_two_levels(brake, *series).brake["torque"] == pytest.approx(
-            FACTORS.force * 10.0 / last.torque, rel=1e-4
-        )
+        assert estimate_errors_from_two_mesh_levels(brake, *series).brake[
+            "torque"
+        ] == pytest.approx(FACTORS.force * 10.0 / last.torque, rel=1e-4)
 
 
 @pytest.mark.slow
@@ -313,7 +313,7 @@ def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
     the last node.
     """
     brake = draw_random_brake(488)
-    found = list(islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), 3))
+    found = list(islice(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 3))
     peaks = [step.response.shoes[0].peak_pressure for step in found]
     assert peaks[0] < 0.96 * peaks[1] < 0.96**2 * peaks[2]
     for some in (found[:2], found):
@@ -416,12 +416,12 @@ def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
     """Neighbouring levels may agree by chance where both have lost more."""
 
     def losing(brake, respond):
-        for made, found in solve_on_finer_and_finer_levels(brake, respond):
+        for made, found in solve_brake_on_finer_and_finer_mesh_levels(brake, respond):
             shoes = tuple(replace(shoe, lost=ShoeChange(1e-4, 2e-4, 3e-4)) for shoe in found.shoes)
             yield SolvedLevel(made, replace(found, shoes=shoes))
 
     sure = solve_fine_reference_by_hp_elements(brake, 1e-2).unsure
-    monkeypatch.setattr(stated_true, "solve_on_finer_and_finer_levels", losing)
+    monkeypatch.setattr(stated_true, "solve_brake_on_finer_and_finer_mesh_levels", losing)
     lost = {"pressure": 1e-4, "torque": 2e-4, "peak": 1e-4, "reaction": 3e-4}
     for name, value in solve_fine_reference_by_hp_elements(brake, 1e-2).unsure.items():
         assert value == pytest.approx(sure[name] + lost[name], rel=1e-4)
@@ -438,7 +438,9 @@ def test_a_level_that_moves_away_again_is_no_truth(brake, monkeypatch):
 
     def straying(last):
         def some(brake, respond):
-            for k, (made, found) in enumerate(solve_on_finer_and_finer_levels(brake, respond)):
+            for k, (made, found) in enumerate(
+                solve_brake_on_finer_and_finer_mesh_levels(brake, respond)
+            ):
                 shoes = scaled_pressures(found.shoes, 1.1 ** (k - 2))
                 yield SolvedLevel(made, replace(found, shoes=shoes) if 3 <= k <= last else found)
 
@@ -448,12 +450,12 @@ def test_a_level_that_moves_away_again_is_no_truth(brake, monkeypatch):
         solve_fine_reference_by_hp_elements(brake, 1e-2),
         solve_fine_reference_by_hp_elements(brake, 1e-5),
     )
-    monkeypatch.setattr(stated_true, "solve_on_finer_and_finer_levels", straying(9))
+    monkeypatch.setattr(stated_true, "solve_brake_on_finer_and_finer_mesh_levels", straying(9))
     for own, other in zip(
         solve_fine_reference_by_hp_elements(brake, 1e-5).shoes, before.shoes, strict=True
     ):
         np.testing.assert_array_equal(own.pressure, other.pressure)
-    monkeypatch.setattr(stated_true, "solve_on_finer_and_finer_levels", straying(3))
+    monkeypatch.setattr(stated_true, "solve_brake_on_finer_and_finer_mesh_levels", straying(3))
     home = solve_fine_reference_by_hp_elements(brake, 1e-5)
     assert (
         true_errors_of_response(brake, home.shoes, sure.shoes)["pressure"]
@@ -493,7 +495,9 @@ def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, t
                 Tolerance(1e-6, 1e-6),
                 solve_prepared_model,
                 levels=list(
-                    islice(solve_on_finer_and_finer_levels(kinked, solve_prepared_model), 3)
+                    islice(
+                        solve_brake_on_finer_and_finer_mesh_levels(kinked, solve_prepared_model), 3
+                    )
                 ),
             )
     else:
@@ -508,7 +512,7 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     largest now.
     """
     brake = draw_random_brake(4334, "arc")
-    *_, last = islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), 2)
+    *_, last = islice(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 2)
     (shoe,) = last.response.shoes
     at_start = shoe.pressure[0] > shoe.pressure[-1]
     first, last_column = slice(0, shoe.order + 1), slice(-shoe.order - 1, None)
@@ -535,7 +539,7 @@ def test_errors_of_a_reaction_that_vanishes_are_parts_of_the_force_of_the_contac
 def test_a_shoe_that_loses_its_contact_moves_the_torque_by_all_of_it(brake, level):
     one, other = level.shoes
     lifted = replace(other, torque=0.0, pressure=0.0 * other.pressure, contact_arcs=())
-    stated = estimate_errors_from_two_levels(brake, level, replace(level, shoes=(one, lifted)))
+    stated = estimate_errors_from_two_mesh_levels(brake, level, replace(level, shoes=(one, lifted)))
     assert stated.brake["torque"] == pytest.approx(
         FACTORS.force * other.torque / one.torque, rel=1e-9
     )
@@ -586,14 +590,18 @@ def test_a_reaction_that_two_levels_share_by_accident_is_not_stated_as_sure():
 
     Most of its stated error is the fraction `cancelled` of what chance signs would move it by.
     """
-    _, hinged = draw_calibration_brake(300_259)
+    _, hinged = draw_random_calibration_brake(300_259)
     truth = solve_brake_by_finer_hp_meshes(hinged)
     off = true_errors_of_response(hinged, solve(hinged).shoes, truth.shoes)["reaction"]
     before, last = (
         step.response
-        for step in islice(solve_on_finer_and_finer_levels(hinged, solve_prepared_model), 2)
+        for step in islice(
+            solve_brake_on_finer_and_finer_mesh_levels(hinged, solve_prepared_model), 2
+        )
     )
-    stated = estimate_errors_from_two_levels(hinged, before, last)
-    by_step = estimate_errors_from_two_levels(hinged, before, last, FACTORS._replace(cancelled=0.0))
+    stated = estimate_errors_from_two_mesh_levels(hinged, before, last)
+    by_step = estimate_errors_from_two_mesh_levels(
+        hinged, before, last, FACTORS._replace(cancelled=0.0)
+    )
     assert by_step.brake["reaction"] < 0.5 * off
     assert stated.brake["reaction"] > off - truth.unsure["reaction"]

@@ -24,7 +24,7 @@ from drumlin.contact.stick_slip import (
 )
 from drumlin.fem.analysis.at_rest import make_stick_slip_problem_of_shoe_group
 from drumlin.fem.analysis.holding import (
-    find_full_slip_rotation,
+    find_drum_rotation_of_full_slip,
     holding_states_as_plain_data,
     states_of_holding_brake_at_rotations,
     turn_drum_in_increments,
@@ -93,7 +93,7 @@ REST = SlipHistory(np.zeros(1), np.zeros(1))
     ],
 )
 def test_friction_states_of_one_node_are_exact(mu, shift, state, t):
-    found = stick_slip.solve_load_increment(
+    found = stick_slip.solve_stick_slip_load_increment(
         spring(10.0, shift), mu if mu < math.inf else 1e300, REST, np.array([STICK])
     )
     assert found.p[0] == pytest.approx(10.0, rel=1e-14)
@@ -103,13 +103,15 @@ def test_friction_states_of_one_node_are_exact(mu, shift, state, t):
 
 
 def test_an_open_node_carries_nothing():
-    found = stick_slip.solve_load_increment(spring(-3.0, 0.2), 0.5, REST, np.array([STICK]))
+    found = stick_slip.solve_stick_slip_load_increment(
+        spring(-3.0, 0.2), 0.5, REST, np.array([STICK])
+    )
     assert (found.p[0], found.t[0], found.state[0]) == (0, 0, OPEN)
 
 
 def test_a_tangential_penalty_is_an_elastic_slip():
     """Series springs: with compliance Q beside 1/k a shift of 0.02 gives t = 0.02/(1/k + Q)."""
-    found = stick_slip.solve_load_increment(
+    found = stick_slip.solve_stick_slip_load_increment(
         spring(10.0, 0.02, penalty=0.01), 0.5, REST, np.array([STICK])
     )
     assert found.t[0] == pytest.approx(0.02 / 0.02, rel=1e-12)
@@ -128,13 +130,15 @@ def test_a_closed_loop_dissipates_its_area():
     work = dissipated = 0.0
     previous, states = (0.0, 0.0), set()
     for k_step, shift in enumerate(path):
-        found = stick_slip.solve_load_increment(spring(push, shift, k), mu, history, state)
+        found = stick_slip.solve_stick_slip_load_increment(
+            spring(push, shift, k), mu, history, state
+        )
         # The closed part of the path goes from top to top.
         if k_step > 40:
             work += 0.5 * (found.t[0] + previous[1]) * (shift - previous[0])
             dissipated += found.t[0] * (found.s[0] - history.s[0])
         history, state, previous = (
-            found.history_for_next_increment,
+            found.tractions_and_slips_for_next_increment,
             found.state,
             (shift, found.t[0]),
         )
@@ -151,8 +155,12 @@ def test_solving_twice_changes_nothing():
     The history is an input.
     """
     history = SlipHistory(np.array([1.0]), np.array([0.01]))
-    a = stick_slip.solve_load_increment(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
-    b = stick_slip.solve_load_increment(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
+    a = stick_slip.solve_stick_slip_load_increment(
+        spring(10.0, 0.2), 0.5, history, np.array([STICK])
+    )
+    b = stick_slip.solve_stick_slip_load_increment(
+        spring(10.0, 0.2), 0.5, history, np.array([STICK])
+    )
     assert (a.t, a.s) == (b.t, b.s)
     assert (history.t[0], history.s[0]) == (1.0, 0.01)
 
@@ -172,9 +180,9 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     n = len(lever)
     rest = SlipHistory(np.zeros(n), np.zeros(n))
     mu = 0.3
-    found = stick_slip.solve_load_increment(problem, mu, rest, np.full(n, STICK))
+    found = stick_slip.solve_stick_slip_load_increment(problem, mu, rest, np.full(n, STICK))
     for found_next in turn_drum_in_increments(problem, lever / 2000.0, mu, found, 0.0, rotation):
-        before, state, found = found.history_for_next_increment, found.state, found_next
+        before, state, found = found.tractions_and_slips_for_next_increment, found.state, found_next
     moved = problem._replace(q_s=problem.q_s + lever * rotation / 2000.0)
     assert (np.abs(found.t) <= mu * found.p + 1e-8 * found.p.max()).all()
     slip = found.s - before.s - problem.Q @ (found.t - before.t)
@@ -183,12 +191,12 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     # Friction can only dissipate.
     assert (found.t * slip >= -1e-9 * np.abs(found.t).max() * np.abs(found.s).max()).all()
     step = 1e-6 * rotation
-    nearby = stick_slip.solve_load_increment(
+    nearby = stick_slip.solve_stick_slip_load_increment(
         moved._replace(q_s=moved.q_s + lever * step / 2000.0), mu, before, state
     )
     # Within one set of states the answer is linear: twice the step, twice the change.
     if np.array_equal(nearby.state, found.state):
-        again = stick_slip.solve_load_increment(
+        again = stick_slip.solve_stick_slip_load_increment(
             moved._replace(q_s=moved.q_s + 2 * lever * step / 2000.0), mu, before, state
         )
         if np.array_equal(again.state, found.state):
@@ -280,7 +288,7 @@ def test_flat_patch_whole_and_inclined(turned):
 
 def test_a_holding_brake_saturates_at_its_full_slip_torque():
     states = states_of_holding_brake_at_rotations(
-        SCENE, BRAKE, np.linspace(0, find_full_slip_rotation(SCENE, BRAKE), 13)
+        SCENE, BRAKE, np.linspace(0, find_drum_rotation_of_full_slip(SCENE, BRAKE), 13)
     )
     torques = np.array(picked(states, "torque"))
     # At rest both shoes balance each other by symmetry.
@@ -302,7 +310,7 @@ def test_a_holding_brake_saturates_at_its_full_slip_torque():
 
 
 def test_more_increments_change_little_and_turning_on_changes_nothing_more():
-    end = find_full_slip_rotation(SCENE, BRAKE)
+    end = find_drum_rotation_of_full_slip(SCENE, BRAKE)
     coarse = states_of_holding_brake_at_rotations(SCENE, BRAKE, np.linspace(0, 0.5 * end, 5))[
         -1
     ].torque
@@ -316,7 +324,7 @@ def test_more_increments_change_little_and_turning_on_changes_nothing_more():
 
 def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
     """Forth to full slip and back: over a closed cycle of the drum what goes in is dissipated."""
-    end = find_full_slip_rotation(SCENE, BRAKE)
+    end = find_drum_rotation_of_full_slip(SCENE, BRAKE)
     there, back = np.linspace(0, 2 * end, 25), np.linspace(2 * end, -2 * end, 97)[1:]
     states = states_of_holding_brake_at_rotations(
         SCENE, BRAKE, np.concatenate([there, back, np.linspace(-2 * end, 2 * end, 97)[1:]])
@@ -345,7 +353,7 @@ def test_a_ring_takes_part_in_holding():
     scene = make_prepared_model(spec, elements=20)
     # At full slip holding and sliding brakes have the same torque.
     states = states_of_holding_brake_at_rotations(
-        scene, spec, np.linspace(0, find_full_slip_rotation(scene, spec), 4)
+        scene, spec, np.linspace(0, find_drum_rotation_of_full_slip(scene, spec), 4)
     )
     assert states[-1].torque == pytest.approx(solve_prepared_model(scene, spec).torque, rel=1e-9)
 
@@ -385,7 +393,7 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
             h=none,
             Q=np.zeros((n, n)),
         )
-        found = stick_slip.solve_load_increment(
+        found = stick_slip.solve_stick_slip_load_increment(
             problem, 1.0, SlipHistory(np.zeros(n), np.zeros(n)), np.full(n, STICK)
         )
         p, t = found.p, found.t
@@ -409,5 +417,5 @@ def test_a_vanishing_gap_changes_nothing():
 
 def test_zones_end_half_way_to_the_next_node():
     state = np.array([STICK, FORWARD, BACKWARD, OPEN])
-    found = stick_slip.stick_and_slip_arcs(np.array([0.0, 1.0, 3.0, 4.0]), state)
+    found = stick_slip.sticking_and_slipping_arcs_of_lining(np.array([0.0, 1.0, 3.0, 4.0]), state)
     assert found == {"stick": ((0.0, 0.5),), "slip": ((0.5, 3.5),)}

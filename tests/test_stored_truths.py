@@ -12,7 +12,7 @@ import pytest
 from drumlin_studies.sharpness import (
     describe_faults_of_stated_errors,
     describe_worsened_accuracies_and_costs,
-    list_stored_truth_files,
+    list_files_of_stored_fine_solutions,
     names_of_quickly_solved_brakes,
     read_stored_spreads_of_stated_errors,
     rows_with_scaled_stated_errors,
@@ -153,7 +153,9 @@ def test_every_kind_of_brake_has_a_stored_truth():
     """Files and list agree; all ways to hold and push shoes, rings of both supports, soft, hard,
     short and partial.
     """
-    assert [path.stem for path in list_stored_truth_files(FOLDER)] == sorted(STORED_BRAKES)
+    assert [path.stem for path in list_files_of_stored_fine_solutions(FOLDER)] == sorted(
+        STORED_BRAKES
+    )
     assert {drawn.kind for drawn in STORED_BRAKES.values()} >= {
         *(
             "arc",
@@ -220,7 +222,7 @@ def test_finer_hp_elements_agree_with_triangles_where_both_have_an_answer():
 
 
 def test_files_hold_numbers_that_are_finite_and_brakes_in_si():
-    for path in list_stored_truth_files(FOLDER):
+    for path in list_files_of_stored_fine_solutions(FOLDER):
         data = json.loads(path.read_text(encoding="utf-8"))
         assert all(math.isfinite(value) and value >= 0 for value in data["uncertainty"].values()), (
             path.name

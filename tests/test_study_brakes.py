@@ -13,10 +13,10 @@ from drumlin.response.merit import brake_factor
 from drumlin_studies.brake_kinds import (
     brake_and_reversed_brake,
     brake_factor_of_cam_brake,
-    error_rows_of_other_models,
     row_of_errors_of_rigid_shoe_law,
     sentence_on_whether_law_can_be_trusted,
     solve_brake_by_all_models,
+    torque_error_rows_of_models_besides_law,
 )
 from picking import having, keyed, picked
 
@@ -74,7 +74,7 @@ def test_a_case_takes_solid_shoes_where_they_apply() -> None:
         ("rail_clamp", 0.0),
     ):
         found = solve_brake_by_all_models(name, read_any(paths[name]), 12, solid=True)
-        (row,) = having(error_rows_of_other_models(found), model="solid")
+        (row,) = having(torque_error_rows_of_models_besides_law(found), model="solid")
         assert least <= abs(row["new"]) < 0.05
 
 

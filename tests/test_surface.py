@@ -56,11 +56,13 @@ def test_a_length_along_the_surface_is_phi_in_sizes_and_q_in_scale_factors(brake
         np.testing.assert_allclose(shoe.frame.theta(phi), q, rtol=1e-13, atol=1e-15)
         lengths = np.abs(np.diff(q)) * brake.scale_factor
         np.testing.assert_allclose(np.abs(np.diff(phi)) * brake.size, lengths, rtol=1e-12)
-        on_it = shoe.at(np.zeros(5), phi, brake.size)
+        on_it = shoe.points_at_depth_and_coordinate_phi(np.zeros(5), phi, brake.size)
         np.testing.assert_allclose(
-            shoe.phi_of_points_in_shoe_frame(on_it, brake.size), phi, atol=1e-13
+            shoe.surface_coordinates_of_points_in_shoe_frame(on_it, brake.size), phi, atol=1e-13
         )
-        np.testing.assert_allclose(shoe.off(on_it, brake.size), 0.0, atol=1e-15)
+        np.testing.assert_allclose(
+            shoe.distance_from_friction_surface(on_it, brake.size), 0.0, atol=1e-15
+        )
 
 
 @pytest.mark.parametrize("brake", [PAD, BLOCK])
@@ -84,7 +86,7 @@ def test_levers_are_the_moments_of_normal_and_tangent(
         else size * np.array([np.cos(q), np.sin(q)])
     )
     for along, lever in zip(
-        (surface.unit_normals_into_surface(q), surface.along(q)),
+        (surface.unit_normals_into_surface(q), surface.unit_tangents_of_surface(q)),
         surface.moments_of_unit_forces_on_surface(q, size),
         strict=True,
     ):

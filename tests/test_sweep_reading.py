@@ -9,7 +9,7 @@ from conftest import ROOT, STUDY, partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Part
 from drumlin.brake.file import (
-    is_allowed_range_an_interval,
+    are_allowed_values_of_key_an_interval,
     si_unit_of_brake_key,
     values_of_brake_key,
     vary,
@@ -18,7 +18,7 @@ from drumlin.cli import terminal
 from drumlin.sweeps import file as sweep_file
 from drumlin.sweeps.file import sweep_from_file_data
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 
 BRAKE = str(STUDY / "brake.toml")
 
@@ -94,8 +94,8 @@ def taken(brake, key, value):
 def test_what_lies_between_two_numbers_of_one_sign_that_a_brake_takes_is_taken(seed):
     """Of every key that is said to be an interval, on brakes of all kinds."""
     rng = random.Random(seed)
-    brake = draw_random_brake(seed) if seed % 2 else draw_brake_of_support_kind(seed)
-    keys = [key for key in numbers(brake) if is_allowed_range_an_interval(brake, key)]
+    brake = draw_random_brake(seed) if seed % 2 else draw_random_brake_of_support_kind(seed)
+    keys = [key for key in numbers(brake) if are_allowed_values_of_key_an_interval(brake, key)]
     assert len(keys) > 5
     for key in keys:
         own = abs(values_of_brake_key(brake, key)[0]) or 1e-4
@@ -113,9 +113,9 @@ def test_what_lies_between_two_numbers_of_one_sign_that_a_brake_takes_is_taken(s
 
 
 def test_angles_and_coordinates_are_judged_one_by_one(judged, brake):
-    assert not is_allowed_range_an_interval(
+    assert not are_allowed_values_of_key_an_interval(
         brake, "shoe.lining.start"
-    ) and not is_allowed_range_an_interval(brake, "shoe[0].hinge.x")
+    ) and not are_allowed_values_of_key_an_interval(brake, "shoe[0].hinge.x")
     assert si_unit_of_brake_key(brake, "shoe.lining.start") == "rad"
     told = []
     sweep(

@@ -8,7 +8,7 @@ from drumlin.base.journal import Journal
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.estimate import (
     QUANTITIES,
-    relative_differences_of_two_levels,
+    relative_differences_of_responses_on_two_levels,
 )
 from drumlin.fem.error_control.first_level import kind_of_contact
 from drumlin.fem.solve import solve, solve_first_level_of_brake
@@ -179,7 +179,7 @@ def test_no_case_is_further_from_its_own_last_level_than_its_sample_says(name):
         one = vary(case.brake, case.changes)
         first, last = solve_first_level_of_brake(one), solve(one)
         assert row["torque"] == first.effect
-        steps = relative_differences_of_two_levels(one, first, last).steps
+        steps = relative_differences_of_responses_on_two_levels(one, first, last).steps
         moved = steps[1:].reshape(-1, len(QUANTITIES)).max(axis=0)
         for quantity, found in zip(QUANTITIES, moved.tolist(), strict=True):
             distance = steps[0] if quantity == "torque" else found

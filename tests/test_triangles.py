@@ -22,9 +22,9 @@ from drumlin.verification.triangles import (
 )
 from drumlin.verification.triangles.equations import ContactEquations
 from drumlin.verification.triangles.face import (
-    body_with_nodes_and_stiffness,
     gauss_rule_on_curved_edges,
     node_numbers_along_edges,
+    triangle_body_with_nodes_and_stiffness,
 )
 from drumlin.verification.triangles.outline import Outline
 from drumlin.verification.triangles.triangulation import (
@@ -129,7 +129,7 @@ def test_ring_under_even_pressure_is_lames():
     mesh = triangulate_grid_of_layered_body(
         np.linspace(0, 2 * math.pi, 25), [np.linspace(0, 1, 3)], [layer], 2 * math.pi
     )
-    body = body_with_nodes_and_stiffness(shape, mesh, 4)
+    body = triangle_body_with_nodes_and_stiffness(shape, mesh, 4)
     nodes, kept = body.nodes, body.surface
     tri, edge = mesh.indices_of_triangle_edges_on_friction_surface
     edges = node_numbers_along_edges(nodes, tri, edge, 4)

@@ -9,7 +9,7 @@ import pytest
 
 import drumlin
 from drumlin import BadInput, NoAnswer, vary
-from drumlin.brake.file import make_validated_part
+from drumlin.brake.file import make_validated_brake_part
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -18,8 +18,8 @@ from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import (
     LiningWithoutEndZones,
-    edge_zone_that_does_not_count,
     gauss_lobatto_points,
+    length_of_edge_zone_without_pressure_errors,
     planar_cross_product,
 )
 from drumlin_studies.fuzzing.endings import describe_fault_of_run, run_input_in_this_process
@@ -145,7 +145,9 @@ def test_a_short_contact_in_the_middle_of_a_lining_is_not_said_to_be_at_its_end(
 def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():
     for inner, zone in ((0.01, 0.0), (1.0, 0.1)):
         shoe = _pressing([1.0, 1.0] + [inner] * 18 + [1.0, 1.0])
-        assert edge_zone_that_does_not_count(shoe.theta, shoe.pressure, 1, 0.1) == zone
+        assert (
+            length_of_edge_zone_without_pressure_errors(shoe.theta, shoe.pressure, 1, 0.1) == zone
+        )
     spiked, even = _pressing([1000] + [1e-3] * 1000), _pressing([999] + [1e-3] * 1000)
     # The distance is not that of the rest of the lining, which is 0.
     assert relative_distance_of_pressures(even, spiked) == pytest.approx(1e-3, rel=1e-2)
@@ -302,14 +304,14 @@ def test_pads_are_warned_of_as_shoes_on_a_drum_are():
         "shoe.lining.end": 0.2,
     }
     second = vary(clamp, other).model_dump(by_alias=True)["shoe"][0]
-    two = make_validated_part(FlatBrake, data | {"shoe": [shoe, second]})
+    two = make_validated_brake_part(FlatBrake, data | {"shoe": [shoe, second]})
     for model in ("fem", "rigid"):
         assert not saying(drumlin.solve(clamp, model).notes, "warning")
         found = saying(drumlin.solve(two, model).notes, "warning")
         # A shoe's own notes come first.
         assert [("'pad'" in note, "strained" in note) for note in found[:1]] == [(True, True)]
         assert "'pad' and 'other'" in found[-1] and "from 50 mm to 75 mm" in found[-1]
-    bare = make_validated_part(
+    bare = make_validated_brake_part(
         FlatBrake,
         data | {"shoe": [shoe | {"body": None, "lining": {**shoe["lining"], "material": None}}]},
     )

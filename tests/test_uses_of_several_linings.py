@@ -12,7 +12,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.brake.writing import brake_file_text
 from drumlin.explore.answers import Explorer
-from drumlin.explore.knobs import brake_at_knob_setting, setting_at_brake_file_values
+from drumlin.explore.knobs import brake_at_slider_setting, slider_setting_at_brake_file_values
 from drumlin.explore.page import http_reply_to_requested_address
 from drumlin.explore.picture import drawing_lines_of_brake
 from drumlin.fem.error_control.levels import LEVELS
@@ -238,12 +238,12 @@ def test_reference_values_of_several_linings_agree_with_triangles(tmp_path: Path
 
 def test_the_explorer_turns_the_knobs_of_all_linings() -> None:
     explorer = Explorer(brake_with([lining(-56, -5, clearance="0.02 mm"), lining(5, 56)]))
-    setting = setting_at_brake_file_values(explorer.brake)
+    setting = slider_setting_at_brake_file_values(explorer.brake)
     moved = {"clearance": 0.01, "misfit": 0.05, "wear": 0.3}
     answer = explorer.fem_and_law_answer_at_slider_setting(replace(setting, values=moved))
     assert answer.found is not None
     # The knobs add lengths to the clearance and to the misfit of both linings.
-    changed = brake_at_knob_setting(
+    changed = brake_at_slider_setting(
         explorer.brake, explorer.knobs, replace(setting, values=moved | {"wear": 0.0})
     )
     first, second = changed.shoes[0].lining.linings

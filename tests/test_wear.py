@@ -17,9 +17,9 @@ from drumlin.lining_wear.archard import (
     distance_after_which_values_stay_small,
     interpolate_wear_state_at_distance,
     join_contact_problems_of_lining_groups,
-    wear_linings,
     wear_linings_by_explicit_euler,
     wear_linings_in_given_steps,
+    wear_linings_over_sliding_distance,
 )
 from picking import picked
 from winkler_lining import FORCE, LAW, MU, RADIUS, UNIT, winkler
@@ -31,7 +31,7 @@ def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
     The lining is in contact all along: rigid-body modes and equilibrium do not change this decay.
     """
     interface, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = wear_linings([interface], LAW, distance=6 * UNIT, tolerance=1e-3)
+    states = wear_linings_over_sliding_distance([interface], LAW, distance=6 * UNIT, tolerance=1e-3)
     assert (states[0].pressure > 0).all()
     amplitude = FORCE / float(interface.problem.C[0] @ np.sin(phi))
     law = amplitude * np.sin(phi)
@@ -64,7 +64,7 @@ def test_any_misfit_wears_to_the_law_in_balance(depth, lobes, phase, exponent):
     """From partial contact too; no depth shrinks, and the volume is the integral of the rate."""
     interface, phi = winkler(lambda phi: depth * (1 + np.cos(lobes * phi + phase)), elements=12)
     law = WearLaw(LAW.coefficient, exponent, 2e5)
-    states = wear_linings([interface], law, distance=1e4 * UNIT)
+    states = wear_linings_over_sliding_distance([interface], law, distance=1e4 * UNIT)
     shape = np.sin(phi) ** (1 / exponent)
     goal = shape * FORCE / float(interface.problem.C[0] @ shape)
     inner = slice(2, -2)
@@ -79,7 +79,7 @@ def test_any_misfit_wears_to_the_law_in_balance(depth, lobes, phase, exponent):
 
 def test_only_what_is_pressed_wears():
     interface, _ = winkler(lambda phi: 4e-5 * (phi - 0.3))
-    first = wear_linings([interface], LAW, distance=1e-4 * UNIT)
+    first = wear_linings_over_sliding_distance([interface], LAW, distance=1e-4 * UNIT)
     never = (first[0].pressure == 0) & (first[-1].pressure == 0)
     assert 0.2 < never.mean() < 0.9
     assert (first[-1].depth[never] == 0).all()
@@ -88,19 +88,21 @@ def test_only_what_is_pressed_wears():
 
 def test_without_wear_nothing_changes():
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = wear_linings([interface], WearLaw(0.0), distance=1e6)
+    states = wear_linings_over_sliding_distance([interface], WearLaw(0.0), distance=1e6)
     assert states[-1].s == 1e6
     assert (states[-1].depth == 0).all() and states[-1].removed == 0
     np.testing.assert_allclose(states[-1].pressure, states[0].pressure, rtol=1e-12)
     with pytest.raises(BadInput, match="a distance in m must be given"):
-        wear_linings([interface], WearLaw(0.0))
+        wear_linings_over_sliding_distance([interface], WearLaw(0.0))
 
 
 def test_a_held_torque_is_held_and_the_force_follows_from_moments():
     interface, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
     interface = interface._replace(loaded=np.zeros(len(phi)))
-    free = wear_linings([interface], LAW, distance=20 * UNIT)
-    held = wear_linings([interface], LAW, distance=20 * UNIT, torque=1.3 * free[-1].torque)
+    free = wear_linings_over_sliding_distance([interface], LAW, distance=20 * UNIT)
+    held = wear_linings_over_sliding_distance(
+        [interface], LAW, distance=20 * UNIT, torque=1.3 * free[-1].torque
+    )
     assert held[0].force != pytest.approx(1.3, rel=1e-2)
     for state in held:
         assert state.torque == pytest.approx(1.3 * free[-1].torque, rel=1e-10)
@@ -134,7 +136,7 @@ def test_explicit_steps_on_nodal_pressures_break_into_a_checkerboard_and_implici
 
 def test_a_state_between_two_is_interpolated():
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = wear_linings([interface], LAW, distance=UNIT)
+    states = wear_linings_over_sliding_distance([interface], LAW, distance=UNIT)
     middle = 0.5 * (states[1].s + states[2].s)
     between = interpolate_wear_state_at_distance(states, middle)
     np.testing.assert_allclose(between.depth, 0.5 * (states[1].depth + states[2].depth))
@@ -153,7 +155,7 @@ def test_a_state_between_two_is_interpolated():
 def test_bad_input_is_named(law, options, word):
     interface, _ = winkler(np.zeros_like)
     with pytest.raises(BadInput, match=word):
-        wear_linings([interface], law, distance=1.0, **options)
+        wear_linings_over_sliding_distance([interface], law, distance=1.0, **options)
 
 
 @pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0, 3.0])
@@ -241,19 +243,19 @@ def test_rubs_together_are_block_by_block_and_wear_as_each_alone():
 
 def test_steps_keep_their_tolerance_and_end_where_they_are_asked_to():
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
-    fine = wear_linings([interface], LAW, distance=3 * UNIT, tolerance=1e-5)
-    coarse = wear_linings([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
+    fine = wear_linings_over_sliding_distance([interface], LAW, distance=3 * UNIT, tolerance=1e-5)
+    coarse = wear_linings_over_sliding_distance([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
     assert coarse[-1].s == fine[-1].s == 3 * UNIT
     assert 3 < len(coarse) < len(fine) / 5
     for state in coarse:
         exact = interpolate_wear_state_at_distance(fine, state.s).pressure
         assert np.linalg.norm(state.pressure - exact) < 1e-2 * np.linalg.norm(exact)
     assert max(b.s - a.s for a, b in pairwise(coarse)) < 4.001 * (coarse[-1].s - coarse[-4].s)
-    stopped = wear_linings(
+    stopped = wear_linings_over_sliding_distance(
         [interface], LAW, until=lambda state: state.removed > 0.3 * coarse[-1].removed
     )
     assert stopped[-2].removed <= 0.3 * coarse[-1].removed < stopped[-1].removed
-    third = wear_linings([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
+    third = wear_linings_over_sliding_distance([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
     # A run must not keep anything of the one before.
     assert picked(third, "s") == picked(coarse, "s")
 
@@ -266,7 +268,7 @@ def test_a_drum_that_turns_back_and_forth():
     (ahead, _), (back, _) = (
         winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8, mu=mu) for mu in (MU, -MU)
     )
-    states = wear_linings(
+    states = wear_linings_over_sliding_distance(
         [ahead], LAW, backward=[back], reverse=UNIT, distance=2.5 * UNIT, tolerance=1e-2
     )
     turns = [i for i, (a, b) in enumerate(pairwise(states)) if a.forward != b.forward]
@@ -301,10 +303,10 @@ def test_what_never_settles_or_locks_is_given_up(monkeypatch):
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
     monkeypatch.setattr("drumlin.lining_wear.archard.MAX_WEAR_STEPS", 5)
     with pytest.raises(NoAnswer, match="not settled after 5 steps"):
-        wear_linings([interface], LAW, tolerance=1e-4)
+        wear_linings_over_sliding_distance([interface], LAW, tolerance=1e-4)
     C = -interface.problem.C
     with pytest.raises(NoAnswer, match="self-locking"):
-        wear_linings(
+        wear_linings_over_sliding_distance(
             [interface._replace(problem=interface.problem._replace(C=C, h=-interface.problem.h))],
             LAW,
             distance=UNIT,

@@ -16,22 +16,22 @@ from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear.archard import (
     WearLaw,
     solve_steady_wear,
-    wear_linings,
     wear_linings_in_given_steps,
+    wear_linings_over_sliding_distance,
 )
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     brake_with_worn_linings,
-    end_of_wear_by_rigid_shoe_law,
+    final_pressure_and_torque_by_rigid_shoe_law,
     final_pressure_and_torque_of_wear_on_mesh,
-    relative_difference_from_end_of_wear,
+    relative_differences_from_end_of_wear,
     report_lines_of_wear_run,
     wear_brake_linings_until_worn_in,
 )
 from drumlin.lining_wear.worn_in import brake_with_worn_in_clearances
 from drumlin_studies import consistency_wear
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 from picking import picked, saying
 from winkler_lining import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler
 
@@ -39,7 +39,7 @@ ARCHARD = WearLaw(DEFAULT_WEAR_COEFFICIENT)
 
 
 def drawn(kind: str, seed: int) -> Brake:
-    return draw_brake_of_support_kind(seed, kind)
+    return draw_random_brake_of_support_kind(seed, kind)
 
 
 @pytest.mark.parametrize(("bend", "middle"), partly([(0.1, 0.7), (0.01, 0.31)], [(0.1, 0.7)]))
@@ -49,7 +49,7 @@ def test_steps_are_not_blind_where_one_node_presses(bend: float, middle: float) 
     Where one node presses, equilibrium fixes its pressure, and no wear of the node changes it.
     """
     interface, _ = winkler(lambda phi: bend * (phi - middle) ** 2, elements=6)
-    states = wear_linings([interface], LAW, distance=100 * UNIT)
+    states = wear_linings_over_sliding_distance([interface], LAW, distance=100 * UNIT)
     assert int((states[0].pressure > 0).sum()) <= 2
     for state in states[1 :: len(states) // 5]:
         equal = wear_linings_in_given_steps([interface], LAW, state.s * np.arange(1, 201) / 200)[-1]
@@ -76,7 +76,7 @@ def test_wear_ends_at_the_law_where_that_presses_a_part_only(
     assert (found.p[phi < -0.05] == 0).all()
     # The lifted part must move away from the drum.
     assert (found.w[phi < -0.05] > 0).all()
-    last = wear_linings([interface], wears, distance=1e5 * UNIT)[-1]
+    last = wear_linings_over_sliding_distance([interface], wears, distance=1e5 * UNIT)[-1]
     assert last.torque == pytest.approx(torque, rel=within)
     assert np.linalg.norm(last.pressure - found.p) < 1e-3 * np.linalg.norm(found.p)
 
@@ -178,12 +178,12 @@ def test_wear_without_a_distance_ends_where_its_mesh_ends_and_says_how_far_that_
     setup = wear_setup_by_finite_elements(make_prepared_model(brake, elements=20), brake)
     states, goal, own = (
         wear_brake_linings_until_worn_in(setup),
-        end_of_wear_by_rigid_shoe_law(setup),
+        final_pressure_and_torque_by_rigid_shoe_law(setup),
         final_pressure_and_torque_of_wear_on_mesh(setup),
     )
     assert math.isfinite(states[-1].s) and len(states) < 200
-    assert max(map(abs, relative_difference_from_end_of_wear(setup, states[-1], own))) <= 1e-3
-    assert 1e-3 < relative_difference_from_end_of_wear(setup, states[-1], goal).pressure < 1e-2
+    assert max(map(abs, relative_differences_from_end_of_wear(setup, states[-1], own))) <= 1e-3
+    assert 1e-3 < relative_differences_from_end_of_wear(setup, states[-1], goal).pressure < 1e-2
     assert states[-1].torque == pytest.approx(
         solve_brake_by_its_rigid_shoe_law(brake).torque, rel=1e-3
     )
@@ -227,7 +227,7 @@ def test_a_held_torque_finds_the_feet_too() -> None:
 
 @pytest.mark.parametrize("seed", partly([17, 28], [28]))
 def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
-    rows = consistency_wear.wear_check_rows_of_seed(seed)
+    rows = consistency_wear.rows_of_wear_checks_of_random_brake(seed)
     assert set(picked(rows, "outcome")) <= {"agrees", "refused"}
     assert set(picked(rows, "check")) >= {
         "wear's start = solve",
@@ -239,7 +239,7 @@ def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.WEAR_KINDS)))
 def test_beginning_middle_and_end_agree_on_brakes_of_every_kind(seed: int) -> None:
-    assert set(picked(consistency_wear.wear_check_rows_of_seed(seed), "outcome")) <= {
+    assert set(picked(consistency_wear.rows_of_wear_checks_of_random_brake(seed), "outcome")) <= {
         "agrees",
         "refused",
     }

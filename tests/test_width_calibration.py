@@ -17,19 +17,21 @@ from drumlin_studies.width_calibration import (
     WIDTH_QUANTILE,
     WIDTH_SEEDS,
     WidthRow,
-    fit_width_factors,
-    observe_width_errors_of_random_brake,
-    read_width_rows,
-    smallest_width_factor,
-    width_factors_as_json_text,
-    width_rows_as_csv_text,
+    fit_safety_factors_of_width_errors,
+    read_width_error_rows_from_csv,
+    smallest_safety_factor_of_width_errors,
+    width_error_rows_as_csv_text,
+    width_error_rows_of_random_brake,
+    width_safety_factors_as_json_text,
 )
 
 
 @pytest.fixture(scope="module")
 def kept(root):
     """The rows that the command `make calibrate` has kept."""
-    return read_width_rows(root / "reports" / "reference" / "calibration" / "width_rows.csv")
+    return read_width_error_rows_from_csv(
+        root / "reports" / "reference" / "calibration" / "width_rows.csv"
+    )
 
 
 def made_up(ratios, quantity="pressure"):
@@ -41,7 +43,7 @@ def made_up(ratios, quantity="pressure"):
 
 
 def test_the_factors_are_those_of_the_kept_rows(kept):
-    assert fit_width_factors(kept) == SOLID_FACTORS
+    assert fit_safety_factors_of_width_errors(kept) == SOLID_FACTORS
     brakes = {(row.part, row.kind, row.seed) for row in kept}
     for part, kinds in (("width", WIDTH_SEEDS), ("section", SECTION_SEEDS)):
         for kind, seeds in kinds.items():
@@ -69,18 +71,18 @@ def test_the_errors_that_were_observed_are_stated(kept):
 
 def test_the_smallest_factor_covers_all_but_the_share_that_may_be_missed():
     many = made_up([k / 1000 for k in range(1, 1001)])
-    assert 0.99 <= smallest_width_factor(many) <= 1.0
+    assert 0.99 <= smallest_safety_factor_of_width_errors(many) <= 1.0
     # Of few brakes all but one are covered, if it is not missed by more than twice.
     few = made_up([0.5] * 20 + [0.6])
-    assert 0.5 <= smallest_width_factor(few) < 0.6
+    assert 0.5 <= smallest_safety_factor_of_width_errors(few) < 0.6
     missed = made_up([0.5] * 20 + [3.0])
-    assert smallest_width_factor(missed) == pytest.approx(3.0 / LARGEST_SHORTFALL)
+    assert smallest_safety_factor_of_width_errors(missed) == pytest.approx(3.0 / LARGEST_SHORTFALL)
 
 
 def test_errors_that_are_nothing_are_left_out():
     tiny = [row._replace(true=0.5 * LEAST_FITTED["pressure"]) for row in made_up([1.0])]
-    assert math.isnan(smallest_width_factor(tiny))
-    assert smallest_width_factor([*tiny, *made_up([1.0, 1.0])]) == 1.0
+    assert math.isnan(smallest_safety_factor_of_width_errors(tiny))
+    assert smallest_safety_factor_of_width_errors([*tiny, *made_up([1.0, 1.0])]) == 1.0
 
 
 def test_errors_that_the_truth_does_not_know_are_left_out():
@@ -88,9 +90,9 @@ def test_errors_that_the_truth_does_not_know_are_left_out():
     doubtful = [
         row._replace(unsure=1.1 * row.true / TRUE_OVER_UNCERTAINTY) for row in made_up([9.0] * 3)
     ]
-    assert smallest_width_factor([*known, *doubtful]) == 1.0
+    assert smallest_safety_factor_of_width_errors([*known, *doubtful]) == 1.0
     surer = [row._replace(unsure=0.9 * row.true / TRUE_OVER_UNCERTAINTY) for row in doubtful]
-    assert smallest_width_factor([*known, *surer]) == pytest.approx(9.0)
+    assert smallest_safety_factor_of_width_errors([*known, *surer]) == pytest.approx(9.0)
 
 
 def test_where_degrees_are_more_exact_than_the_truth_their_errors_are_not_fitted(kept):
@@ -104,7 +106,9 @@ def test_the_file_that_the_code_reads_was_written_by_the_command(kept):
     path = Path(ladder.__file__).with_name("factors.json")
     data = json.loads(path.read_text(encoding="utf-8"))
     written = data["provenance"]
-    text = width_factors_as_json_text(SOLID_FACTORS, kept, written["commit"], written["date"])
+    text = width_safety_factors_as_json_text(
+        SOLID_FACTORS, kept, written["commit"], written["date"]
+    )
     assert path.read_text(encoding="utf-8") == text
     assert SolidFactors(**read_safety_factors(path)) == SOLID_FACTORS
     assert written["commit"] and written["date"]
@@ -112,11 +116,11 @@ def test_the_file_that_the_code_reads_was_written_by_the_command(kept):
 
 def test_what_is_observed_today_is_what_was_kept(kept, tmp_path):
     (kind, seed) = ("free", 1002)
-    rows = observe_width_errors_of_random_brake("width", kind, seed)
-    (tmp_path / "rows.csv").write_text(width_rows_as_csv_text(rows), encoding="utf-8")
+    rows = width_error_rows_of_random_brake("width", kind, seed)
+    (tmp_path / "rows.csv").write_text(width_error_rows_as_csv_text(rows), encoding="utf-8")
     old = [row for row in kept if (row.part, row.kind, row.seed) == ("width", kind, seed)]
     assert len(old) == len(rows) > 0
-    for one, two in zip(read_width_rows(tmp_path / "rows.csv"), old, strict=True):
+    for one, two in zip(read_width_error_rows_from_csv(tmp_path / "rows.csv"), old, strict=True):
         assert one[:5] == two[:5]
         assert one.estimate == pytest.approx(two.estimate, rel=1e-2, abs=1e-8)
         assert one.true == pytest.approx(two.true, rel=1e-2, abs=1e-8)

@@ -10,16 +10,16 @@ from drumlin.fem.width.columns import (
     column_layers_of_shoe,
     condense_columns_of_any_shape,
     condense_mirror_symmetric_columns,
-    unknown_numbers_along_row,
-    unknown_numbers_along_row_with_symmetry,
+    unknown_numbers_along_node_row,
+    unknown_numbers_along_symmetric_half_row,
 )
-from drumlin.fem.width.functions import WidthFunctions, integrals_over_width_of_part
+from drumlin.fem.width.functions import WidthFunctions, integrals_of_function_products_over_width
 from drumlin.fem.width.integrals import (
     SYMMETRIES,
     LameConstants,
     angular_factors_of_section_integrals,
-    section_integrals_between_circles,
-    section_integrals_of_any_shape,
+    cross_section_integrals_between_circles,
+    cross_section_integrals_of_any_shape,
 )
 
 LAME = LameConstants(1.3, 0.7)
@@ -72,18 +72,19 @@ def columns_on_arc(p, q, *, contact=True, back=BackEdge.FREE):
         0.3 * node_positions_in_each_element_of_row(np.array([-1.0, 1.0]), p),
     )
     stack = column_layers_of_shoe(functions, HALVES, p, contact=contact, back=back)
-    widths = [integrals_over_width_of_part(functions, half) for half in HALVES]
+    widths = [integrals_of_function_products_over_width(functions, half) for half in HALVES]
     xy = cells(along, depths, p)
     lame = LAME, SOFT
     parts = [
-        section_integrals_of_any_shape(own, each, p) for own, each in zip(xy, lame, strict=True)
+        cross_section_integrals_of_any_shape(own, each, p)
+        for own, each in zip(xy, lame, strict=True)
     ]
     (whole,) = condense_columns_of_any_shape(parts, widths, stack)
     radii, by_symmetry = 5.0 - depths, []
     for symmetry in SYMMETRIES:
         factors = angular_factors_of_section_integrals(along, p, symmetry)
         each = [
-            section_integrals_between_circles(radii[k], radii[k + 1], lame[k], factors, p)
+            cross_section_integrals_between_circles(radii[k], radii[k + 1], lame[k], factors, p)
             for k in range(2)
         ]
         by_symmetry.append(each)
@@ -101,14 +102,14 @@ def test_a_column_by_its_symmetries_is_that_of_its_nodes(p, q, contact, back):
         == half.left
         == len(
             stack.unknowns_on_left_or_right_side_of_column(
-                unknown_numbers_along_row_with_symmetry(p, 0).left
+                unknown_numbers_along_symmetric_half_row(p, 0).left
             )
         )
     )
     assert whole.K.shape == half.K.shape
     # The sides of a half are measured along their own radius, the contact's inside as its middle.
     turn = np.eye(len(whole.K))
-    row = unknown_numbers_along_row(p)
+    row = unknown_numbers_along_node_row(p)
     kept = [
         *stack.unknowns_on_left_or_right_side_of_column(row.left),
         *stack.unknowns_of_contact_nodes(row),
@@ -156,7 +157,7 @@ def test_motions_that_strain_nothing_need_no_force(p, q):
             even[0] = motion(xy)
             return even, np.zeros(len(stack.odd))
 
-        u = unknown_values(stack, unknown_numbers_along_row(p), places, field, p)
+        u = unknown_values(stack, unknown_numbers_along_node_row(p), places, field, p)
         scale = np.abs(whole.K).max() * np.abs(u).max()
         np.testing.assert_allclose(whole.K @ u, 0, atol=1e-12 * scale)
 
@@ -173,7 +174,7 @@ def test_the_patch_test_holds_with_a_width(p, q):
     nu = LAME.lam / (2 * (LAME.lam + LAME.mu))
     functions = WidthFunctions((0.0, half), q)
     stack = column_layers_of_shoe(functions, (half, half), p, contact=True, back=BackEdge.FREE)
-    widths = [integrals_over_width_of_part(functions, half)] * 2
+    widths = [integrals_of_function_products_over_width(functions, half)] * 2
     along = node_positions_in_each_element_of_row(np.array([0.0, 2.0]), p)
     rows = np.append(
         node_positions_in_each_element_of_row(np.array([0.0, 0.6, 1.0]), p)[:, :-1].ravel(), 1.0
@@ -187,7 +188,7 @@ def test_the_patch_test_holds_with_a_width(p, q):
     order = reference_element_of_degree(p).order
     xy = [points[:, k * p : (k + 1) * p + 1].reshape(2, -1)[None, :, order] for k in range(2)]
     (whole,) = condense_columns_of_any_shape(
-        [section_integrals_of_any_shape(own, LAME, p) for own in xy], widths, stack
+        [cross_section_integrals_of_any_shape(own, LAME, p) for own in xy], widths, stack
     )
     slope = turn @ np.diag([pull / E, -nu * pull / E]) @ turn.T
 
@@ -196,8 +197,10 @@ def test_the_patch_test_holds_with_a_width(p, q):
         even[0], odd[0] = slope @ at, -nu * pull / E * half
         return even, odd
 
-    u = unknown_values(stack, unknown_numbers_along_row(p), lambda r, n: points[:, r, n], field, p)
-    unit = [section_integrals_of_any_shape(own, LameConstants(0.0, 1.0), p) for own in xy]
+    u = unknown_values(
+        stack, unknown_numbers_along_node_row(p), lambda r, n: points[:, r, n], field, p
+    )
+    unit = [cross_section_integrals_of_any_shape(own, LameConstants(0.0, 1.0), p) for own in xy]
     area = sum(float(own.across.sum()) / 2 for own in unit)
     assert u @ whole.K @ u == pytest.approx(2 * half * area * pull**2 / E, rel=1e-12)
 

@@ -15,10 +15,10 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import (
-    distance_of_plane_stress_from_widths,
+    distance_of_plane_stress_from_width_solution,
     estimate_error_of_plane_stress,
 )
-from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.sweeps.cases import results_of_response_by_name
 from drumlin_studies.random_brake import draw_random_brake
 from sections import t_section
@@ -32,9 +32,9 @@ def true_error(brake, degree=4):
     points = singular_points_of_all_linings(brake, start)
     plane = solve_prepared_model(make_prepared_model(brake, LEVELS[0], points), brake, start=start)
     wide = solve_prepared_model(
-        prepare_brake_with_widths(brake, LEVELS[0], degree, points), brake, start=start
+        prepare_model_with_shoe_widths(brake, LEVELS[0], degree, points), brake, start=start
     )
-    return distance_of_plane_stress_from_widths(brake, plane, wide).brake
+    return distance_of_plane_stress_from_width_solution(brake, plane, wide).brake
 
 
 def line_of(done):
@@ -131,7 +131,7 @@ def test_where_the_coarse_section_has_no_answer_it_says_so(brake, monkeypatch):
     def refuse(*_, **__):
         raise error.NoAnswer("no equilibrium")
 
-    monkeypatch.setattr(error, "prepare_divided_brake_with_widths", refuse)
+    monkeypatch.setattr(error, "prepare_model_with_widths_on_given_elements", refuse)
     found = estimate_error_of_plane_stress(brake, solve(brake))
     assert found.brake == {}
     assert found.unknown == "on a coarse section, with its width: no equilibrium"
@@ -144,7 +144,7 @@ def test_a_shoe_that_loses_its_contact_has_no_error(brake):
     from dataclasses import replace
 
     lost = replace(shoe, pressure=np.zeros_like(shoe.pressure), contact_arcs=())
-    found = distance_of_plane_stress_from_widths(
+    found = distance_of_plane_stress_from_width_solution(
         brake, plane, replace(plane, shoes=(lost, plane.shoes[1]))
     )
     assert found.unknown == "shoe 'right' loses its contact with its width"

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drumlin.fem.analysis.solid_fields import face_of_shoe_with_width
+from drumlin.fem.analysis.solid_fields import contact_face_of_solid_shoe
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_brake_with_widths
+from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_model_with_shoe_widths
 from drumlin.response.face import pressure_on_face_of_lining
 from drumlin.response.response import length_of_edge_zone_without_peak
 from wide_shoes import HELD
@@ -18,7 +18,7 @@ from wide_shoes import HELD
 def solved():
     """A shoe of rigid body with degree 3 across its width, and its prepared model."""
     brake = HELD["rigid"]()
-    scene = prepare_brake_with_widths(brake, LEVELS[0], 3)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 3)
     return brake, scene, solve_prepared_model(scene, brake)
 
 
@@ -28,7 +28,9 @@ def test_the_mean_over_the_width_is_the_pressure_of_the_response(solved):
     shoe = response.shoes[0]
     assert face.widths.sum() == pytest.approx(brake.shoes[0].lining.width)
     assert face.theta is shoe.theta
-    np.testing.assert_allclose(face.mean_over_width, shoe.pressure, atol=1e-12 * shoe.peak_pressure)
+    np.testing.assert_allclose(
+        face.mean_pressure_over_width, shoe.pressure, atol=1e-12 * shoe.peak_pressure
+    )
     # The pressure varies over the width, or the weights would not matter.
     assert np.ptp(face.pressure, axis=1).max() > 0.01 * shoe.peak_pressure
 
@@ -36,10 +38,12 @@ def test_the_mean_over_the_width_is_the_pressure_of_the_response(solved):
 @pytest.mark.parametrize("degree", [0, 1, 4, LARGEST_WIDTH_DEGREE])
 def test_written_pressures_tell_those_of_the_nodes(degree):
     brake = HELD["T-section" if degree == 1 else "rigid"]()
-    face = face_of_shoe_with_width(prepare_brake_with_widths(brake, LEVELS[0], degree).bodies[0])
+    face = contact_face_of_solid_shoe(
+        prepare_model_with_shoe_widths(brake, LEVELS[0], degree).bodies[0]
+    )
     p = np.random.default_rng(1).standard_normal(len(face.nodes))
     written = face.pressure_over_arc_and_width(p)
-    np.testing.assert_allclose(face.nodal_pressures_of_surface(written), p, atol=1e-10)
+    np.testing.assert_allclose(face.nodal_pressures_from_pressures_of_file(written), p, atol=1e-10)
     _, mean = face.angles_and_mean_pressures(p)
     own = written.pressure @ written.widths / written.widths.sum()
     np.testing.assert_allclose(own, mean, atol=1e-12)

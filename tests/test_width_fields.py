@@ -12,8 +12,8 @@ from drumlin.base.errors import BadInput
 from drumlin.fem import solid as solid_shoes
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.analysis.solid_fields import (
-    fields_in_part_of_shoe,
-    recover_fields_in_solid_shoes,
+    displacements_and_stresses_in_shoe_part,
+    recover_stresses_in_all_solid_shoes,
 )
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.division import divide_shoe_into_hp_elements
@@ -23,7 +23,7 @@ from drumlin.fem.width.functions import (
     functions_across_width_of_shoe,
     matrix_from_node_values_to_function_factors,
 )
-from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.fem.width.recovery import WidthUnknowns
 from drumlin.response.response import length_of_edge_zone_without_peak
 from wide_shoes import HELD
@@ -59,12 +59,12 @@ def pressed_nodes_away_from_ends(brake, index, fields, answer):
 def test_stresses_on_the_face_are_pressure_and_friction(kind):
     """sigma n = -p n + mu p t, and no stress along z, to the error of the pressure itself."""
     brake = HELD[kind]()
-    scene = prepare_brake_with_widths(brake, LEVELS[0], 2)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 2)
     response = solve_prepared_model(scene, brake)
     # Beside a web of 15 mm under a lining of 40 mm degree 2 is 3 % off.
     within = 0.05 if kind == "narrow body in a grip" else 5e-3
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        fields = recover_fields_in_solid_shoes(scene, brake, response)[i]
+        fields = recover_stresses_in_all_solid_shoes(scene, brake, response)[i]
         on = pressed_nodes_away_from_ends(brake, i, fields, answer)
         assert len(on) > 20
         # On a plane the normal is y, on a drum it is the radius.
@@ -100,7 +100,7 @@ def test_the_stress_of_known_strains_is_exact(name):
     even[:, :, 0] += matrix_from_node_values_to_function_factors(functions, half) @ (bend * z**2)
     odd[:, 0] = across * half
     u = np.hstack([even.reshape(unknowns.grid.N, -1), odd]).ravel()
-    found = fields_in_part_of_shoe(unknowns, u, name)
+    found = displacements_and_stresses_in_shoe_part(unknowns, u, name)
     lame = unknowns.layers.lame[division.part.index(name)]
     strain = np.zeros((len(found.z), 3, 3))
     strain[:, :2, :2] = 0.5 * (slope + slope.T)
@@ -114,10 +114,10 @@ def test_the_stress_of_known_strains_is_exact(name):
 @pytest.mark.parametrize("kind", partly(HELD, ("rigid",)))
 def test_the_face_moves_to_the_drum(kind):
     brake = HELD[kind]()
-    scene = prepare_brake_with_widths(brake, LEVELS[0], 2)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 2)
     response = solve_prepared_model(scene, brake)
     for i, shoe in enumerate(brake.shoes):
-        fields = recover_fields_in_solid_shoes(scene, brake, response)[i]
+        fields = recover_stresses_in_all_solid_shoes(scene, brake, response)[i]
         on = fields.pressure > 0.01 * fields.pressure.max()
         x, y = fields.points[on, :2].T
         normal = np.array([0 * x, 1 + 0 * y] if shoe.flat else np.array([x, y]) / np.hypot(x, y))
@@ -133,12 +133,12 @@ def test_at_degree_zero_stresses_are_those_of_plane_stress():
     brake = HELD["pad"]()
     plane, wide = (
         make_prepared_model(brake, LEVELS[0]),
-        prepare_brake_with_widths(brake, LEVELS[0], 0),
+        prepare_model_with_shoe_widths(brake, LEVELS[0], 0),
     )
     flat = stress_and_displacement_fields_of_shoe(
         plane, brake, solve_prepared_model(plane, brake), 0
     )
-    solid = recover_fields_in_solid_shoes(wide, brake, solve_prepared_model(wide, brake))[0]
+    solid = recover_stresses_in_all_solid_shoes(wide, brake, solve_prepared_model(wide, brake))[0]
     middle = solid.points[:, 2] == 0
     # Both have the same nodes, in the order of the parts.
     np.testing.assert_allclose(solid.points[middle, :2], flat.points, atol=1e-12)
@@ -155,8 +155,10 @@ def test_at_degree_zero_stresses_are_those_of_plane_stress():
 
 def test_cells_fill_the_half_shoe_once():
     brake = HELD["T-section"]()
-    scene = prepare_brake_with_widths(brake, LEVELS[0], 1)
-    fields = recover_fields_in_solid_shoes(scene, brake, solve_prepared_model(scene, brake))[1]
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 1)
+    fields = recover_stresses_in_all_solid_shoes(scene, brake, solve_prepared_model(scene, brake))[
+        1
+    ]
     corners = fields.points[fields.cells]
     # The sum of six tetrahedra around the diagonal from corner 0 to corner 6.
     ring, volume = (1, 2, 3, 7, 4, 5, 1), np.zeros(len(corners))

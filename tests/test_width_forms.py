@@ -7,7 +7,7 @@ import pytest
 
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
-from drumlin.fem.analysis.solid_fields import face_of_shoe_with_width
+from drumlin.fem.analysis.solid_fields import contact_face_of_solid_shoe
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe_into_hp_elements
 from drumlin.fem.hp.element import reference_element_of_degree
@@ -16,10 +16,10 @@ from drumlin.fem.width.columns import (
     BackEdge,
     column_layers_of_shoe,
     condense_columns_of_any_shape,
-    unknown_numbers_along_row,
+    unknown_numbers_along_node_row,
 )
-from drumlin.fem.width.functions import WidthFunctions, integrals_over_width_of_part
-from drumlin.fem.width.integrals import LameConstants, section_integrals_of_any_shape
+from drumlin.fem.width.functions import WidthFunctions, integrals_of_function_products_over_width
+from drumlin.fem.width.integrals import LameConstants, cross_section_integrals_of_any_shape
 from drumlin.fem.width.prepare import condense_and_couple_shoe_with_width
 from flat_pads import pad
 
@@ -38,8 +38,8 @@ def test_a_ring_under_outer_pressure_moves_as_lame_says(q):
     r = node_positions_in_each_element_of_row(np.array([b, 0.8, a]), p)
     xy = np.array([r[:, :, None] * np.cos(phi), r[:, :, None] * np.sin(phi)])
     xy = xy.reshape(2, 2, -1)[:, :, reference_element_of_degree(p).order]
-    parts = [section_integrals_of_any_shape(xy[:, k][None], lame, p) for k in range(2)]
-    widths = [integrals_over_width_of_part(functions, half)] * 2
+    parts = [cross_section_integrals_of_any_shape(xy[:, k][None], lame, p) for k in range(2)]
+    widths = [integrals_of_function_products_over_width(functions, half)] * 2
     (column,) = condense_columns_of_any_shape(parts, widths, stack)
 
     size = -pressure * b**2 / (b**2 - a**2)
@@ -55,7 +55,7 @@ def test_a_ring_under_outer_pressure_moves_as_lame_says(q):
         radial = size / E * ((1 - nu) * at + (1 + nu) * a**2 / at)
         return radial * (math.sin(angle) if unknown.along % 2 else math.cos(angle))
 
-    row = unknown_numbers_along_row(p)
+    row = unknown_numbers_along_node_row(p)
     left = stack.unknowns_on_left_or_right_side_of_column(row.left)
     right = stack.unknowns_on_left_or_right_side_of_column(row.right)
     # The unknowns of the contact stand node by node, x and y of a function together.
@@ -104,7 +104,7 @@ def test_a_sphere_presses_as_hertz_says(nu):
     division = divide_shoe_into_hp_elements(shoe, brake.size, LEVELS[1], points)
     functions = WidthFunctions((0.0, a / 2, a, 2 * a, height), 4)
     body = condense_and_couple_shoe_with_width(shoe, brake.size, division, functions, False, {})
-    face, coupling = face_of_shoe_with_width(body), body.coupling
+    face, coupling = contact_face_of_solid_shoe(body), body.coupling
     half = body.condensed.nodal_forces_over_cholesky_factor(coupling.N.T)
     x = face.xy[0]
     z = np.tile(face.node_distances_from_mid_plane, len(face.line.nodes))

@@ -8,9 +8,9 @@ import pytest
 from drumlin.brake.file import vary
 from drumlin.fem.width.functions import (
     WidthFunctions,
-    breaks_across_half_width_of_shoe,
     functions_across_width_of_shoe,
-    integrals_over_width_of_part,
+    integrals_of_function_products_over_width,
+    piece_ends_across_half_width_of_shoe,
 )
 from sections import t_section
 
@@ -111,7 +111,7 @@ def functions_of_breaks(degree):
 
 
 def test_slopes_of_the_bubbles_of_a_piece_are_orthonormal():
-    integrals = integrals_over_width_of_part(WidthFunctions((0.0, 1.0), 9), 1.0)
+    integrals = integrals_of_function_products_over_width(WidthFunctions((0.0, 1.0), 9), 1.0)
     np.testing.assert_allclose(integrals.even_slopes[1:, 1:], np.eye(4), atol=1e-13)
     np.testing.assert_allclose(integrals.odd_slopes[1:, 1:], np.eye(4), atol=1e-13)
     # A bubble's ends are zero: the slope of z is orthogonal to the slopes of all odd ones.
@@ -121,7 +121,7 @@ def test_slopes_of_the_bubbles_of_a_piece_are_orthonormal():
 def test_integrals_over_one_piece_are_those_by_hand():
     # On |z| <= h:  e = 1, N_2 = sqrt(3/8) (x^2 - 1),  o = x, N_3 = sqrt(5/8) (x^3 - x),  x = z/h.
     h = 2.0
-    found = integrals_over_width_of_part(WidthFunctions((0.0, h), 3), h)
+    found = integrals_of_function_products_over_width(WidthFunctions((0.0, h), 3), h)
     two, three = np.sqrt(3 / 8), np.sqrt(5 / 8)
     np.testing.assert_allclose(
         found.even, h * np.array([[2, -4 / 3 * two], [-4 / 3 * two, 16 / 15 * 3 / 8]])
@@ -142,23 +142,25 @@ def test_integrals_over_pieces_are_those_of_a_fine_sum():
     z = (np.arange(300_000) + 0.5) * 1e-5
     e, slopes = functions.function_values_and_slopes(functions.even_functions_across_width, z)
     o, _ = functions.function_values_and_slopes(functions.odd_functions_across_width, z)
-    found = integrals_over_width_of_part(functions, 3.0)
+    found = integrals_of_function_products_over_width(functions, 3.0)
     np.testing.assert_allclose(found.even, 2e-5 * e @ e.T, atol=1e-7)
     np.testing.assert_allclose(found.even_slopes_odd, 2e-5 * slopes @ o.T, atol=1e-4)
 
 
 def test_breaks_are_at_the_sides_of_the_parts(brake, flexible):
-    assert breaks_across_half_width_of_shoe(brake.shoes[0]) == (0.0, 20e-3)
+    assert piece_ends_across_half_width_of_shoe(brake.shoes[0]) == (0.0, 20e-3)
     table = t_section(flexible)
-    assert breaks_across_half_width_of_shoe(table.shoes[0]) == pytest.approx(
+    assert piece_ends_across_half_width_of_shoe(table.shoes[0]) == pytest.approx(
         (0.0, 2.5e-3, 10.5e-3, 20e-3)
     )
-    assert breaks_across_half_width_of_shoe(table.shoes[0], beside=False) == pytest.approx(
+    assert piece_ends_across_half_width_of_shoe(table.shoes[0], beside=False) == pytest.approx(
         (0.0, 2.5e-3, 20e-3)
     )
     # A lining that overhangs by less than one and a half thicknesses has no further break.
     short = vary(table, {"shoe.body.width": 17e-3})
-    assert breaks_across_half_width_of_shoe(short.shoes[0]) == pytest.approx((0.0, 8.5e-3, 20e-3))
+    assert piece_ends_across_half_width_of_shoe(short.shoes[0]) == pytest.approx(
+        (0.0, 8.5e-3, 20e-3)
+    )
 
 
 def test_plane_stress_is_the_one_constant(brake):
@@ -167,4 +169,4 @@ def test_plane_stress_is_the_one_constant(brake):
         len(functions.even_functions_across_width),
         len(functions.odd_functions_across_width),
     ) == (1, 0)
-    assert integrals_over_width_of_part(functions, 5e-3).even == pytest.approx(10e-3)
+    assert integrals_of_function_products_over_width(functions, 5e-3).even == pytest.approx(10e-3)

@@ -12,24 +12,24 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
 from drumlin.fem import solid
 from drumlin.fem.error_control.adapt import Tolerance
-from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import distance_of_plane_stress_from_widths
+from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.ladder import (
     SOLID_FACTORS,
     ErrorFactors,
-    coarsest_level_within_tolerance,
+    coarsest_cross_section_mesh_within_tolerance,
     hp_elements_to_compare_width_degrees,
+    refine_cross_section_up_to_tolerance,
     smallest_width_degree_within_tolerance,
     solve_brake_with_widths_to_tolerance,
-    solve_level_of_section_with_width_degree,
-    solve_levels_up_to_tolerance,
+    solve_cross_section_mesh_with_width_degree,
 )
-from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin_studies.solid_error import (
     DRAWN,
     GIVEN_UP,
@@ -40,7 +40,7 @@ from drumlin_studies.solid_error import (
     read_solid_error_rows,
     reference_solution_of_solve,
     response_plus_step,
-    response_with_graded_width_functions,
+    response_with_width_functions_graded_to_sides,
     row_of_solid_errors,
     table_lines_of_brakes_within_tolerance,
     table_lines_of_stated_over_true_quantiles,
@@ -57,14 +57,14 @@ def truth(brake):
     """The answer of the main brake on the second level, with functions graded to the side."""
     start = solve(brake)
     points = singular_points_of_all_linings(brake, start)
-    scene = prepare_brake_with_widths(brake, LEVELS[1], lambda shoe: GRADED, points)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[1], lambda shoe: GRADED, points)
     return solve_prepared_model(scene, brake, start=start)
 
 
 @pytest.mark.parametrize("tolerance", [2e-2, 5e-3, 2e-3])
 def test_stated_errors_are_above_the_true_ones_and_below_the_tolerance(brake, truth, tolerance):
     found = solve_brake_with_widths_to_tolerance(brake, Tolerance(tolerance, tolerance))
-    true = distance_of_plane_stress_from_widths(brake, found, truth).brake
+    true = distance_of_plane_stress_from_width_solution(brake, found, truth).brake
     assert found.error["pressure"] < tolerance
     assert found.error["torque"] < tolerance
     # Two parts of the error of the torque may cancel, so that only p tells errors far too large.
@@ -88,8 +88,10 @@ def test_a_finer_tolerance_takes_a_finer_section_or_a_higher_degree(brake):
 def test_with_several_widths_stated_errors_are_above_the_true_ones(brake, kind, seed):
     drawn = t_section(brake) if kind == "T" else DRAWN[kind](seed)
     found = solve_brake_with_widths_to_tolerance(drawn, Tolerance(2e-2, 2e-2), must=False)
-    truth = response_with_graded_width_functions(drawn, LEVELS[1])
-    for name, error in distance_of_plane_stress_from_widths(drawn, found, truth).brake.items():
+    truth = response_with_width_functions_graded_to_sides(drawn, LEVELS[1])
+    for name, error in distance_of_plane_stress_from_width_solution(
+        drawn, found, truth
+    ).brake.items():
         assert error < found.error[name], name
 
 
@@ -104,7 +106,7 @@ def test_beside_a_web_the_width_has_its_part_in_the_error():
 
     def on_level(across):
         """The answer on one section, on which the section's part of the error cancels."""
-        scene = prepare_brake_with_widths(brake, level, across, points)
+        scene = prepare_model_with_shoe_widths(brake, level, across, points)
         return solve_prepared_model(scene, brake, start=plane)
 
     truth = on_level(functions_across_width_graded_to_sides)
@@ -112,7 +114,9 @@ def test_beside_a_web_the_width_has_its_part_in_the_error():
         found = smallest_width_degree_within_tolerance(
             brake, plane, section, Tolerance(allowed, allowed)
         )
-        true = distance_of_plane_stress_from_widths(brake, on_level(found.degree), truth).brake
+        true = distance_of_plane_stress_from_width_solution(
+            brake, on_level(found.degree), truth
+        ).brake
         assert true["torque"] < found.error.torque
         assert true["pressure"] < found.error.shoes[0]["pressure"] < 6 * true["pressure"]
 
@@ -151,11 +155,11 @@ def test_divisions_follow_the_contact_that_the_width_has_found():
     brake = DRAWN["free"](2000)
     plane = solve(brake)
     first, second = (
-        solve_level_of_section_with_width_degree(brake, level, 2, plane).response
+        solve_cross_section_mesh_with_width_degree(brake, level, 2, plane).response
         for level in LEVELS[:2]
     )
     # With elements for the contact of plane stress the two levels differ by 3.7 %.
-    moved = distance_of_plane_stress_from_widths(brake, first, second).brake
+    moved = distance_of_plane_stress_from_width_solution(brake, first, second).brake
     assert moved["pressure"] < 5e-3
 
 
@@ -163,21 +167,21 @@ def test_divisions_follow_the_contact_that_the_width_has_found():
 def test_the_error_of_the_section_beside_a_web_covers_that_of_a_higher_degree():
     brake, loose = DRAWN["built"](3111), Tolerance(0.1, 0.1)
     plane, answer = solve(brake), partial(solve_prepared_model, penalty=PENALTY)
-    climb = solve_levels_up_to_tolerance(brake, loose, answer, Cache(), LEVELS[:2], plane)
+    climb = refine_cross_section_up_to_tolerance(brake, loose, answer, Cache(), LEVELS[:2], plane)
     factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
-    section = coarsest_level_within_tolerance(brake, climb, loose, factors)
+    section = coarsest_cross_section_mesh_within_tolerance(brake, climb, loose, factors)
     first, second = (
-        solve_level_of_section_with_width_degree(brake, level, 3, plane).response
+        solve_cross_section_mesh_with_width_degree(brake, level, 3, plane).response
         for level in LEVELS[:2]
     )
-    moved = distance_of_plane_stress_from_widths(brake, first, second).brake
+    moved = distance_of_plane_stress_from_width_solution(brake, first, second).brake
     assert section.level == LEVELS[0]
     assert moved["pressure"] < section.error.largest_pressure_error < 2 * moved["pressure"]
 
 
 def test_without_options_solid_shoes_state_their_errors(brake, truth):
     found = solid.solve(brake)
-    true = distance_of_plane_stress_from_widths(brake, found, truth).brake
+    true = distance_of_plane_stress_from_width_solution(brake, found, truth).brake
     for name, error in true.items():
         assert error < found.error[name] < 1e-2, name
 
@@ -250,11 +254,13 @@ def test_a_brake_that_takes_too_long_is_given_up_and_kept(tmp_path, monkeypatch)
 def test_a_sum_of_responses_is_the_sum_of_pressures_and_forces(brake):
     first, second = (
         step.response
-        for step in solve_on_finer_and_finer_levels(brake, solve_prepared_model, levels=LEVELS[:2])
+        for step in solve_brake_on_finer_and_finer_mesh_levels(
+            brake, solve_prepared_model, levels=LEVELS[:2]
+        )
     )
     found = response_plus_step(first, first, second)
-    true = distance_of_plane_stress_from_widths(brake, found, second).brake
-    apart = distance_of_plane_stress_from_widths(brake, first, second).brake
+    true = distance_of_plane_stress_from_width_solution(brake, found, second).brake
+    apart = distance_of_plane_stress_from_width_solution(brake, first, second).brake
     for name, error in true.items():
         assert error < 1e-9, name
         assert apart[name] > 1e-6, name
@@ -271,9 +277,9 @@ def test_the_truth_of_a_solve_agrees_with_a_direct_one_within_its_uncertainty():
     found = solve_brake_with_widths_to_tolerance(brake, Tolerance(1e-2, 1e-2), must=False)
     assert found.shoes[0].order == LEVELS[0].degree
     reference = reference_solution_of_solve(brake, found)
-    direct = response_with_graded_width_functions(brake, LEVELS[1])
-    far = distance_of_plane_stress_from_widths(brake, found, direct).brake
-    for name, error in distance_of_plane_stress_from_widths(
+    direct = response_with_width_functions_graded_to_sides(brake, LEVELS[1])
+    far = distance_of_plane_stress_from_width_solution(brake, found, direct).brake
+    for name, error in distance_of_plane_stress_from_width_solution(
         brake, reference.truth, direct
     ).brake.items():
         assert error < 0.5 * far[name], name

@@ -13,9 +13,9 @@ from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.width.error import WIDTH_LEVEL
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.prepare import (
-    level_for_narrow_shoes,
-    prepare_brake_with_widths,
-    reason_against_width_model,
+    prepare_model_with_shoe_widths,
+    reason_why_width_model_does_not_apply,
+    refinement_level_for_narrow_shoes,
 )
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 from drumlin_studies.random_kinds import draw_random_brake_of_kind
@@ -26,7 +26,7 @@ QUICK = ("T-section", "post", "grip", "pad")
 
 
 def wide(brake, degree, level=LEVELS[0], places=None):
-    return solve_prepared_model(prepare_brake_with_widths(brake, level, degree, places), brake)
+    return solve_prepared_model(prepare_model_with_shoe_widths(brake, level, degree, places), brake)
 
 
 def assert_same(mine, other, within, reactions=1e-9):
@@ -76,10 +76,10 @@ def test_forces_and_moments_balance(kind, degree):
 @pytest.mark.parametrize("kind", partly(HELD, QUICK))
 def test_rigid_body_modes_strain_nothing(kind):
     brake = HELD[kind]()
-    scene = prepare_brake_with_widths(brake, LEVELS[0], 3)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 3)
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         inner = body.condensed
-        R = rigid_body_displacements_of_nodes(body.line.xy, shoe.pin_in_shoe_frame)
+        R = rigid_body_displacements_of_nodes(body.line.xy, shoe.pin_position_in_shoe_frame)
         # With the frame held, the forces that move the contact rigidly are those of the frame:
         # S_cc R = -S_cf, here as L L^T R + L L_fc^T = 0.
         forces = inner.L_cc @ (inner.L_cc.T @ R + inner.L_fc.T)
@@ -91,7 +91,7 @@ def test_as_the_width_goes_to_zero_the_difference_falls_in_proportion(brake):
     apart = []
     for width in (40e-3, 8e-3, 2e-3, 5e-4):
         narrow = widths(brake, width)
-        level = level_for_narrow_shoes(narrow, LEVELS[0])
+        level = refinement_level_for_narrow_shoes(narrow, LEVELS[0])
         own = wide(narrow, 2), plane(narrow, level)
         apart.append(abs(relative_error_of_number(own[0].torque, own[1].torque)))
     first, second, third, fourth = apart
@@ -126,13 +126,13 @@ def test_on_random_brakes_degree_zero_is_plane_stress(kind, seed):
 
 def test_what_is_not_covered_is_refused_in_a_line(brake, root):
     ring = read_brake(root / "studies" / "post_brake" / "brake.toml")
-    assert reason_against_width_model(brake) is None
+    assert reason_why_width_model_does_not_apply(brake) is None
     with pytest.raises(BadInput, match="its drum is an elastic ring, whose own width"):
-        prepare_brake_with_widths(ring, LEVELS[0], 1)
+        prepare_model_with_shoe_widths(ring, LEVELS[0], 1)
     with pytest.raises(BadInput, match="its bending_stiffness is not that of a section"):
-        prepare_brake_with_widths(vary(ring, {"drum.ring": None}), LEVELS[0], 1)
+        prepare_model_with_shoe_widths(vary(ring, {"drum.ring": None}), LEVELS[0], 1)
     full = vary(brake, {"shoe.lining.material.nu": 0.4995})
     with pytest.raises(BadInput, match=r"nu = 0\.4995 is all but incompressible; at most 0\.499"):
-        prepare_brake_with_widths(full, LEVELS[0], 1)
+        prepare_model_with_shoe_widths(full, LEVELS[0], 1)
     with pytest.raises(BadInput, match="--across = 10: must be from 0 to 9"):
-        prepare_brake_with_widths(brake, LEVELS[0], 10)
+        prepare_model_with_shoe_widths(brake, LEVELS[0], 10)

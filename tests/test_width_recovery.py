@@ -11,8 +11,8 @@ from drumlin.base.lapack import dtrtrs
 from drumlin.brake.file import vary
 from drumlin.fem.analysis.fields import nodal_displacements_of_shoe
 from drumlin.fem.analysis.solid_fields import (
-    face_of_shoe_with_width,
-    unknowns_of_shoe_with_width,
+    contact_face_of_solid_shoe,
+    displacement_unknowns_of_solid_shoe,
 )
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.division import divide_shoe_into_hp_elements
@@ -26,17 +26,17 @@ from drumlin.fem.width.columns import (
     column_layers_of_shoe,
     condensation_plan_of_column,
     displacements_inside_elements,
-    unknown_numbers_along_row,
-    unknowns_of_column,
+    unknown_names_of_element_column,
+    unknown_numbers_along_node_row,
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
     functions_across_width_of_shoe,
-    integrals_over_width_of_part,
+    integrals_of_function_products_over_width,
     matrix_from_node_values_to_function_factors,
 )
-from drumlin.fem.width.integrals import LameConstants, section_integrals_of_any_shape
-from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.integrals import LameConstants, cross_section_integrals_of_any_shape
+from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.fem.width.recovery import WidthUnknowns
 from drumlin.response.balance import brake_with_forces_of_response
 from sections import without_contraction
@@ -47,7 +47,7 @@ ROUND_OFF = 1e-8
 
 
 def prepared(kind, degree):
-    return prepare_brake_with_widths(HELD[kind](), LEVELS[0], degree)
+    return prepare_model_with_shoe_widths(HELD[kind](), LEVELS[0], degree)
 
 
 def contact_displacements(unknowns, u):
@@ -67,7 +67,7 @@ def contact_displacements(unknowns, u):
 )
 def test_recovered_displacements_of_the_face_are_those_of_the_condensed_body(kind, degree):
     body = prepared(kind, degree).bodies[0]
-    inner, condensed = unknowns_of_shoe_with_width(body), body.condensed
+    inner, condensed = displacement_unknowns_of_solid_shoe(body), body.condensed
     # Random forces on the face, motions of the frame and actuations.
     random = np.random.default_rng(1)
     nodal = random.standard_normal((len(condensed.L_cc), 2))
@@ -83,12 +83,14 @@ def test_recovered_displacements_of_the_face_are_those_of_the_condensed_body(kin
 
 def test_a_motion_of_the_frame_moves_the_shoe_as_a_rigid_body():
     body = prepared("rigid", 3).bodies[0]
-    inner, frame = unknowns_of_shoe_with_width(body), np.array([[1e-3], [-2e-3], [0.01]])
+    inner, frame = displacement_unknowns_of_solid_shoe(body), np.array([[1e-3], [-2e-3], [0.01]])
     u = body.condensed.nodal_displacements_in_load_cases(
         np.zeros((len(body.condensed.L_cc), 1)), frame, np.zeros((3, 1))
     )
-    even, odd = inner.even_and_odd_factors_of_nodes(u[:, 0])
-    rigid = rigid_body_displacements_of_nodes(inner.grid.doflocs, inner.shoe.pin_in_shoe_frame)
+    even, odd = inner.factors_of_even_and_odd_functions_at_nodes(u[:, 0])
+    rigid = rigid_body_displacements_of_nodes(
+        inner.grid.doflocs, inner.shoe.pin_position_in_shoe_frame
+    )
     np.testing.assert_allclose(even[:, 0], (rigid @ frame).reshape(-1, 2), atol=1e-15)
     assert np.abs(even[:, 1:]).max() == np.abs(odd).max() == 0
 
@@ -100,7 +102,7 @@ def test_without_contraction_one_width_moves_as_plane_stress(kind, degree):
     brake = without_contraction(HELD[kind]())
     plane, wide = (
         make_prepared_model(brake, LEVELS[0]),
-        prepare_brake_with_widths(brake, LEVELS[0], degree),
+        prepare_model_with_shoe_widths(brake, LEVELS[0], degree),
     )
     response = solve_prepared_model(plane, brake)
     under_forces = brake_with_forces_of_response(brake, response)
@@ -109,9 +111,13 @@ def test_without_contraction_one_width_moves_as_plane_stress(kind, degree):
         move = partial(nodal_displacements_of_shoe, brake=brake, shoe=shoe, answer=answer)
         flat = move(plane.bodies[i], p=p).reshape(-1, 2)
         body = wide.bodies[i]
-        over_width = np.repeat(p, len(face_of_shoe_with_width(body).node_distances_from_mid_plane))
+        over_width = np.repeat(
+            p, len(contact_face_of_solid_shoe(body).node_distances_from_mid_plane)
+        )
         moved = move(body, p=over_width)
-        even, odd = unknowns_of_shoe_with_width(body).even_and_odd_factors_of_nodes(moved)
+        even, odd = displacement_unknowns_of_solid_shoe(
+            body
+        ).factors_of_even_and_odd_functions_at_nodes(moved)
         size = np.abs(flat).max()
         np.testing.assert_allclose(even[:, 0], flat, atol=ROUND_OFF * size)
         # Nothing varies over the width.
@@ -121,12 +127,12 @@ def test_without_contraction_one_width_moves_as_plane_stress(kind, degree):
 @pytest.mark.parametrize("degree", [0, 3])
 def test_a_uniform_pressure_on_a_bonded_layer_makes_a_uniform_stress(degree):
     brake = without_contraction(HELD["rigid pad"]())
-    scene = prepare_brake_with_widths(brake, LEVELS[0], degree)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], degree)
     shoe, body, pressure = brake.shoes[0], scene.bodies[0], 2e6
-    inner, count = unknowns_of_shoe_with_width(body), len(body.line.nodes)
+    inner, count = displacement_unknowns_of_solid_shoe(body), len(body.line.nodes)
     nodal = -body.coupling.N.T @ np.full((count, 1), pressure)
     u = inner.nodal_displacements_in_load_cases(nodal, np.zeros((3, 1)), np.zeros((3, 1)))
-    even, odd = inner.even_and_odd_factors_of_nodes(u[:, 0])
+    even, odd = inner.factors_of_even_and_odd_functions_at_nodes(u[:, 0])
     layer = shoe.lining
     depth = np.abs(inner.grid.doflocs[1] - inner.grid.doflocs[1, 0])
     shortening = pressure / layer.material.E * (layer.thickness - depth)
@@ -141,16 +147,19 @@ def test_the_patch_test_holds_inside_a_column(p, q):
     lame, halves = LameConstants(1.3, 0.7), (1.1, 1.1)
     functions = WidthFunctions((0.0, 0.4, 1.1), q)
     stack = column_layers_of_shoe(functions, halves, p, contact=False, back=BackEdge.FREE)
-    along = unknown_numbers_along_row(p)
-    plan, names = condensation_plan_of_column(stack, along), unknowns_of_column(stack, along)
+    along = unknown_numbers_along_node_row(p)
+    plan, names = (
+        condensation_plan_of_column(stack, along),
+        unknown_names_of_element_column(stack, along),
+    )
     x, y = np.meshgrid(np.linspace(0, 2, p + 1), np.linspace(0, 1, 2 * p + 1))
     points = np.array([x + 0.1 * np.sin(3 * y) * (x + 1), y + 0.2 * (1 - y) * np.cos(2 * x)])
     order = reference_element_of_degree(p).order
     parts = []
     for k in range(2):
         xy = points[:, k * p : (k + 1) * p + 1].reshape(2, -1)[:, order]
-        parts.append(section_integrals_of_any_shape(xy[None], lame, p))
-    widths = [integrals_over_width_of_part(functions, half) for half in halves]
+        parts.append(cross_section_integrals_of_any_shape(xy[None], lame, p))
+    widths = [integrals_of_function_products_over_width(functions, half) for half in halves]
     slope = np.array([[3e-3, 1e-3], [-2e-3, 1e-3]])
     across = -lame.lam * np.trace(slope) / (lame.lam + 2 * lame.mu)
 
@@ -183,7 +192,7 @@ def test_the_patch_test_holds_inside_a_column(p, q):
 )
 def test_the_stated_number_of_unknowns_is_that_of_the_columns(kind, degree):
     for body in prepared(kind, degree).bodies:
-        columns = unknowns_of_shoe_with_width(body).columns_from_hinge_to_far_end()
+        columns = displacement_unknowns_of_solid_shoe(body).element_columns_from_hinge_to_far_end()
         of_columns = [part for each in columns for part in (each.kept, each.rest, *each.within)]
         assert body.unknowns == len(np.unique(np.concatenate(of_columns)))
 

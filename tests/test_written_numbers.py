@@ -7,7 +7,7 @@ import pytest
 
 from conftest import STUDY
 from drumlin.base.errors import BadInput
-from drumlin.base.written_numbers import number_as_written
+from drumlin.base.written_numbers import number_from_text_as_people_write_it
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
 from drumlin.brake.schema import QUANTITY
@@ -226,10 +226,10 @@ def test_tables_in_doubt_are_refused_with_their_cause(tmp_path, one_shoe, text, 
 
 
 def test_a_known_decimal_sign_tells_what_a_comma_means():
-    assert number_as_written("59,447", ",") == 59.447
-    assert number_as_written("59,447", ".") == 59447
+    assert number_from_text_as_people_write_it("59,447", ",") == 59.447
+    assert number_from_text_as_people_write_it("59,447", ".") == 59447
     with pytest.raises(ValueError, match="must be a number"):
-        number_as_written("59,4471", ".")
+        number_from_text_as_people_write_it("59,4471", ".")
 
 
 def test_a_second_actuation_is_refused_with_the_key_of_further_forces(brake):

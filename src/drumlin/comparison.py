@@ -21,7 +21,7 @@ from drumlin.base.files import spreadsheet_cell_without_formula
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
-from drumlin.brake.heat import brake_with_heat_in_parts, names_of_heated_parts
+from drumlin.brake.heat import brake_with_heat_only_in_given_parts, names_of_heated_parts
 from drumlin.models import Model, applicable_models
 from drumlin.response.norms import (
     relative_distance_of_pressures,
@@ -434,7 +434,7 @@ def compare(
 
 def _solve_brake_without_heat(model: Model, brake: Brake, **options: Any) -> Response:
     """The result of a model for a heated brake without its heat."""
-    response = model.solve(brake_with_heat_in_parts(brake, ()), **options)
+    response = model.solve(brake_with_heat_only_in_given_parts(brake, ()), **options)
     return replace(response, model=COLD)
 
 
@@ -458,7 +458,7 @@ class Convergence:
             *(response.torque for response in self.responses[-3:])
         )
 
-    def pressure_distances_between_meshes(self, shoe: int) -> list[float]:
+    def relative_pressure_distances_between_meshes(self, shoe: int) -> list[float]:
         """Relative L2 distance between the pressures of a shoe on each mesh and the next finer one.
 
         `shoe` is the index of the shoe. Zones at both ends of the lining are left out.
@@ -474,7 +474,7 @@ class Convergence:
         meshes.
         """
         # The finest value is set to 0, so that the limit is a distance from the finest mesh.
-        first, last = self.pressure_distances_between_meshes(shoe)[-2:]
+        first, last = self.relative_pressure_distances_between_meshes(shoe)[-2:]
         limit = richardson_limit_from_changes_between_meshes(0.0, first, last)
         return limit.order, limit.uncertainty
 

@@ -42,7 +42,7 @@ Say = Callable[[str], None]
 """The type of a function that shows the user a line about the progress of a computation."""
 
 
-def _ignore_progress_line(_: str) -> None:
+def _ignore_text_about_progress(_: str) -> None:
     """Ignore a line about the progress of a computation."""
 
 
@@ -121,22 +121,22 @@ def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _Source:
     return _Source(read_any(path, text), text, path.parent, command)
 
 
-def _options_given_by_user(**options: Any) -> dict[str, Any]:
+def _solver_options_given_by_user(**options: Any) -> dict[str, Any]:
     """The options that the user has given: those that are neither None nor False."""
-    from drumlin.models import options_that_user_has_given
+    from drumlin.models import model_options_given_by_user
 
-    return options_that_user_has_given(**options)
+    return model_options_given_by_user(**options)
 
 
-def _option_value_in_si(option: str, value: float | str, unit: str) -> float:
+def _value_of_function_option_in_si(option: str, value: float | str, unit: str) -> float:
     """Convert the value of an option to a number in SI units.
 
     `value` is a number, which is in SI units already, or a text with a unit. `option` is the name
     of the option in an error message.
     """
-    from drumlin.brake.units import option_value_in_si
+    from drumlin.brake.units import command_option_text_in_si
 
-    return option_value_in_si(option, value, unit) if isinstance(value, str) else value
+    return command_option_text_in_si(option, value, unit) if isinstance(value, str) else value
 
 
 @_errors_name_arguments
@@ -199,13 +199,16 @@ def solve(
     >>> round(drumlin.solve(brake).torque), round(drumlin.solve(brake, "sine").torque)
     (448, 435)
     """
-    from drumlin.brake.friction import reason_if_friction_depends_on_pressure
-    from drumlin.brake.plausibility import notes_on_values_that_can_hardly_be_meant
-    from drumlin.laws.rigid import response_with_keys_left_out, self_locking_by_rigid_shoe_law
+    from drumlin.brake.friction import reason_against_pressure_dependent_friction
+    from drumlin.brake.plausibility import notes_on_implausible_brake_values
+    from drumlin.laws.rigid import (
+        response_with_note_on_ignored_keys,
+        self_locking_by_rigid_shoe_law,
+    )
     from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
 
     whole = _read_brake_if_path(brake)
-    options = _options_given_by_user(
+    options = _solver_options_given_by_user(
         elements=elements,
         kind=kind,
         penalty=penalty,
@@ -231,15 +234,15 @@ def solve(
     if model == "fem" and not worn_in:
         options["self_locking"] = True
     # Notes on unlikely values come with a result, and also with the reason why there is no result.
-    notes = notes_on_values_that_can_hardly_be_meant(whole)
+    notes = notes_on_implausible_brake_values(whole)
     try:
         response = chosen.solve(whole, **options)
     except NoAnswer as error:
         if not notes:
             raise
         raise NoAnswer("; ".join((str(error), *notes))) from error
-    response = response_with_keys_left_out(whole, response)
-    unknown = reason_if_friction_depends_on_pressure(whole, "the distance from self-locking")
+    response = response_with_note_on_ignored_keys(whole, response)
+    unknown = reason_against_pressure_dependent_friction(whole, "the distance from self-locking")
     if unknown is not None:
         return replace(response, notes=(*response.notes, f"note: {unknown}", *notes))
     locking = response.self_locking or self_locking_by_rigid_shoe_law(whole)
@@ -296,7 +299,7 @@ def compare(
     """
     from drumlin.comparison import compare as side_by_side
 
-    options = _options_given_by_user(
+    options = _solver_options_given_by_user(
         elements=elements,
         kind=kind,
         penalty=penalty,
@@ -324,7 +327,7 @@ def size(
     finite_width: bool = False,
     sections: int | None = None,
     lift: Sequence[str] | None = None,
-    say: Say = _ignore_progress_line,
+    say: Say = _ignore_text_about_progress,
 ) -> Sizing:
     """Find the value of a key at which a brake has a wanted torque or peak pressure.
 
@@ -375,7 +378,7 @@ def size(
     from drumlin.sizing import LARGEST, Question, size_brake
 
     whole = _read_brake_if_path(brake)
-    given = _options_given_by_user(
+    given = _solver_options_given_by_user(
         elements=elements,
         kind=kind,
         penalty=penalty,
@@ -388,10 +391,10 @@ def size(
     unit = si_unit_of_brake_key(whole, key) or ""
     wanted = torque
     if torque is not None and torque != LARGEST:
-        wanted = _option_value_in_si("--torque", torque, whole.surface.effect_unit)
+        wanted = _value_of_function_option_in_si("--torque", torque, whole.surface.effect_unit)
     pressure = None
     if peak_pressure is not None:
-        pressure = _option_value_in_si("--peak-pressure", peak_pressure, "Pa")
+        pressure = _value_of_function_option_in_si("--peak-pressure", peak_pressure, "Pa")
     question = Question(
         whole,
         key,
@@ -399,8 +402,8 @@ def size(
         given,
         torque=wanted,
         peak_pressure=pressure,
-        low=None if low is None else _option_value_in_si("--from", low, unit),
-        high=None if high is None else _option_value_in_si("--to", high, unit),
+        low=None if low is None else _value_of_function_option_in_si("--from", low, unit),
+        high=None if high is None else _value_of_function_option_in_si("--to", high, unit),
         say=say,
     )
     return size_brake(question, lambda sized: solve(sized, model, **given))
@@ -494,7 +497,7 @@ def wear(
     kind: str | None = None,
     sections: int | None = None,
     lift: Sequence[str] | None = None,
-    say: Say = _ignore_progress_line,
+    say: Say = _ignore_text_about_progress,
 ) -> WearRun:
     """Wear the linings of a brake by Archard's law, as during running-in.
 
@@ -545,24 +548,24 @@ def wear(
     # Guided shoes are another brake, whose shoes are supported by guides.
     worn = linings.brake_with_shoes_on_guides(worn) if guided else worn
     worn.check_shoes_can_be_meshed()
-    on_mesh = _options_given_by_user(elements=elements, kind=kind)
-    on_springs = _options_given_by_user(sections=sections, lift=lift)
+    on_mesh = _solver_options_given_by_user(elements=elements, kind=kind)
+    on_springs = _solver_options_given_by_user(sections=sections, lift=lift)
     # Options of finite elements are refused for the foundation model, and the other way round.
-    only_mesh = on_mesh | _options_given_by_user(guided=guided)
+    only_mesh = on_mesh | _solver_options_given_by_user(guided=guided)
     whole_brake.require_options_of_wear_model(model, only_mesh, on_springs)
     # Collect what the wear computation needs: wear law, constant torque and prepared models.
     law = whole_brake.make_wear_law(coefficient, exponent)
     held = (
         None
         if torque is None
-        else _option_value_in_si("--torque", torque, worn.surface.effect_unit)
+        else _value_of_function_option_in_si("--torque", torque, worn.surface.effect_unit)
     )
     options = on_springs if model == "foundation" else on_mesh
     setups = whole_brake.make_wear_setups_of_brake(
         worn, model, both_ways=reverse is not None, **options
     )
     say("wearing")
-    run = whole_brake.wear_whole_brake(
+    run = whole_brake.wear_linings_of_whole_brake(
         setups,
         law,
         distance=distance,
@@ -627,7 +630,7 @@ def hold(
     elements: int | None = None,
     kind: str | None = None,
     penalty: float | None = None,
-    say: Say = _ignore_progress_line,
+    say: Say = _ignore_text_about_progress,
 ) -> HoldingRun:
     """Turn the drum from rest against the shoes that hold it, through partial slip to full slip.
 
@@ -672,16 +675,18 @@ def hold(
     if not 1 <= steps <= MOST_STEPS:
         raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
     on_mesh, stiffness = (
-        _options_given_by_user(elements=elements, kind=kind),
-        _options_given_by_user(penalty=penalty),
+        _solver_options_given_by_user(elements=elements, kind=kind),
+        _solver_options_given_by_user(penalty=penalty),
     )
     end = (
-        None if rotation is None else _option_value_in_si("--rotation", rotation, held.surface.unit)
+        None
+        if rotation is None
+        else _value_of_function_option_in_si("--rotation", rotation, held.surface.unit)
     )
     # Without a given rotation the drum is turned until every node slips.
     scene = prepared_model_for_analysis(held, model, **on_mesh)
     if end is None:
-        end = holding.find_full_slip_rotation(scene, held, **stiffness)
+        end = holding.find_drum_rotation_of_full_slip(scene, held, **stiffness)
     # The state at rest comes first: there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
     states = holding.states_of_holding_brake_at_rotations(
@@ -733,8 +738,8 @@ def sensitivity(
     from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity as slopes
 
     on_mesh, stiffness = (
-        _options_given_by_user(elements=elements, kind=kind),
-        _options_given_by_user(penalty=penalty),
+        _solver_options_given_by_user(elements=elements, kind=kind),
+        _solver_options_given_by_user(penalty=penalty),
     )
     whole = _read_brake_if_path(brake)
     whole.check_shoes_can_be_meshed()
@@ -800,7 +805,7 @@ def self_locking(
     from drumlin.fem.model import require_positive_penalty
     from drumlin.fem.solve import prepared_model_with_finest_elements
 
-    on_mesh = _options_given_by_user(elements=elements, kind=kind)
+    on_mesh = _solver_options_given_by_user(elements=elements, kind=kind)
     require_positive_penalty(penalty)
     whole = _read_brake_if_path(brake)
     whole.check_shoes_can_be_meshed()
@@ -904,7 +909,7 @@ def check(
     *,
     reference: Path | str | None = None,
     tolerance: float = 0.01,
-    say: Say = _ignore_progress_line,
+    say: Say = _ignore_text_about_progress,
 ) -> CheckResult:
     """Compare pressures p(theta) from any source with reference values of the brake.
 
@@ -1002,7 +1007,7 @@ def fields(
     """
     from drumlin.base.files import check_output_files_are_writable
     from drumlin.fem.analysis.fields import (
-        stress_and_displacement_fields_of_bodies,
+        stress_and_displacement_fields_of_shoes_and_ring,
         write_fields_to_vtu_file,
     )
     from drumlin.fem.model import solve_prepared_model
@@ -1014,13 +1019,13 @@ def fields(
         raise BadInput(f"output = {str(path)!r}: must end in .vtu")
     check_output_files_are_writable(path)
     on_mesh, stiffness = (
-        _options_given_by_user(elements=elements, kind=kind),
-        _options_given_by_user(penalty=penalty),
+        _solver_options_given_by_user(elements=elements, kind=kind),
+        _solver_options_given_by_user(penalty=penalty),
     )
     solved = _read_brake_if_path(brake)
     solved.check_shoes_can_be_meshed()
     scene = prepared_model_with_finest_elements(solved, **on_mesh)
-    found = stress_and_displacement_fields_of_bodies(
+    found = stress_and_displacement_fields_of_shoes_and_ring(
         scene, solved, solve_prepared_model(scene, solved, **stiffness)
     )
     if path is not None:

@@ -95,9 +95,9 @@ def _solve_brake_with_shoes_in_three_dimensions(brake: Brake, **options: Any) ->
 
 def _reason_why_not_solid_shoes(brake: Brake) -> str | None:
     """Why the model of solid shoes does not apply to a brake; None if it applies."""
-    from drumlin.fem.width.prepare import reason_against_width_model
+    from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 
-    return reason_against_width_model(brake)
+    return reason_why_width_model_does_not_apply(brake)
 
 
 class ShortShoeLaw(NamedTuple):
@@ -139,7 +139,7 @@ def _solve_by_short_shoe_law(brake: Brake) -> Response:
 def _make_model_of_hinged_law(name: str) -> Model:
     """Make the model of the law of hinged shoes that has this name."""
     law = LAWS[name]
-    return _make_model_of_law(
+    return _make_model_of_closed_form_law(
         name,
         law.assumes,
         partial(hinged.reason_against_hinged_shoe_law, law),
@@ -147,7 +147,7 @@ def _make_model_of_hinged_law(name: str) -> Model:
     )
 
 
-def _make_model_of_law(
+def _make_model_of_closed_form_law(
     name: str, assumes: str, why_not: Callable[[Brake], str | None], solve: Callable[..., Response]
 ) -> Model:
     """Make the model of a closed-form law, which takes isotropic materials only.
@@ -192,25 +192,25 @@ MODELS: dict[str, Model] = {
         _make_model_of_hinged_law("cosine"),
         _make_model_of_hinged_law("block"),
         _make_model_of_hinged_law("uniform"),
-        _make_model_of_law(
+        _make_model_of_closed_form_law(
             "short", LAWS["short"].assumes, _reason_why_not_short_shoe_law, _solve_by_short_shoe_law
         ),
-        _make_model_of_law(
+        _make_model_of_closed_form_law(
             "pivoted",
             pivoted.PIVOTED_ASSUMES,
             pivoted.reason_against_pivoted_shoe_law,
             partial(rigid.solve_brake_by_rigid_shoe_law, name="pivoted"),
         ),
-        _make_model_of_law(
+        _make_model_of_closed_form_law(
             "linear",
             flat.LINEAR.assumes,
             partial(flat.reason_against_flat_law, flat.LINEAR),
             partial(rigid.solve_brake_by_rigid_shoe_law, name="linear"),
         ),
-        _make_model_of_law(
+        _make_model_of_closed_form_law(
             "rigid",
             rigid.RIGID_ASSUMES,
-            naming.reason_rigid_law_has_other_name,
+            naming.reason_why_no_law_is_named_rigid,
             rigid.solve_brake_by_rigid_shoe_law,
         ),
         Model(
@@ -251,7 +251,7 @@ def register_law_of_shape(name: str, assumes: str, shape: Shape) -> None:
             f"{', '.join(MODELS)}"
         )
     law = make_law_of_shape(name, assumes, shape)
-    MODELS[name] = _make_model_of_law(
+    MODELS[name] = _make_model_of_closed_form_law(
         name,
         assumes,
         partial(hinged.reason_against_hinged_shoe_law, law),
@@ -281,7 +281,7 @@ def model_with_name_that_applies_to_brake(name: str, brake: Brake) -> Model:
     return model
 
 
-def options_that_user_has_given(**options: Any) -> dict[str, Any]:
+def model_options_given_by_user(**options: Any) -> dict[str, Any]:
     """The options that the user has given, which are all that are neither None nor False.
 
     Raises BadInput if the number of `elements` is out of range.

@@ -23,7 +23,7 @@ from scipy.optimize import minimize_scalar
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import (
-    is_allowed_range_an_interval,
+    are_allowed_values_of_key_an_interval,
     numerical_value_of_brake_key,
     si_unit_of_brake_key,
     values_of_brake_key,
@@ -167,9 +167,9 @@ class Question:
         return numerical_value_of_brake_key(self.brake, self.key)
 
     @cached_property
-    def is_of_one_sign(self) -> bool:
+    def does_key_keep_one_sign(self) -> bool:
         """Whether the key holds a length, force, modulus or number that keeps its sign."""
-        return is_allowed_range_an_interval(self.brake, self.key)
+        return are_allowed_values_of_key_an_interval(self.brake, self.key)
 
     @cached_property
     def ends(self) -> tuple[float, float]:
@@ -177,7 +177,7 @@ class Question:
         value = self.value_of_file
         if self.unit == "rad":
             ends = (value - ANGLE_RANGE, value + ANGLE_RANGE)
-        elif not self.is_of_one_sign:
+        elif not self.does_key_keep_one_sign:
             reach = COORDINATE_RANGE * self.brake.size
             ends = (value - reach, value + reach)
         else:
@@ -189,13 +189,13 @@ class Question:
             raise BadInput(f"--from = {self.text(low)}: must be less than --to = {self.text(high)}")
         return low, high
 
-    def first_values(self) -> list[float]:
+    def key_values_to_try_first(self) -> list[float]:
         """The values that are tried first, in growing order; the value of the file is among them.
 
         Lengths, forces and moduli are spaced by equal factors.
         """
         low, high = self.ends
-        spaced = np.geomspace if self.is_of_one_sign and low * high > 0 else np.linspace
+        spaced = np.geomspace if self.does_key_keep_one_sign and low * high > 0 else np.linspace
         values = {float(x) for x in spaced(low, high, FIRST_TRIALS)} | {low, high}
         if low <= self.value_of_file <= high:
             values.add(self.value_of_file)
@@ -205,7 +205,7 @@ class Question:
         """A value of the key as text with its unit, such as "12 mm"."""
         return quantity_with_usual_unit(value, self.unit)
 
-    def torque_text(self, torque: float) -> str:
+    def torque_or_braking_force_as_text(self, torque: float) -> str:
         """A torque as text, such as "400 N m"; for a brake on a plane its braking force."""
         return quantity_with_usual_unit(torque, self.brake.surface.effect_unit)
 
@@ -218,7 +218,7 @@ class Question:
             options["cache"] = self.cache
         return model_with_name_that_applies_to_brake(self.model, varied).solve(varied, **options)
 
-    def trial(self, value: float) -> Trial:
+    def solve_trial_at_key_value(self, value: float) -> Trial:
         """Solve the brake with a value of the key; without an answer the trial has a failure."""
         try:
             response = self.solve(value)
@@ -325,20 +325,20 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
     name = "peak_pressure" if question.torque is None else "torque"
     wanted = question.peak_pressure if question.torque is None else question.torque
     if not isinstance(wanted, str) and wanted is not None:
-        near = _root_near_value_of_file(question, name, wanted)
+        near = _find_wanted_value_near_value_of_file(question, name, wanted)
         if near is not None and _is_peak_pressure_allowed(question, near):
-            return _sizing_of_value(question, near, (), answer)
-    trials = _first_trials(question)
+            return _sizing_result_of_found_value(question, near, (), answer)
+    trials = _solve_first_trial_values(question)
     if question.torque == LARGEST:
         found, remark = _value_with_largest_torque(question, trials)
-        return _sizing_of_value(question, found, (), answer, remark)
+        return _sizing_result_of_found_value(question, found, (), answer, remark)
     roots = _values_with_wanted_quantity(question, trials, name)
     allowed = [root for root in roots if _is_peak_pressure_allowed(question, root)]
     if not allowed:
         raise NoAnswer(_text_on_peak_pressure_above_limit(question, trials, roots[0]))
     allowed.sort(key=lambda root: abs(root.value - question.value_of_file))
     others = tuple(sorted(root.value for root in allowed[1:]))
-    return _sizing_of_value(question, allowed[0], others, answer)
+    return _sizing_result_of_found_value(question, allowed[0], others, answer)
 
 
 def _check_wanted_quantities(question: Question) -> None:
@@ -351,7 +351,7 @@ def _check_wanted_quantities(question: Question) -> None:
             raise BadInput(f"{option} = {value:g}: must be greater than 0")
     if (
         question.value_of_file == 0
-        and question.is_of_one_sign
+        and question.does_key_keep_one_sign
         and None
         in (
             question.low,
@@ -364,13 +364,15 @@ def _check_wanted_quantities(question: Question) -> None:
     model_with_name_that_applies_to_brake(question.model, question.brake)
 
 
-def _first_trials(question: Question) -> list[Trial]:
+def _solve_first_trial_values(question: Question) -> list[Trial]:
     """Try the first values of the range. Raises NoAnswer if no value has an answer."""
-    trials = [question.trial(value) for value in question.first_values()]
+    trials = [
+        question.solve_trial_at_key_value(value) for value in question.key_values_to_try_first()
+    ]
     if all(trial.failure for trial in trials):
         nearest = min(trials, key=lambda trial: abs(trial.value - question.value_of_file))
         raise NoAnswer(
-            f"{_refusal_start(question)}, because no value of the range has an answer; "
+            f"{_first_refusal_words(question)}, because no value of the range has an answer; "
             f"{question.key} = {question.text(nearest.value)}: {nearest.failure}"
         )
     return trials
@@ -397,38 +399,40 @@ def _values_with_wanted_quantity(question: Question, trials: list[Trial], name: 
     assert isinstance(wanted, float | int)
     searches: tuple[Callable[[], None], ...] = (
         lambda: None,
-        lambda: _add_trials_at_borders(question, trials),
-        lambda: _add_trial_at_extreme(question, trials, name, wanted),
+        lambda: _add_trials_where_answers_end(question, trials),
+        lambda: _add_trial_with_extreme_quantity(question, trials, name, wanted),
     )
     for search in searches:
         search()
-        roots = list(_roots_between_trials(question, trials, name, wanted))
+        roots = list(_find_wanted_values_between_trials(question, trials, name, wanted))
         if roots:
             return roots
     raise NoAnswer(_text_on_value_out_of_reach(question, trials, name, wanted))
 
 
-def _roots_between_trials(
+def _find_wanted_values_between_trials(
     question: Question, trials: Sequence[Trial], name: str, wanted: float
 ) -> Iterator[Trial]:
-    """Yield the trials at which a quantity crosses a wanted value, by `_root_in_bracket`."""
+    """Yield the trials at which a quantity crosses a wanted value."""
     for before, after in pairwise(trials):
         off = [getattr(trial, name) - wanted for trial in (before, after)]
         # A trial that has the value exactly ends one interval and begins the next one.
         if off[0] == 0 or off[0] * off[1] < 0:
-            yield _root_in_bracket(question, [before, after], name, wanted)
+            yield _find_wanted_value_between_two_trials(question, [before, after], name, wanted)
     if trials and getattr(trials[-1], name) == wanted:
         yield trials[-1]
 
 
-def _difference_from_wanted(trial: Trial, name: str, wanted: float) -> float:
+def _quantity_minus_wanted_value(trial: Trial, name: str, wanted: float) -> float:
     """A trial's quantity minus the wanted value; 0 within a small part of the stated error."""
     off = float(getattr(trial, name) - wanted)
     close = max(EXACT, SOLVED_SHARE * trial.errors.get(name, 0.0)) * wanted
     return 0.0 if abs(off) <= close else off
 
 
-def _root_in_bracket(question: Question, known: list[Trial], name: str, wanted: float) -> Trial:
+def _find_wanted_value_between_two_trials(
+    question: Question, known: list[Trial], name: str, wanted: float
+) -> Trial:
     """The trial at which a quantity has a wanted value, between two trials that enclose it.
 
     The next value comes from a rational function through the last trials if it lies inside of the
@@ -450,28 +454,30 @@ def _root_in_bracket(question: Question, known: list[Trial], name: str, wanted: 
     steps, width = 0, math.inf
     while True:
         for trial in known:
-            if _difference_from_wanted(trial, name, wanted) == 0:
+            if _quantity_minus_wanted_value(trial, name, wanted) == 0:
                 return trial
         low, high = _closest_trials_around_wanted_value(known, name, wanted)
         resolution = 2 * np.finfo(float).eps * max(abs(low.value), abs(high.value))
         if high.value - low.value <= resolution:
-            return _nearer_trial_of_closed_bracket(question, (low, high), name, wanted)
-        value = _value_of_rational_function(known, name, wanted)
+            return _nearer_of_two_almost_equal_trials(question, (low, high), name, wanted)
+        value = _key_value_by_rational_interpolation(known, name, wanted)
         is_slow = steps % 3 == 2 and high.value - low.value > 0.5 * width
         if is_slow or value is None or not low.value < value < high.value:
             value = 0.5 * (low.value + high.value)
         if steps % 3 == 2:
             width = high.value - low.value
         steps += 1
-        insort(known, _solved_trial(question, value), key=lambda trial: trial.value)
+        insort(
+            known, _solve_trial_or_raise_no_answer(question, value), key=lambda trial: trial.value
+        )
 
 
-def _solved_trial(question: Question, value: float) -> Trial:
+def _solve_trial_or_raise_no_answer(question: Question, value: float) -> Trial:
     """Try a value of the key. Raises NoAnswer with the reason if the brake then has no answer."""
-    trial = question.trial(value)
+    trial = question.solve_trial_at_key_value(value)
     if trial.failure:
         raise NoAnswer(
-            f"{_refusal_start(question)}, because {question.key} = {question.text(value)} "
+            f"{_first_refusal_words(question)}, because {question.key} = {question.text(value)} "
             f"has no answer: {trial.failure}"
         )
     return trial
@@ -492,7 +498,7 @@ def _closest_trials_around_wanted_value(
     return min(crossed, key=lambda pair: pair[1].value - pair[0].value)
 
 
-def _nearer_trial_of_closed_bracket(
+def _nearer_of_two_almost_equal_trials(
     question: Question, ends: tuple[Trial, Trial], name: str, wanted: float
 ) -> Trial:
     """The trial nearer to the wanted value, of two whose keys differ by round-off only.
@@ -508,12 +514,15 @@ def _nearer_trial_of_closed_bracket(
     unit = question.brake.surface.effect_unit if name == "torque" else "Pa"
     from_to = [quantity_with_usual_unit(getattr(trial, name), unit) for trial in ends]
     raise NoAnswer(
-        f"{_refusal_start(question)}, because the {what} jumps from {from_to[0]} to {from_to[1]} "
+        f"{_first_refusal_words(question)}, because the {what} jumps from {from_to[0]} to "
+        f"{from_to[1]} "
         f"at {question.text(near.value)}"
     )
 
 
-def _value_of_rational_function(known: Sequence[Trial], name: str, wanted: float) -> float | None:
+def _key_value_by_rational_interpolation(
+    known: Sequence[Trial], name: str, wanted: float
+) -> float | None:
     """The value at which a rational function through the nearest trials has the wanted quantity.
 
     The function y = (a + b x)/(1 + c x) goes through the three trials whose quantities are nearest
@@ -537,7 +546,9 @@ def _value_of_rational_function(known: Sequence[Trial], name: str, wanted: float
     return float(x0 + step) if np.isfinite(step) else None
 
 
-def _root_near_value_of_file(question: Question, name: str, wanted: float) -> Trial | None:
+def _find_wanted_value_near_value_of_file(
+    question: Question, name: str, wanted: float
+) -> Trial | None:
     """The trial at which a quantity has a wanted value, sought from the value of the file on.
 
     This is done only for keys that keep their sign: as an angle or a coordinate varies, a torque
@@ -545,18 +556,18 @@ def _root_near_value_of_file(question: Question, name: str, wanted: float) -> Tr
     whole range must be tried.
     """
     (low, high), start = question.ends, question.value_of_file
-    if start == 0 or not (question.is_of_one_sign and low <= start <= high):
+    if start == 0 or not (question.does_key_keep_one_sign and low <= start <= high):
         return None
-    first = question.trial(start)
-    known = [] if first.failure else _trials_up_to_wanted_value(question, first, name, wanted)
+    first = question.solve_trial_at_key_value(start)
+    known = [] if first.failure else _solve_trials_up_to_wanted_value(question, first, name, wanted)
     if not known:
         return None
     with suppress(NoAnswer):
-        return _root_in_bracket(question, known, name, wanted)
+        return _find_wanted_value_between_two_trials(question, known, name, wanted)
     return None
 
 
-def _trials_up_to_wanted_value(
+def _solve_trials_up_to_wanted_value(
     question: Question, first: Trial, name: str, wanted: float
 ) -> list[Trial]:
     """Solved trials from the first one on, until two enclose the wanted value or one has it.
@@ -564,7 +575,7 @@ def _trials_up_to_wanted_value(
     The list is empty if neither happens within NEAR_TRIALS trials and the range.
     """
     known, (low, high) = [first], question.ends
-    slope = _exact_slope_at_value(question, first.value, name)
+    slope = _exact_torque_slope_at_key_value(question, first.value, name)
     value: float | None = _next_value_after_first_trial(first, name, wanted, slope)
     for _ in range(NEAR_TRIALS):
         if _is_wanted_value_enclosed(known, name, wanted):
@@ -572,7 +583,7 @@ def _trials_up_to_wanted_value(
         value = None if value is None else min(max(value, low), high)
         if value is None or any(value == trial.value for trial in known):
             break
-        trial = question.trial(value)
+        trial = question.solve_trial_at_key_value(value)
         if trial.failure:
             # Beyond this value there is no answer: the next value is nearer to a solved trial.
             nearest = min(known, key=lambda one: abs(one.value - trial.value))
@@ -580,13 +591,13 @@ def _trials_up_to_wanted_value(
             value = 0.5 * (nearest.value + value)
         else:
             insort(known, trial, key=lambda one: one.value)
-            value = _value_of_rational_function(known, name, wanted)
+            value = _key_value_by_rational_interpolation(known, name, wanted)
     return []
 
 
 def _is_wanted_value_enclosed(known: Sequence[Trial], name: str, wanted: float) -> bool:
     """Whether two of the solved trials enclose the wanted value of a quantity, or one has it."""
-    off = [_difference_from_wanted(trial, name, wanted) for trial in known]
+    off = [_quantity_minus_wanted_value(trial, name, wanted) for trial in known]
     return min(off) <= 0 <= max(off)
 
 
@@ -607,7 +618,7 @@ def _next_value_after_first_trial(
     return value if is_near else proportional
 
 
-def _exact_slope_at_value(question: Question, value: float, name: str) -> float | None:
+def _exact_torque_slope_at_key_value(question: Question, value: float, name: str) -> float | None:
     """The exact derivative of the torque by the key at a value of the key; None if unknown.
 
     Finite elements in plane stress give it for friction, forces, moduli, clearances and hinges.
@@ -628,14 +639,14 @@ def _exact_slope_at_value(question: Question, value: float, name: str) -> float 
     return exact_torque_slope_by_key(brake, question.key, slopes)
 
 
-def _add_trials_at_borders(question: Question, trials: list[Trial]) -> None:
+def _add_trials_where_answers_end(question: Question, trials: list[Trial]) -> None:
     """Find by bisection where the brake ceases to have an answer, and add the trials near there."""
     for before, after in list(pairwise(trials)):
         if bool(before.failure) == bool(after.failure):
             continue
         low, high = before.value, after.value
         for _ in range(BORDER_TRIALS):
-            middle = question.trial(0.5 * (low + high))
+            middle = question.solve_trial_at_key_value(0.5 * (low + high))
             insort(trials, middle, key=lambda trial: trial.value)
             if bool(middle.failure) == bool(before.failure):
                 low = middle.value
@@ -643,7 +654,7 @@ def _add_trials_at_borders(question: Question, trials: list[Trial]) -> None:
                 high = middle.value
 
 
-def _add_trial_at_extreme(
+def _add_trial_with_extreme_quantity(
     question: Question, trials: list[Trial], name: str, wanted: float
 ) -> None:
     """Add the trial with the largest or smallest quantity, if no trial reaches the wanted value.
@@ -672,13 +683,15 @@ def _trial_with_extreme_quantity_between(
     """The trial between two values of the key with the largest (sign 1) or smallest quantity."""
     seen: list[Trial] = []
 
-    def negative_quantity(value: float) -> float:
+    def quantity_times_negative_sign(value: float) -> float:
         """The quantity times -sign, whose minimum is sought; infinite without an answer."""
-        seen.append(question.trial(float(value)))
+        seen.append(question.solve_trial_at_key_value(float(value)))
         return math.inf if seen[-1].failure else -sign * float(getattr(seen[-1], name))
 
     resolution = EXTREME_RESOLUTION * (ends[1] - ends[0])
-    minimize_scalar(negative_quantity, bounds=ends, method="bounded", options={"xatol": resolution})
+    minimize_scalar(
+        quantity_times_negative_sign, bounds=ends, method="bounded", options={"xatol": resolution}
+    )
     solved = [trial for trial in seen if not trial.failure]
     return max(solved or seen, key=lambda trial: sign * getattr(trial, name))
 
@@ -688,10 +701,10 @@ def _value_with_largest_torque(question: Question, trials: list[Trial]) -> tuple
 
     Raises NoAnswer if the peak pressure is above its limit in the whole range.
     """
-    _add_trials_at_borders(question, trials)
+    _add_trials_where_answers_end(question, trials)
     limit, bounded = question.peak_pressure, []
     if limit is not None:
-        bounded = list(_roots_between_trials(question, trials, "peak_pressure", limit))
+        bounded = list(_find_wanted_values_between_trials(question, trials, "peak_pressure", limit))
     solved = [trial for trial in trials if not trial.failure]
     allowed = [trial for trial in solved if _is_peak_pressure_allowed(question, trial)] + bounded
     if not allowed:
@@ -721,7 +734,7 @@ def _is_peak_pressure_allowed(question: Question, trial: Trial) -> bool:
     return trial.peak_pressure <= limit * (1 + SOLVED_SHARE * trial.errors["peak_pressure"])
 
 
-def _sizing_of_value(
+def _sizing_result_of_found_value(
     question: Question,
     found: Trial,
     others: tuple[float, ...],
@@ -743,7 +756,7 @@ def _sizing_of_value(
     name = "peak_pressure" if by_pressure else "torque"
     slope = None
     if not remark or by_pressure:
-        slope = _slope_at_trial(question, found, name)
+        slope = _quantity_slope_at_trial(question, found, name)
     return Sizing(
         key=question.key,
         unit=question.unit,
@@ -752,7 +765,7 @@ def _sizing_of_value(
         torque=float(response.effect),
         peak_pressure=float(max(shoe.peak_pressure for shoe in response.shoes)),
         slope=slope,
-        errors=_errors_of_value(response, name, getattr(found, name), slope),
+        errors=_errors_of_found_key_value(response, name, getattr(found, name), slope),
         range=question.ends,
         others=others,
         remark=remark,
@@ -761,18 +774,18 @@ def _sizing_of_value(
     )
 
 
-def _slope_at_trial(question: Question, found: Trial, name: str) -> float | None:
+def _quantity_slope_at_trial(question: Question, found: Trial, name: str) -> float | None:
     """The derivative of a quantity by the key: exact where that is known, else by differences.
 
     It is None if no neighbouring value of the key has an answer.
     """
-    exact = _exact_slope_at_value(question, found.value, name)
+    exact = _exact_torque_slope_at_key_value(question, found.value, name)
     if exact is not None:
         return exact
     low, high = question.ends
-    size = abs(found.value) if question.is_of_one_sign else high - low
+    size = abs(found.value) if question.does_key_keep_one_sign else high - low
     steps = (SLOPE_STEP * size, -SLOPE_STEP * size)
-    near = [question.trial(found.value + step) for step in steps]
+    near = [question.solve_trial_at_key_value(found.value + step) for step in steps]
     solved = [trial for trial in near if not trial.failure] + [found]
     first, last = solved[0], solved[1] if len(solved) > 1 else found
     if first.value == last.value:
@@ -781,7 +794,7 @@ def _slope_at_trial(question: Question, found: Trial, name: str) -> float | None
     return rise / (first.value - last.value)
 
 
-def _errors_of_value(
+def _errors_of_found_key_value(
     response: Response, name: str, quantity: float, slope: float | None
 ) -> dict[str, float]:
     """The errors of a value of the key [SI]: stated errors of a quantity divided by its slope.
@@ -808,12 +821,14 @@ def _errors_of_value(
 # The functions below write the messages of NoAnswer.
 
 
-def _refusal_start(question: Question) -> str:
+def _first_refusal_words(question: Question) -> str:
     """The words with which a refusal begins: what is wanted, and the range that was searched."""
     wanted = []
     if question.torque is not None:
         torque = question.torque
-        shown = torque if isinstance(torque, str) else question.torque_text(torque)
+        shown = (
+            torque if isinstance(torque, str) else question.torque_or_braking_force_as_text(torque)
+        )
         wanted.append(f"--torque = {shown}")
     if question.peak_pressure is not None:
         wanted.append(f"--peak-pressure = {quantity_with_usual_unit(question.peak_pressure, 'Pa')}")
@@ -834,7 +849,7 @@ def _text_on_value_out_of_reach(
     unit = "Pa" if name == "peak_pressure" else question.brake.surface.effect_unit
     reached = quantity_with_usual_unit(getattr(best, name), unit)
     text = (
-        f"{_refusal_start(question)}, because the {extreme} {what} is {reached}, "
+        f"{_first_refusal_words(question)}, because the {extreme} {what} is {reached}, "
         f"at {question.text(best.value)}"
     )
     at = trials.index(best)
@@ -853,7 +868,7 @@ def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], 
     """
     peak = quantity_with_usual_unit(root.peak_pressure, "Pa")
     text = (
-        f"{_refusal_start(question)}, because {question.key} = {question.text(root.value)}, "
+        f"{_first_refusal_words(question)}, because {question.key} = {question.text(root.value)}, "
         f"which gives this torque, gives a peak pressure of {peak}"
     )
     try:
@@ -862,5 +877,5 @@ def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], 
         return text
     return (
         f"{text}; the largest {question.brake.surface.effect} within the limit is "
-        f"{question.torque_text(best.torque)}, at {question.text(best.value)}"
+        f"{question.torque_or_braking_force_as_text(best.torque)}, at {question.text(best.value)}"
     )

@@ -106,7 +106,9 @@ def solve_brake_by_all_models(
     return BrakeInMotion(file, brake, by_law, solve(brake), worn, others)
 
 
-def locking_friction_by_elements(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
+def self_locking_friction_by_finite_elements(
+    brake: Brake, most: float = 2.0, elements: int = 20
+) -> float:
     """The coefficient of friction at which the brake with elastic linings locks itself.
 
     The result is inf if the brake has an equilibrium up to the friction `most`, and nan if it has
@@ -163,7 +165,7 @@ def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -
     }
 
 
-def error_rows_of_other_models(found: BrakeInMotion) -> list[dict[str, Any]]:
+def torque_error_rows_of_models_besides_law(found: BrakeInMotion) -> list[dict[str, Any]]:
     """Rows of a table, one for each other model, with the relative errors of its torque.
 
     The errors are relative to finite elements with new and with worn-in linings.
@@ -190,14 +192,14 @@ def brake_factor_of_cam_brake(brake: Brake) -> float:
     T/(F R) of the two shoes, each actuated alone.
     """
 
-    def factor_of_shoe_alone(shoe: Shoe) -> float:
+    def shoe_factor_of_shoe_alone_in_brake(shoe: Shoe) -> float:
         """The shoe factor T/(F R) of a shoe that is alone in the brake, under a force of 1 kN."""
         alone = brake.model_copy(
             update={"actuation": None, "shoes": (shoe.shoe_with_changed_actuation_force(1e3),)}
         )
         return solve_brake_by_its_rigid_shoe_law(alone).torque / (1e3 * brake.size)
 
-    one, two = map(factor_of_shoe_alone, brake.shoes)
+    one, two = map(shoe_factor_of_shoe_alone_in_brake, brake.shoes)
     return 4 * one * two / (one + two)
 
 
@@ -209,7 +211,7 @@ def sentence_on_whether_law_can_be_trusted(rows: list[dict[str, Any]]) -> str:
     surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
     effect_ = surface.effect
 
-    def verdict_on_error(key: str) -> str:
+    def verdict_on_error_of_law(key: str) -> str:
         """A verdict such as "can be trusted (off by up to 3 %)".
 
         The law is judged by the larger of its errors `key` in both rows.
@@ -224,8 +226,8 @@ def sentence_on_whether_law_can_be_trusted(rows: list[dict[str, Any]]) -> str:
         return (
             f"The {effect_} follows from equilibrium alone, whatever the pressure. "
             f"The pressure of the law {name!r} "
-            f"{verdict_on_error('p')} new, and {verdict_on_error('p_worn')} worn in."
+            f"{verdict_on_error_of_law('p')} new, and {verdict_on_error_of_law('p_worn')} worn in."
         )
-    new = f"{verdict_on_error('new')}, its pressure {verdict_on_error('p')}"
-    worn = f"{verdict_on_error('worn')}, its pressure {verdict_on_error('p_worn')}"
+    new = f"{verdict_on_error_of_law('new')}, its pressure {verdict_on_error_of_law('p')}"
+    worn = f"{verdict_on_error_of_law('worn')}, its pressure {verdict_on_error_of_law('p_worn')}"
     return f"New, the {effect_} of the law {name!r} {new}; worn in, the {effect_} {worn}."

@@ -31,22 +31,25 @@ from drumlin.fem.error_control.estimate import (
     QUANTITIES,
     Errors,
     Factors,
-    relative_differences_of_two_levels,
+    relative_differences_of_responses_on_two_levels,
     sum_of_penalty_and_round_off_errors,
 )
-from drumlin.fem.error_control.levels import SolvedLevel, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import SolvedLevel, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.hp.corner import response_with_power_laws_at_corners
 from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_corners import CORNER_KINDS, draw_brake_pressing_with_corner_or_tip
+from drumlin_studies.random_corners import (
+    CORNER_KINDS,
+    draw_random_brake_pressing_with_corner_or_kink,
+)
 from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 from drumlin_studies.stated_true import RELEVANT, Truth, true_errors_of_response
 from drumlin_studies.stored_truth import (
     CERTAIN,
     solve_brake_by_finer_hp_meshes,
-    solve_corner_or_tip_by_deep_triangles,
+    solve_brake_on_corner_or_kink_by_fine_triangles,
 )
 
 FIRST_SEED, FITTED_BRAKES = 300_000, 260
@@ -113,7 +116,7 @@ class LevelRecord(NamedTuple):
     unsure: Mapping[str, float]
 
 
-def draw_calibration_brake(seed: int) -> tuple[str, Brake]:
+def draw_random_calibration_brake(seed: int) -> tuple[str, Brake]:
     """The name of a kind of brakes, and the random brake of this kind, that a seed gives.
 
     Consecutive seeds go through all kinds. Seeds from FIRST_CORNER on give brakes that press on the
@@ -121,10 +124,12 @@ def draw_calibration_brake(seed: int) -> tuple[str, Brake]:
     """
     if seed >= FIRST_CORNER:
         names = list(CORNER_KINDS)
-        return names[seed % len(names)], draw_brake_pressing_with_corner_or_tip(seed)
+        return names[seed % len(names)], draw_random_brake_pressing_with_corner_or_kink(seed)
     kinds = [*KINDS, *KINDS_OF_HOLDING]
     kind = kinds[seed % len(kinds)]
-    return kind, (draw_random_brake if kind in KINDS else draw_brake_of_support_kind)(seed, kind)
+    return kind, (draw_random_brake if kind in KINDS else draw_random_brake_of_support_kind)(
+        seed, kind
+    )
 
 
 def true_and_estimated_errors_of_random_brake(seed: int) -> dict[str, Any]:
@@ -134,16 +139,19 @@ def true_and_estimated_errors_of_random_brake(seed: int) -> dict[str, Any]:
     """
     kind = ""
     try:
-        kind, brake = draw_calibration_brake(seed)
+        kind, brake = draw_random_calibration_brake(seed)
         truth = (
-            solve_corner_or_tip_by_deep_triangles
+            solve_brake_on_corner_or_kink_by_fine_triangles
             if seed >= FIRST_CORNER
             else solve_brake_by_finer_hp_meshes
         )(brake)
         levels = true_errors_and_estimates_on_each_mesh(
             brake,
             truth,
-            islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), FITTED_LEVELS),
+            islice(
+                solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model),
+                FITTED_LEVELS,
+            ),
         )
     except (NoAnswer, AssertionError) as error:
         # An AssertionError means that round-off has inverted a tiny triangle.
@@ -181,7 +189,7 @@ def true_errors_and_estimates_on_each_mesh(
                     brake, response.shoes, truth.shoes
                 ).items()
             }
-            moved = relative_differences_of_two_levels(brake, before, response)
+            moved = relative_differences_of_responses_on_two_levels(brake, before, response)
             levels.append(
                 LevelRecord(
                     step=_largest_value_of_each_quantity_over_shoes(moved.steps),

@@ -58,7 +58,7 @@ Rng = np.random.Generator
 """The type of the generators of random numbers."""
 
 
-def draw_brake_with_blocks(seed: int, steps: int | None = None) -> Brake:
+def draw_random_brake_with_blocks(seed: int, steps: int | None = None) -> Brake:
     """The random brake of a seed, with blocks on each of its linings.
 
     Parameters
@@ -170,13 +170,13 @@ def solve_with_stated_and_true_errors(brake: Brake) -> StatedAndTrue:
     return StatedAndTrue(response, true, true_errors_of_response(brake, response.shoes, true.shoes))
 
 
-def stated_error_rows_for_block_linings(seed: int) -> list[Check]:
+def rows_of_stated_and_true_errors_of_block_linings(seed: int) -> list[Check]:
     """Compare the errors that drumlin states with true errors, for the random brake of a seed.
 
     Returns a row for each quantity. The allowed error is the stated error plus the uncertainty of
     the finer solution. If drumlin calls the peak pressure unbounded, its stated error is 1.
     """
-    brake = draw_brake_with_blocks(seed)
+    brake = draw_random_brake_with_blocks(seed)
     name = f"{BLOCK_KINDS[seed % len(BLOCK_KINDS)]} {seed}"
     try:
         response, truth, true_errors = solve_with_stated_and_true_errors(brake)

@@ -14,7 +14,7 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.analysis.holding import (
     LARGEST_TORQUE_DIFFERENCE,
     Hold,
-    find_full_slip_rotation,
+    find_drum_rotation_of_full_slip,
     states_of_holding_brake_at_rotations,
 )
 from drumlin.fem.error_control.levels import LEVELS
@@ -38,10 +38,11 @@ LOCKED_ROTATION = 1.0
 
 A self-locking brake still sticks after this rotation."""
 TWO_ANSWERS_LINE = "more than one answer"
-"""Words of the error message by which `find_full_slip_rotation` reports two different moments."""
+"""Words of the error message by which `find_drum_rotation_of_full_slip` reports two different
+moments."""
 
 
-def torque_rows_of_hold_and_solve(seed: int) -> list[Check]:
+def rows_comparing_torques_of_hold_and_solve(seed: int) -> list[Check]:
     """Compare the torques by `hold` at full slip and by `solve` for the random brake of a seed.
 
     Consecutive seeds go through all kinds of brakes, on a low-order mesh and on hp elements in
@@ -60,10 +61,12 @@ def torque_rows_of_hold_and_solve(seed: int) -> list[Check]:
         if on_hp_elements
         else make_prepared_model(brake, elements=MESH_ELEMENTS)
     )
-    return [_torque_row_of_hold_and_solve(f"{kind} {seed}", scene, brake)]
+    return [_row_comparing_torques_of_hold_and_solve(f"{kind} {seed}", scene, brake)]
 
 
-def _torque_row_of_hold_and_solve(name: str, scene: PreparedModel, brake: Brake) -> Check:
+def _row_comparing_torques_of_hold_and_solve(
+    name: str, scene: PreparedModel, brake: Brake
+) -> Check:
     """Compare the torques of a brake by `hold` and by `solve`, both on the same prepared model."""
     row = Check(
         check=HOLD_CHECK,
@@ -81,7 +84,7 @@ def _torque_row_of_hold_and_solve(name: str, scene: PreparedModel, brake: Brake)
         return row._replace(said=str(error) if locked else "", refused=locked)
     # An error message of `hold` counts as a reason only if it states two different moments.
     try:
-        end = find_full_slip_rotation(scene, brake)
+        end = find_drum_rotation_of_full_slip(scene, brake)
     except NoAnswer as error:
         return row._replace(said=str(error) if TWO_ANSWERS_LINE in str(error) else "")
     last = _holding_state_after_rotation(scene, brake, end)

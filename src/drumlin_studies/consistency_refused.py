@@ -31,13 +31,13 @@ about one second.
 """
 
 
-def default_solve_against_mesh_rows(seed: int) -> list[Check]:
+def rows_comparing_default_solve_with_meshes(seed: int) -> list[Check]:
     """Compare the default solve with three uniform meshes for the random brake of a seed.
 
     Returns one row. It returns none if the default solve succeeds and the meshes are left out or
     disagree with each other.
     """
-    brake = draw_brake_for_refusal_check(seed)
+    brake = draw_random_brake_for_refusal_check(seed)
     found = _brake_response_or_refusal_message(brake, None)
     refused = isinstance(found, str)
     if not refused and seed // 2 % BRAKES_PER_MESH_CHECK:
@@ -54,12 +54,12 @@ def default_solve_against_mesh_rows(seed: int) -> list[Check]:
             # a valid reason for a refusal.
             said = found if TOO_FAR_REASON in found else ""
             return [
-                _row_of_default_solve_against_meshes(
+                _row_comparing_default_solve_with_meshes(
                     brake, f"an answer, refused: {found}", 1.0, 0.0, said=said
                 )
             ]
         return [
-            _row_of_default_solve_against_meshes(
+            _row_comparing_default_solve_with_meshes(
                 brake, "an answer", 0.0, 0.0, said=found, refused=True
             )
         ]
@@ -69,13 +69,13 @@ def default_solve_against_mesh_rows(seed: int) -> list[Check]:
     # The error of the coarsest mesh is about the spread of the forces; the factor 2 allows for slow
     # convergence.
     return [
-        _row_of_default_solve_against_meshes(
+        _row_comparing_default_solve_with_meshes(
             brake, "contact force", difference, max(2 * relative_spread_of_values(forces), 1e-3)
         )
     ]
 
 
-def draw_brake_for_refusal_check(seed: int) -> Brake:
+def draw_random_brake_for_refusal_check(seed: int) -> Brake:
     """The random brake of a seed: even seeds have large clearances, odd seeds are of all kinds."""
     half, odd = divmod(seed, 2)
     if not odd:
@@ -105,7 +105,7 @@ def _brake_response_or_refusal_message(brake: Brake, elements: int | None) -> Re
         return str(refusal)
 
 
-def _row_of_default_solve_against_meshes(
+def _row_comparing_default_solve_with_meshes(
     brake: Brake,
     quantity: str,
     difference: float,

@@ -364,7 +364,7 @@ SLOPE_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
 """The kinds of random brakes, in the order in which consecutive seeds draw them."""
 
 
-def draw_brake_with_friction(seed: int) -> tuple[str, Brake]:
+def draw_random_brake_with_friction(seed: int) -> tuple[str, Brake]:
     """The name of a kind of brakes, and the random brake with friction, that a seed gives.
 
     In half of the brakes the shoe's body and the ring have a bending stiffness given by number.
@@ -395,13 +395,15 @@ def _brake_with_random_bending_stiffness(brake: Brake, rng: np.random.Generator)
     return vary(brake, changes)
 
 
-def torque_slope_rows_of_seed(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
+def rows_comparing_torque_slopes_of_random_brake(
+    seed: int, most: int | None = SLOPES_PER_BRAKE
+) -> list[Check]:
     """Compare the torque's printed derivatives with central differences, for a random brake.
 
     The seed gives the brake. Returns a row for each derivative. At most `most` derivatives are
     compared, or all if it is None.
     """
-    kind, brake = draw_brake_with_friction(seed)
+    kind, brake = draw_random_brake_with_friction(seed)
     on_hp_elements = bool(seed // len(SLOPE_KINDS) // 2 % 2)
     divided = DivisionForSlopes(None if on_hp_elements else SLOPE_MESH_ELEMENTS, Cache())
     name = f"{kind} {seed}, {'columns' if on_hp_elements else 'mesh'}"

@@ -28,7 +28,7 @@ from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     WEAR_SETTLED,
     brake_with_worn_linings,
-    end_of_wear_by_rigid_shoe_law,
+    final_pressure_and_torque_by_rigid_shoe_law,
     largest_pressure_difference_of_linings,
     wear_brake_linings_until_worn_in,
 )
@@ -104,26 +104,26 @@ class _TorqueAndPressure(NamedTuple):
     said: str = ""
 
 
-def wear_check_rows_of_seed(seed: int) -> list[Check]:
+def rows_of_wear_checks_of_random_brake(seed: int) -> list[Check]:
     """Run all checks of wear on the random brake of a seed; returns a row for each quantity.
 
     Consecutive seeds go through WEAR_KINDS. There are no rows if the seed gives no brake.
     """
     kind = WEAR_KINDS[seed % len(WEAR_KINDS)]
     try:
-        brake = _draw_brake_for_wear_check(seed, kind)
+        brake = _draw_random_brake_for_wear_check(seed, kind)
     except NoAnswer:
         return []
     name = f"{kind} {seed}"
-    return _rows_comparing_unworn_linings_with_solve(name, brake) + _check_rows_of_worn_linings(
-        name, brake.round()
-    )
+    return _rows_comparing_unworn_linings_with_solve(
+        name, brake
+    ) + _rows_comparing_worn_linings_with_solve(name, brake.brake_with_perfectly_round_drum())
 
 
-def _draw_brake_for_wear_check(seed: int, kind: str) -> Brake:
+def _draw_random_brake_for_wear_check(seed: int, kind: str) -> Brake:
     """The random brake of a seed and of a kind, one of WEAR_KINDS."""
     if kind.startswith("rigid "):
-        return random_kinds.draw_brake_of_support_kind(
+        return random_kinds.draw_random_brake_of_support_kind(
             seed, kind.removeprefix("rigid "), rigid=True
         )
     return random_kinds.draw_random_brake_of_kind(seed, kind)
@@ -156,7 +156,7 @@ def _rows_comparing_unworn_linings_with_solve(name: str, brake: Brake) -> list[C
     )
 
 
-def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
+def _rows_comparing_worn_linings_with_solve(name: str, brake: Brake) -> list[Check]:
     """Compare worn linings with `solve` halfway, after a reversal of the drum, and at the end.
 
     The linings have a uniform mesh, and the drum is round.
@@ -171,7 +171,7 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
             name,
             "wear's end = worn in",
             setup,
-            (partial(_raise_given_error, error), worn_in),
+            (partial(_raise_error_of_refused_path, error), worn_in),
         )
     ends = partial(_torque_and_pressure_of_wear_state, states[-1]), worn_in
     rows = _torque_and_pressure_comparison_rows(
@@ -198,7 +198,9 @@ def _check_rows_of_worn_linings(name: str, brake: Brake) -> list[Check]:
         name, "wear's middle = solve of the worn linings", setup, middles
     )
     backward = wear_setup_by_finite_elements(scene, brake.brake_with_reversed_motion())
-    return rows + _check_rows_after_drum_reversal(name, setup, backward, scene, middle.s)
+    return rows + _rows_comparing_wear_and_solve_after_reversal(
+        name, setup, backward, scene, middle.s
+    )
 
 
 def _torque_and_pressure_of_worn_in_brake(
@@ -212,11 +214,11 @@ def _torque_and_pressure_of_worn_in_brake(
 
 def _torque_and_pressure_by_rigid_law(setup: WearSetup) -> _TorqueAndPressure:
     """Torque and pressure of the rigid-shoe law on the mesh of the setup, the limit of wear."""
-    goal = end_of_wear_by_rigid_shoe_law(setup)
+    goal = final_pressure_and_torque_by_rigid_shoe_law(setup)
     return _TorqueAndPressure(goal.torque, goal.pressure)
 
 
-def _check_rows_after_drum_reversal(
+def _rows_comparing_wear_and_solve_after_reversal(
     name: str, setup: WearSetup, backward: WearSetup, scene: PreparedModel, s: float
 ) -> list[Check]:
     """Compare worn linings with `solve` at the moment when the drum begins to turn back.
@@ -258,7 +260,7 @@ def _check_rows_after_drum_reversal(
     )
 
 
-def _raise_given_error(error: NoAnswer) -> _TorqueAndPressure:
+def _raise_error_of_refused_path(error: NoAnswer) -> _TorqueAndPressure:
     """Raise `error`; the function stands for a path that refuses the brake."""
     raise error
 

@@ -16,9 +16,9 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.hp.corner import corners_with_unbounded_pressure
 from drumlin.fem.solve import solve
-from drumlin_studies.random_corners import draw_brake_pressing_with_corner_or_tip
+from drumlin_studies.random_corners import draw_random_brake_pressing_with_corner_or_kink
 from drumlin_studies.stated_true import row_of_stated_and_true_errors, stated_over_true_error_of_row
-from drumlin_studies.stored_truth import solve_corner_or_tip_by_deep_triangles
+from drumlin_studies.stored_truth import solve_brake_on_corner_or_kink_by_fine_triangles
 from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
 
 CORNER_TOLERANCES = (5e-3, 1e-3, 1e-4)
@@ -40,7 +40,7 @@ drags the lining away from the corner.
 """
 
 
-def stated_and_true_error_rows_of_seed(seed: int) -> list[dict[str, Any]]:
+def rows_of_stated_and_true_errors_of_corner_brake(seed: int) -> list[dict[str, Any]]:
     """Rows of stated and true errors of the random brake of a seed, one for each tolerance.
 
     A row has the stated and the true error of each quantity, the `kind` of the brake, and the
@@ -49,14 +49,14 @@ def stated_and_true_error_rows_of_seed(seed: int) -> list[dict[str, Any]]:
     """
     base: dict[str, Any] = {"seed": seed, "kind": "none", "power": 0.0}
     try:
-        brake = draw_brake_pressing_with_corner_or_tip(seed)
+        brake = draw_random_brake_pressing_with_corner_or_kink(seed)
     except NoAnswer as error:
         return [base | {"outcome": "failed", "reason": str(error)}]
     kind = brake.title.removeprefix("random ").removesuffix(f" {seed}")
     # True errors are taken from drumlin's second solver, with triangles graded to the corners.
     failure, true = "", None
     try:
-        true = solve_corner_or_tip_by_deep_triangles(brake)
+        true = solve_brake_on_corner_or_kink_by_fine_triangles(brake)
     except (NoAnswer, BadInput, AssertionError) as error:
         failure = str(error)
     base |= {"kind": kind, "power": smallest_pressure_exponent_at_corners(brake)}

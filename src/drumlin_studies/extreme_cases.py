@@ -124,8 +124,8 @@ class KnobCase:
             "rotation": "counter-clockwise" if not self.assisted else "clockwise",
             "friction": self.friction,
             "drum": {"radius": CASE_RADIUS * self.size},
-            "shoe": [self._shoe_data_on_side(1)]
-            + ([self._shoe_data_on_side(-1)] if self.shoes > 1 else []),
+            "shoe": [self._data_of_left_or_right_shoe(1)]
+            + ([self._data_of_left_or_right_shoe(-1)] if self.shoes > 1 else []),
         }
         if self.ring is not None:
             data["drum"]["ring"] = {
@@ -136,13 +136,13 @@ class KnobCase:
             }
         return make_drum_brake_from_data(data)
 
-    def _shoe_data_on_side(self, side: int) -> dict[str, Any]:
+    def _data_of_left_or_right_shoe(self, side: int) -> dict[str, Any]:
         """The data, as in a brake file, of the right shoe (side 1) or of its mirror image (-1)."""
         size = self.size
         start = CASE_PIN[1] + math.radians(5.0)
         pin = CASE_PIN[0] * size * np.array([math.cos(CASE_PIN[1]), math.sin(CASE_PIN[1])])
 
-        def arc_start_and_end_on_side(a: float, b: float) -> dict[str, float]:
+        def arc_ends_mirrored_for_left_shoe(a: float, b: float) -> dict[str, float]:
             """The start and the end of an arc from a to b [rad], mirrored for the left shoe."""
             return (
                 {"start": a, "end": b} if side > 0 else {"start": math.pi - b, "end": math.pi - a}
@@ -154,11 +154,11 @@ class KnobCase:
             "side": "internal",
             "hinge": {"x": side * float(pin[0]), "y": float(pin[1])},
             "lining": {
-                **arc_start_and_end_on_side(start, start + arc),
+                **arc_ends_mirrored_for_left_shoe(start, start + arc),
                 "thickness": self.thickness * CASE_RADIUS * size,
                 "width": CASE_WIDTH * size,
                 "material": {"E": CASE_MODULUS * self.pressure, "nu": self.nu},
-                "clearance": self._clearance_on_side(side, start),
+                "clearance": self._lining_clearance_of_left_or_right_shoe(side, start),
             },
             "actuation": {
                 "force": self.force,
@@ -168,14 +168,16 @@ class KnobCase:
         }
         if self.shoe is not None:
             shoe["body"] = {
-                **arc_start_and_end_on_side(CASE_PIN[1], start + arc + math.radians(5.0)),
+                **arc_ends_mirrored_for_left_shoe(CASE_PIN[1], start + arc + math.radians(5.0)),
                 "thickness": 0.024 * size,
                 "width": CASE_WIDTH * size,
                 "material": {"E": CASE_MODULUS * self.shoe * self.pressure, "nu": 0.3},
             }
         return shoe
 
-    def _clearance_on_side(self, side: int, start: float) -> float | list[tuple[float, float]]:
+    def _lining_clearance_of_left_or_right_shoe(
+        self, side: int, start: float
+    ) -> float | list[tuple[float, float]]:
         """The clearance [m] of a lining, or the rows of its table: angle [rad] and clearance [m].
 
         The lining of the right shoe (side 1) starts at the angle `start`. The lining of the left
@@ -209,12 +211,12 @@ def _shoe_mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any
     assert case.aspect is not None
     if case.aspect >= 1:
         angles = np.linspace(start, end, case.elements + 1)
-        depths = _points_each_ten_times_as_far_from_zero(
+        depths = _points_with_tenfold_growing_distance(
             step * radius / case.aspect, shoe.lining.thickness
         )
     else:
         depths = np.array([0.0, shoe.lining.thickness])
-        first = start + _points_each_ten_times_as_far_from_zero(
+        first = start + _points_with_tenfold_growing_distance(
             shoe.lining.thickness * case.aspect / radius, step
         )
         angles = np.concatenate([first, np.linspace(start, end, case.elements + 1)[2:]])
@@ -223,7 +225,7 @@ def _shoe_mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any
     )
 
 
-def _points_each_ten_times_as_far_from_zero(first: float, whole: float) -> Floats:
+def _points_with_tenfold_growing_distance(first: float, whole: float) -> Floats:
     """Points from 0 to `whole`: the second at `first`, each further one ten times as far."""
     steps = max(0, math.ceil(math.log10(whole / first) - 0.5)) if first < whole else 0
     return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
@@ -265,7 +267,7 @@ def _powers_of_ten(first: int, last: int, step: int = 1) -> list[float]:
     return [10.0**k for k in range(first, last + 1, step)]
 
 
-def _parameter_changes_over_values(
+def _parameter_changes_for_values_of_one_parameter(
     name: str, values: list[Any], **rest: Any
 ) -> list[dict[str, Any]]:
     """Changes of parameters of KnobCase: one dictionary for each value of the parameter `name`.
@@ -288,13 +290,19 @@ def _parameter_changes_of_stiffness_sweeps() -> dict[str, list[dict[str, Any]]]:
     """Changed parameters of each case of the sweeps over stiffness of shoe, ring and contact."""
     moduli = _powers_of_ten(-8, 8)
     return {
-        "shoe over lining": _parameter_changes_over_values("shoe", moduli)
-        + _parameter_changes_over_values("shoe", moduli, assisted=False)
+        "shoe over lining": _parameter_changes_for_values_of_one_parameter("shoe", moduli)
+        + _parameter_changes_for_values_of_one_parameter("shoe", moduli, assisted=False)
         + [{"shoe": None}],
-        "ring over lining": _parameter_changes_over_values("ring", moduli[::2], shoes=2)
-        + _parameter_changes_over_values("ring", moduli[::2], shoes=2, support="free"),
-        "penalty": _parameter_changes_over_values("penalty", [*_powers_of_ten(-2, 16), math.inf])
-        + _parameter_changes_over_values(
+        "ring over lining": _parameter_changes_for_values_of_one_parameter(
+            "ring", moduli[::2], shoes=2
+        )
+        + _parameter_changes_for_values_of_one_parameter(
+            "ring", moduli[::2], shoes=2, support="free"
+        ),
+        "penalty": _parameter_changes_for_values_of_one_parameter(
+            "penalty", [*_powers_of_ten(-2, 16), math.inf]
+        )
+        + _parameter_changes_for_values_of_one_parameter(
             "penalty",
             [*_powers_of_ten(-2, 6), 1e9, 1e12, math.inf],
             clearance=1e-4,
@@ -312,42 +320,54 @@ def _parameter_changes_of_contact_sweeps() -> dict[str, list[dict[str, Any]]]:
     mu = [0.0, 1e-9, 0.05, 0.2, 0.5, 0.8, 1.0, 1.1, 1.15, 1.17, 1.18, 1.19, 1.2, 1.3, 1.5, 2.0]
     mu += [3.0, 5.0]
     return {
-        "friction": _parameter_changes_over_values("friction", mu)
-        + _parameter_changes_over_values("friction", mu[1:], assisted=False),
-        "lining thickness": _parameter_changes_over_values(
+        "friction": _parameter_changes_for_values_of_one_parameter("friction", mu)
+        + _parameter_changes_for_values_of_one_parameter("friction", mu[1:], assisted=False),
+        "lining thickness": _parameter_changes_for_values_of_one_parameter(
             "thickness", [*(1 / t for t in (1e5, 1e4, 1e3, 100, 30, 10, 5, 3))]
         )
-        + _parameter_changes_over_values("thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf),
-        "arc": _parameter_changes_over_values("arc", arcs)
-        + _parameter_changes_over_values("arc", arcs, assisted=False),
-        "clearance": _parameter_changes_over_values("clearance", gaps),
-        "force": _parameter_changes_over_values(
+        + _parameter_changes_for_values_of_one_parameter(
+            "thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf
+        ),
+        "arc": _parameter_changes_for_values_of_one_parameter("arc", arcs)
+        + _parameter_changes_for_values_of_one_parameter("arc", arcs, assisted=False),
+        "clearance": _parameter_changes_for_values_of_one_parameter("clearance", gaps),
+        "force": _parameter_changes_for_values_of_one_parameter(
             "force", [*_powers_of_ten(-9, 12), 0.0, -2000.0], clearance=1e-4
         ),
-        "contact": _parameter_changes_over_values("clearance", list(CLEARANCE_TABLES))
-        + _parameter_changes_over_values(
+        "contact": _parameter_changes_for_values_of_one_parameter(
+            "clearance", list(CLEARANCE_TABLES)
+        )
+        + _parameter_changes_for_values_of_one_parameter(
             "clearance", list(CLEARANCE_TABLES), assisted=False, penalty=math.inf
         )
-        + _parameter_changes_over_values("clearance", list(CLEARANCE_TABLES), elements=2),
+        + _parameter_changes_for_values_of_one_parameter(
+            "clearance", list(CLEARANCE_TABLES), elements=2
+        ),
     }
 
 
 def _parameter_changes_of_mesh_and_size_sweeps() -> dict[str, list[dict[str, Any]]]:
     """Changed parameters of each case of the sweeps over mesh, Poisson's ratio, lever and size."""
     return {
-        "aspect": _parameter_changes_over_values(
+        "aspect": _parameter_changes_for_values_of_one_parameter(
             "aspect", [*_powers_of_ten(0, 4), *_powers_of_ten(-4, -1)]
         )
-        + _parameter_changes_over_values("aspect", [1e4, 1e-4], kind="tri2"),
+        + _parameter_changes_for_values_of_one_parameter("aspect", [1e4, 1e-4], kind="tri2"),
         "elements": [
-            *_parameter_changes_over_values("elements", [1, 2, 3, 5, 10, 20, 80, 160]),
-            *_parameter_changes_over_values("elements", [320, 640], shoe=None),
-            *_parameter_changes_over_values("elements", [1000, 2000], shoe=None, kind="quad1"),
+            *_parameter_changes_for_values_of_one_parameter(
+                "elements", [1, 2, 3, 5, 10, 20, 80, 160]
+            ),
+            *_parameter_changes_for_values_of_one_parameter("elements", [320, 640], shoe=None),
+            *_parameter_changes_for_values_of_one_parameter(
+                "elements", [1000, 2000], shoe=None, kind="quad1"
+            ),
         ],
-        "Poisson's ratio": _parameter_changes_over_values(
+        "Poisson's ratio": _parameter_changes_for_values_of_one_parameter(
             "nu", [-0.99, -0.5, 0.0, 0.4, 0.45, 0.49, 0.499, 0.4999]
         ),
-        "lever": _parameter_changes_over_values("lever", [*_powers_of_ten(-12, -1), 0.0, -1e-6]),
+        "lever": _parameter_changes_for_values_of_one_parameter(
+            "lever", [*_powers_of_ten(-12, -1), 0.0, -1e-6]
+        ),
         "size": [
             {"size": 1e3, "pressure": 1e-6},
             {"size": 1e3, "pressure": 1e-6, "penalty": math.inf},
@@ -357,8 +377,10 @@ def _parameter_changes_of_mesh_and_size_sweeps() -> dict[str, list[dict[str, Any
             {"size": 1e3, "force": 2e9},
             {"size": 1e-3, "force": 2e-3, "kind": "tri2"},
         ],
-        "kind": _parameter_changes_over_values("kind", ["quad1", "tri2", "tri1"])
-        + _parameter_changes_over_values("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
+        "kind": _parameter_changes_for_values_of_one_parameter("kind", ["quad1", "tri2", "tri1"])
+        + _parameter_changes_for_values_of_one_parameter(
+            "kind", ["quad1", "tri2", "tri1"], shoe=1e-4
+        ),
     }
 
 

@@ -20,7 +20,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.solve import solve
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
     Truth,
@@ -42,20 +42,20 @@ HOT_SHARE = 0.7
 """Probability with which a drum, lining, backing or body is heated."""
 
 
-def draw_hot_brake(seed: int) -> Brake:
+def draw_random_brake_with_heated_parts(seed: int) -> Brake:
     """Draw the random brake of a seed, with some of its parts heated.
 
     A straight beam gets the same temperature throughout, and the surface of a brake on a plane is
     not heated. Raises BadInput if heat is not modelled for the brake, for example with a cam.
     """
     rng = np.random.default_rng([seed, 20])
-    brake = draw_random_brake(seed) if seed % 2 else draw_brake_of_support_kind(seed)
-    if brake.actuation is not None and brake.actuation.is_cam:
+    brake = draw_random_brake(seed) if seed % 2 else draw_random_brake_of_support_kind(seed)
+    if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         raise BadInput("a cam on heated shoes is not modelled")
     changes: dict[str, Any] = {}
     if hasattr(brake, "drum") and rng.random() < HOT_SHARE:
         changes |= {"drum.expansion": 1e-5}
-        changes |= _draw_temperature_rises_of_part(
+        changes |= _draw_random_temperature_rises_of_part(
             rng, "drum", BODY_STRAINS, gradient=brake.ring is not None
         )
     for i, shoe in enumerate(brake.shoes):
@@ -71,11 +71,13 @@ def draw_hot_brake(seed: int) -> Brake:
             coefficient = "expansion" if hasattr(part.material, "E") else "expansion_along"
             changes[f"{name}.material.{coefficient}"] = 1e-5
             is_beam = getattr(part, "shape", "arc") == "beam"
-            changes |= _draw_temperature_rises_of_part(rng, name, strains, gradient=not is_beam)
+            changes |= _draw_random_temperature_rises_of_part(
+                rng, name, strains, gradient=not is_beam
+            )
     return vary(brake, changes)
 
 
-def _draw_temperature_rises_of_part(
+def _draw_random_temperature_rises_of_part(
     rng: np.random.Generator, name: str, strains: tuple[float, float], *, gradient: bool
 ) -> dict[str, float]:
     """Draw the temperature rises [K] of a part whose thermal expansion is 1e-5 1/K.
@@ -152,4 +154,4 @@ def judge_brakes_of_seeds(draw: Callable[[int], Brake], first: int, last: int) -
 
 
 if __name__ == "__main__":
-    judge_brakes_of_seeds(draw_hot_brake, *map(int, sys.argv[1:3]))
+    judge_brakes_of_seeds(draw_random_brake_with_heated_parts, *map(int, sys.argv[1:3]))

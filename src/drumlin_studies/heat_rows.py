@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.brake.brake import Brake
-from drumlin.brake.heat import brake_with_heat_in_parts
+from drumlin.brake.heat import brake_with_heat_only_in_given_parts
 from drumlin.response.norms import relative_error_of_number
 from drumlin.response.response import Response
 from drumlin.verification.triangles.levels import solve_on_triangle_level_sequence
@@ -34,7 +34,8 @@ def responses_with_heat_in_each_part(
         Returns the response of a brake.
     """
     return {
-        name: solve(brake_with_heat_in_parts(brake, parts)) for name, parts in HEATED_PARTS.items()
+        name: solve(brake_with_heat_only_in_given_parts(brake, parts))
+        for name, parts in HEATED_PARTS.items()
     }
 
 

@@ -32,7 +32,12 @@ from drumlin.fem.substructure.interface import (
 )
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.laws.simscape import DoubleShoe
-from drumlin.lining_wear.archard import WearInterface, WearLaw, WearState, wear_linings
+from drumlin.lining_wear.archard import (
+    WearInterface,
+    WearLaw,
+    WearState,
+    wear_linings_over_sliding_distance,
+)
 from drumlin.response.response import Response
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import (
@@ -80,7 +85,7 @@ def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> 
 def _friction_force_on_node(shift: float) -> float:
     """Friction force [N] on one node under 10 N at mu = 0.5, after the drum moves by `shift`."""
     untouched = SlipHistory(np.zeros(1), np.zeros(1))
-    answer = stick_slip.solve_load_increment(
+    answer = stick_slip.solve_stick_slip_load_increment(
         _problem_of_node_on_springs(10.0, shift), 0.5, untouched, np.array([STICK])
     )
     return float(answer.t[0])
@@ -97,13 +102,13 @@ def _energy_dissipated_in_slip_loop() -> float:
     )
     history, state, dissipated = SlipHistory(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
     for i, shift in enumerate(path):
-        answer = stick_slip.solve_load_increment(
+        answer = stick_slip.solve_stick_slip_load_increment(
             _problem_of_node_on_springs(10.0, shift), 0.5, history, state
         )
         # The first 21 positions lead from zero to the loop; their dissipation does not count.
         if i > 20:
             dissipated += float(answer.t[0] * (answer.s[0] - history.s[0]))
-        history, state = answer.history_for_next_increment, answer.state
+        history, state = answer.tractions_and_slips_for_next_increment, answer.state
     return dissipated
 
 
@@ -164,15 +169,15 @@ def _sticking_over_contact_half_width(share: float) -> float:
     )
     # The normal load comes first, then the tangential load in two steps.
     untouched = SlipHistory(np.zeros(n), np.zeros(n))
-    found = stick_slip.solve_load_increment(
+    found = stick_slip.solve_stick_slip_load_increment(
         pair.frictional_contact_problem(gap, [load, 0.0]), mu, untouched, state
     )
     for part in (0.5, 1.0):
         loads = [load, part * share * mu * load]
-        found = stick_slip.solve_load_increment(
+        found = stick_slip.solve_stick_slip_load_increment(
             pair.frictional_contact_problem(gap, loads),
             mu,
-            found.history_for_next_increment,
+            found.tractions_and_slips_for_next_increment,
             found.state,
         )
     middle = np.abs(s) < 0.2 * HALF_WIDTH
@@ -398,7 +403,7 @@ def solve_pressed_and_pushed_plate() -> Plate:
     )
     problem = _stick_slip_problem_of_pushed_plate(plate, f, u)
     n = len(N)
-    found = stick_slip.solve_load_increment(
+    found = stick_slip.solve_stick_slip_load_increment(
         problem, 1.0, SlipHistory(np.zeros(n), np.zeros(n)), np.full(n, STICK)
     )
     whole = u @ np.concatenate([[1.0], -found.p, found.t])
@@ -563,8 +568,8 @@ def _locking_friction_of_winkler_shoe() -> float:
         _wear_problem_of_winkler_shoe(0.0)[0].problem,
         _wear_problem_of_winkler_shoe(-1.0)[0].problem,
     )
-    return self_locking.find_friction_limit_of_contact(
-        self_locking.FrictionDependentProblem.friction_dependent_problem_from_two_frictions(
+    return self_locking.find_largest_friction_with_equilibrium(
+        self_locking.FrictionDependentProblem.linear_function_of_friction_from_two_problems(
             still, unit
         )
     ).friction
@@ -578,7 +583,9 @@ def _wear_states_of_winkler_shoe() -> tuple[list[WearState], Floats]:
     moment of 1 N m.
     """
     interface, phi = _wear_problem_of_winkler_shoe(SPRING_MU)
-    states = wear_linings([interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4)
+    states = wear_linings_over_sliding_distance(
+        [interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4
+    )
     # The sine law gives the shape of the pressure; the balance of moments gives its size.
     return states, np.sin(phi) / float(interface.problem.C[0] @ np.sin(phi))
 

@@ -125,7 +125,7 @@ def _force_and_torque_of_bhandari_12_8() -> ForceAndTorque:
     return ForceAndTorque(moment / arm, torque)
 
 
-def _brake_with_block_on_lever(
+def _brake_with_90_degree_block_on_lever(
     a: float = 0.05, spin: int = 1, mu: float = 0.35, x: float = 0.2
 ) -> Brake:
     """A brake with a block on a lever, with a half-arc of 45 degrees.
@@ -138,7 +138,7 @@ def _brake_with_block_on_lever(
 
 
 def _torque_of_block_by_statics() -> float:
-    """Torque [N m] of the block of `_brake_with_block_on_lever` from equilibrium.
+    """Torque [N m] of the block of `_brake_with_90_degree_block_on_lever` from equilibrium.
 
     Under the pressure p_0 cos phi the friction acts at a distance psi R from the drum's centre.
     """
@@ -385,7 +385,9 @@ LAW_CASES = (
         tolerance=5e-4,
         tier=PRINTED_DIGITS_TIER,
         found=lambda: (
-            _solve_brake_by_law_of_given_name("block", _brake_with_block_on_lever()).torque
+            _solve_brake_by_law_of_given_name(
+                "block", _brake_with_90_degree_block_on_lever()
+            ).torque
         ),
     ),
     KnownAnswer(
@@ -397,7 +399,9 @@ LAW_CASES = (
         tolerance=1e-11,
         tier=ROUND_OFF_TIER,
         found=lambda: (
-            _solve_brake_by_law_of_given_name("cosine", _brake_with_block_on_lever()).torque
+            _solve_brake_by_law_of_given_name(
+                "cosine", _brake_with_90_degree_block_on_lever()
+            ).torque
         ),
     ),
     *(

@@ -11,7 +11,7 @@ import numpy as np
 
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
-from drumlin.brake.plane_brake import make_brake_from_data
+from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -56,7 +56,7 @@ def brake_with_pad_on_guide(thickness: float, mu: float, lining: Material) -> Br
         },
     }
     data = {"title": "pad", "friction": mu, "plane": {"sliding": "+x"}, "shoe": [shoe]}
-    return make_brake_from_data(data)
+    return make_drum_or_plane_brake_from_data(data)
 
 
 def _lining_compression_over_closed_form() -> float:

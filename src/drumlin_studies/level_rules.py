@@ -33,14 +33,14 @@ from drumlin.fem.error_control.levels import (
     LEVEL_RULE,
     LevelRule,
     SolvedLevel,
-    solve_on_finer_and_finer_levels,
+    solve_brake_on_finer_and_finer_mesh_levels,
 )
 from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.calibration import (
     FIRST_SEED,
     FITTED_BRAKES,
     LevelRecord,
-    draw_calibration_brake,
+    draw_random_calibration_brake,
     fit_safety_factors,
     true_errors_and_estimates_on_each_mesh,
 )
@@ -71,7 +71,7 @@ class LevelsOfRule(NamedTuple):
 def solve_far_finer_solution(seed: int) -> Truth | None:
     """The far finer solution of the random brake of a seed, or None if it has no equilibrium."""
     try:
-        return solve_brake_by_finer_hp_meshes(draw_calibration_brake(seed)[1])
+        return solve_brake_by_finer_hp_meshes(draw_random_calibration_brake(seed)[1])
     except NoAnswer:
         return None
 
@@ -83,7 +83,7 @@ def solve_brake_with_level_rule(
 
     Returns None if the brake has no equilibrium, or if `truth`, the far finer solution, is None.
     """
-    brake = draw_calibration_brake(seed)[1]
+    brake = draw_random_calibration_brake(seed)[1]
     if truth is None:
         return None
     # Only the solves are timed, not the comparison with the finer solution.
@@ -91,7 +91,7 @@ def solve_brake_with_level_rule(
     seconds: list[float] = []
     begin = time.process_time()
     try:
-        for step in solve_on_finer_and_finer_levels(
+        for step in solve_brake_on_finer_and_finer_mesh_levels(
             brake,
             solve_prepared_model,
             levels=[rule.refinement_level_with_number(k + 1) for k in range(LEVELS_TRIED)],

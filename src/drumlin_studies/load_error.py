@@ -17,9 +17,9 @@ import numpy as np
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.door import example
-from drumlin_studies.heat_error import draw_hot_brake, judge_brakes_of_seeds
+from drumlin_studies.heat_error import draw_random_brake_with_heated_parts, judge_brakes_of_seeds
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 
 DUO_SERVO_SHARE = 0.25
 """Probability with which a brake is a duo-servo brake, whose shoes can leave their anchor."""
@@ -40,11 +40,11 @@ def draw_loaded_brake(seed: int) -> Brake:
     if rng.random() < DUO_SERVO_SHARE:
         brake = _draw_duo_servo_brake(rng)
     elif rng.random() < FEATURE_SHARE:
-        brake = draw_hot_brake(seed)
+        brake = draw_random_brake_with_heated_parts(seed)
     else:
-        brake = draw_random_brake(seed) if seed % 2 else draw_brake_of_support_kind(seed)
+        brake = draw_random_brake(seed) if seed % 2 else draw_random_brake_of_support_kind(seed)
     changes = _draw_friction_of_linings(rng, brake)
-    push = max(shoe.largest_load for shoe in brake.shoes)
+    push = max(shoe.largest_force_of_any_load for shoe in brake.shoes)
     if rng.random() < FEATURE_SHARE:
         changes["spring"] = [_draw_spring_data(rng, brake, push)]
     if rng.random() < FEATURE_SHARE and not brake.surface.is_plane_and_not_drum:
@@ -74,7 +74,7 @@ def _draw_friction_of_linings(rng: np.random.Generator, brake: Brake) -> dict[st
         shoe = brake.shoes[0]
         # The table spans some three times the mean pressure of a shoe without self-energising.
         length = brake.scale_factor * (shoe.lining.end - shoe.lining.start)
-        mean = shoe.largest_load / (shoe.lining.width * length)
+        mean = shoe.largest_force_of_any_load / (shoe.lining.width * length)
         faded = brake.friction * float(rng.uniform(*FADED_FRICTION))
         changes["friction"] = {"pressure": [0.0, 3 * mean], "mu": [brake.friction, faded]}
     if rng.random() < FEATURE_SHARE:

@@ -80,7 +80,7 @@ def costs_of_solves_on_mesh_file(brake: Brake, filed: Brake) -> Iterator[CostOfS
     """
     known = solve(brake, tolerance=FINE)
 
-    def cost(way: str, response: Response, seconds: float) -> CostOfSolve:
+    def cost_of_solve_with_true_errors(way: str, response: Response, seconds: float) -> CostOfSolve:
         """The cost of a way to solve, together with the true errors of its response."""
         true = true_errors_of_response(filed, response.shoes, known.shoes)
         stated = response.error["pressure"] if response.error else None
@@ -96,14 +96,14 @@ def costs_of_solves_on_mesh_file(brake: Brake, filed: Brake) -> Iterator[CostOfS
             start = time.process_time()
             response = respond()
             seconds.append(time.process_time() - start)
-        yield cost(way, response, min(seconds))
+        yield cost_of_solve_with_true_errors(way, response, min(seconds))
     for name, written in PEERS.items():
         try:
             peer = solve_brake_by_calculix_or_getfem(name, filed)
         except (BadInput, NoAnswer) as error:
             print(f"{written}: {error}", file=sys.stderr)  # noqa: T201
             continue
-        yield cost(written, peer.response, peer.process_seconds)
+        yield cost_of_solve_with_true_errors(written, peer.response, peer.process_seconds)
 
 
 def main(words: Sequence[str]) -> int:

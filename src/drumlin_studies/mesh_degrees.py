@@ -23,7 +23,10 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Bar
 from drumlin.brake.file import make_drum_brake_from_data, vary
-from drumlin.fem.error_control.estimate import QUANTITIES, relative_differences_of_two_levels
+from drumlin.fem.error_control.estimate import (
+    QUANTITIES,
+    relative_differences_of_responses_on_two_levels,
+)
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 
@@ -184,7 +187,7 @@ def _draw_outline_of_shoe(model: Any, brake: Brake, size_at_ends: float) -> None
     centre = geo.addPoint(0, 0, 0)
     points: dict[tuple[float, float], int] = {}
 
-    def point(depth: float, angle: float) -> int:
+    def add_point_at_depth_and_angle(depth: float, angle: float) -> int:
         """The tag of the point at a depth [m] behind the friction surface and an angle [rad]."""
         r = brake.size - shoe.sign * depth
         if (depth, angle) not in points:
@@ -192,20 +195,41 @@ def _draw_outline_of_shoe(model: Any, brake: Brake, size_at_ends: float) -> None
             points[depth, angle] = geo.addPoint(r * math.cos(angle), r * math.sin(angle), 0, size)
         return points[depth, angle]
 
-    def arc(depth: float, first: float, last: float) -> int:
+    def add_arc_between_angles(depth: float, first: float, last: float) -> int:
         """Add the arc at a depth [m] between two angles [rad], and return its tag."""
-        return int(geo.addCircleArc(point(depth, first), centre, point(depth, last)))
+        return int(
+            geo.addCircleArc(
+                add_point_at_depth_and_angle(depth, first),
+                centre,
+                add_point_at_depth_and_angle(depth, last),
+            )
+        )
 
-    def radial(angle: float, top: float, bottom: float) -> int:
+    def add_radial_line_between_depths(angle: float, top: float, bottom: float) -> int:
         """Add the radial line at an angle [rad] between two depths [m], and return its tag."""
-        return int(geo.addLine(point(top, angle), point(bottom, angle)))
+        return int(
+            geo.addLine(
+                add_point_at_depth_and_angle(top, angle),
+                add_point_at_depth_and_angle(bottom, angle),
+            )
+        )
 
     behind, back = lining.thickness, lining.thickness + body.depth
-    contact, face = (arc(depth, lining.start, lining.end) for depth in (0.0, behind))
-    sides = [radial(angle, 0.0, behind) for angle in (lining.start, lining.end)]
-    near, far = (radial(angle, behind, back) for angle in (body.start, body.end))
-    front = [arc(behind, body.start, lining.start), face, arc(behind, lining.end, body.end)]
-    rear = arc(back, body.start, body.end)
+    contact, face = (
+        add_arc_between_angles(depth, lining.start, lining.end) for depth in (0.0, behind)
+    )
+    sides = [
+        add_radial_line_between_depths(angle, 0.0, behind) for angle in (lining.start, lining.end)
+    ]
+    near, far = (
+        add_radial_line_between_depths(angle, behind, back) for angle in (body.start, body.end)
+    )
+    front = [
+        add_arc_between_angles(behind, body.start, lining.start),
+        face,
+        add_arc_between_angles(behind, lining.end, body.end),
+    ]
+    rear = add_arc_between_angles(back, body.start, body.end)
     surfaces = {
         "lining": geo.addPlaneSurface([geo.addCurveLoop([contact, sides[1], -face, -sides[0]])]),
         "shoe": geo.addPlaneSurface([geo.addCurveLoop([*front, far, -rear, -near])]),
@@ -243,16 +267,22 @@ def judge_mesh_of_random_shoe(seed: int) -> JudgedMesh | str:
     except (BadInput, NoAnswer) as error:
         return f"{type(error).__name__}: {error}"
     return JudgedMesh(
-        seed, form, size, dict(response.error or {}), _true_errors(brake, response, known)
+        seed,
+        form,
+        size,
+        dict(response.error or {}),
+        _true_relative_errors_of_response(brake, response, known),
     )
 
 
-def _true_errors(brake: Brake, response: Response, known: Response) -> dict[str, float]:
+def _true_relative_errors_of_response(
+    brake: Brake, response: Response, known: Response
+) -> dict[str, float]:
     """The true relative errors of a response, by QUANTITIES: its differences from `known`.
 
     An error is nan if it is at most UNSURE times the stated error of `known`.
     """
-    steps = relative_differences_of_two_levels(brake, response, known).steps[1:]
+    steps = relative_differences_of_responses_on_two_levels(brake, response, known).steps[1:]
     assert known.error is not None
     errors = dict(zip(QUANTITIES, steps.tolist(), strict=True))
     return {

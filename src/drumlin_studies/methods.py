@@ -32,14 +32,14 @@ def list_solution_methods_to_compare(
     """
     result = [Method("law", law, {"model": law}) for law in ("sine", "cosine", "uniform")]
     if "foundation" not in reasons_why_models_do_not_apply(brake):
-        result += _list_foundation_methods()
+        result += _list_methods_of_foundation_model()
     result += _list_fixed_mesh_methods(brake, short=short)
     result += _list_hp_element_methods(short=short)
     result += _list_penalty_contact_methods(short=short)
     return result + (list(_list_methods_of_peer_programs()) if peers else [])
 
 
-def _list_foundation_methods() -> Iterator[Method]:
+def _list_methods_of_foundation_model() -> Iterator[Method]:
     """Methods that solve a brake by the foundation model, with 20 to 180 sections along a lining.
 
     Each number of sections gives two methods: the model as published, and the model that includes

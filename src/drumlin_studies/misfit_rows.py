@@ -13,9 +13,9 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import (
-    changes_displacing_lining_circles,
-    changes_grinding_linings_to_radius,
-    solve_at_drum_positions,
+    changes_that_grind_linings_to_radius,
+    changes_that_move_lining_circles,
+    solve_brake_at_angular_drum_positions,
 )
 from drumlin.brake.file import vary
 from drumlin.response.norms import relative_error_of_number
@@ -104,12 +104,12 @@ def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any
 
     return {
         "fits": {},
-        "linings 50 µm larger in radius": changes_grinding_linings_to_radius(brake, 50e-6),
-        "linings 50 µm smaller in radius": changes_grinding_linings_to_radius(brake, -50e-6),
-        "linings moved 50 µm along the pin's radius, outwards": changes_displacing_lining_circles(
+        "linings 50 µm larger in radius": changes_that_grind_linings_to_radius(brake, 50e-6),
+        "linings 50 µm smaller in radius": changes_that_grind_linings_to_radius(brake, -50e-6),
+        "linings moved 50 µm along the pin's radius, outwards": changes_that_move_lining_circles(
             brake, 50e-6
         ),
-        "linings moved 50 µm along the pin's radius, inwards": changes_displacing_lining_circles(
+        "linings moved 50 µm along the pin's radius, inwards": changes_that_move_lining_circles(
             brake, -50e-6
         ),
         "taper: 50 µm thinner away from the pin": {"shoe.lining.misfit.taper": 50e-6},
@@ -153,7 +153,7 @@ def torques_over_turn_of_lobed_drum(
     found = {}
     for name, order in LOBES.items():
         lobed = vary(brake, {"drum.out_of_round": [{"order": order, "amplitude": amplitude}]})
-        responses = solve_at_drum_positions(lobed, solve, angles)
+        responses = solve_brake_at_angular_drum_positions(lobed, solve, angles)
         found[name] = np.array([response.torque for response in responses])
     return found
 
@@ -237,7 +237,7 @@ class DrawnBrakes:
         low, high = np.percentile(1 / self.torque_over_torque_by_law(state), (5, 95))
         return low - 1, high - 1
 
-    def relative_torque_deviation(self, state: str) -> float:
+    def relative_standard_deviation_of_torque(self, state: str) -> float:
         """Standard deviation of the torque of the random brakes, divided by their mean torque.
 
         state : a key of `rows`, for example "new" for new linings.

@@ -166,8 +166,8 @@ def names_of_omissions_possible_for_brake(brake: Brake) -> list[str]:
 def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
     """The brake without those parts of "ring", "shoe" and "backing" that are in `names`.
 
-    The other names of OMISSIONS change no brake file; `prepared_model_without_parts` takes them
-    into account. Raises BadInput if a name is not in OMISSIONS.
+    The other names of OMISSIONS change no brake file; `prepared_model_without_neglected_parts`
+    takes them into account. Raises BadInput if a name is not in OMISSIONS.
     """
     names = set(names)
     if unknown := sorted(names - set(OMISSIONS)):
@@ -185,7 +185,7 @@ def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
     return left.model_copy(update={"shoes": tuple(shoes)})
 
 
-def prepared_model_without_parts(
+def prepared_model_without_neglected_parts(
     brake: Brake, names: Iterable[str], make: Make = make_prepared_model
 ) -> tuple[PreparedModel, Brake]:
     """The prepared model of a brake without some parts, and the simpler brake itself.
@@ -196,7 +196,7 @@ def prepared_model_without_parts(
         The whole brake.
     names : iterable of str
         Names of OMISSIONS. The name "curvature" has no effect here: `make` must be
-        `prepare_with_straight_element_edges` for elements with straight edges.
+        `prepare_model_with_straight_element_edges` for elements with straight edges.
     make : function
         Returns the prepared model of a brake.
     """
@@ -205,7 +205,7 @@ def prepared_model_without_parts(
     # If "drag" is neglected, friction deforms no body: the model is prepared without friction, and
     # friction is added to the balance of moments alone.
     if "drag" in names and brake.friction > 0:
-        scene = _model_without_friction_deformation(
+        scene = _prepared_model_without_friction_deformation(
             make(simple.model_copy(update={"friction_as_written": 0.0})), simple
         )
     else:
@@ -213,7 +213,9 @@ def prepared_model_without_parts(
     return replace(scene, apart="coupling" in names), simple
 
 
-def _model_without_friction_deformation(scene: PreparedModel, brake: Brake) -> PreparedModel:
+def _prepared_model_without_friction_deformation(
+    scene: PreparedModel, brake: Brake
+) -> PreparedModel:
     """A prepared model for a brake with friction in which friction causes no deformation.
 
     Friction acts on the balance of forces and moments of each shoe only.
@@ -224,7 +226,7 @@ def _model_without_friction_deformation(scene: PreparedModel, brake: Brake) -> P
     bodies = []
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
-            x, y = body.line.xy - shoe.pin_in_shoe_frame[:, None]
+            x, y = body.line.xy - shoe.pin_position_in_shoe_frame[:, None]
             # Rigid-body modes of the contact nodes: translation along x, along y, and rotation
             # about the pin.
             modes = np.stack([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
@@ -245,7 +247,7 @@ def _model_without_friction_deformation(scene: PreparedModel, brake: Brake) -> P
     return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
 
 
-def prepare_with_straight_element_edges(brake: Brake, *, elements: int) -> PreparedModel:
+def prepare_model_with_straight_element_edges(brake: Brake, *, elements: int) -> PreparedModel:
     """The prepared model of a brake whose quadratic elements have straight edges.
 
     elements : number of elements along each lining.
@@ -290,5 +292,5 @@ def predict_response_change_by_omitting_parts(
     sketch = sketch or make_function_that_prepares_surrogates()
     whole = respond(sketch(brake), brake)
     return relative_change_from_whole_to_simpler_brake(
-        respond(*prepared_model_without_parts(brake, names, sketch)), whole
+        respond(*prepared_model_without_neglected_parts(brake, names, sketch)), whole
     )

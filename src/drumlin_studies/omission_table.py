@@ -22,7 +22,7 @@ from drumlin.brake.file import vary
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.mesh.grading import divide_lining_into_elements
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.cache import shape_key_of_shoe
+from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
@@ -32,8 +32,8 @@ from drumlin_studies.omission import (
     OmissionChange,
     names_of_omissions_possible_for_brake,
     predict_response_change_by_omitting_parts,
-    prepare_with_straight_element_edges,
-    prepared_model_without_parts,
+    prepare_model_with_straight_element_edges,
+    prepared_model_without_neglected_parts,
     relative_change_from_whole_to_simpler_brake,
 )
 from drumlin_studies.reduced import make_function_that_prepares_surrogates
@@ -113,7 +113,9 @@ def table_rows_for_each_part_omitted_from_brake(
     return rows
 
 
-def predicted_over_true_changes(rows: Sequence[Mapping[str, Any]], key: str) -> list[float]:
+def predicted_over_true_changes_by_omission(
+    rows: Sequence[Mapping[str, Any]], key: str
+) -> list[float]:
     """Predicted divided by true change, for each row with a true change from 0.01 % to 30 %.
 
     Exact omissions, the curvature of the elements, and all omissions with curvature are left out.
@@ -251,13 +253,13 @@ def _functions_that_solve_whole_and_simpler_brake(
     """
     whole = partial(make_prepared_model, elements=elements)
     make = (
-        partial(prepare_with_straight_element_edges, elements=elements)
+        partial(prepare_model_with_straight_element_edges, elements=elements)
         if "curvature" in names
         else whole
     )
     return WholeAndSimple(
         lambda: solve_prepared_model(whole(brake), brake),
-        lambda: solve_prepared_model(*prepared_model_without_parts(brake, names, make)),
+        lambda: solve_prepared_model(*prepared_model_without_neglected_parts(brake, names, make)),
     )
 
 
@@ -288,13 +290,15 @@ def _solvers_with_and_without_needless_computation(
 
         return WholeAndSimple(solve_and_recover_stresses, solve_brake_without_extra_computation)
     if part == "second of equal shoes":
-        shapes = {shape_key_of_shoe(brake, shoe) for shoe in brake.shoes}
+        shapes = {cache_key_of_shoe_shape(brake, shoe) for shoe in brake.shoes}
         # The omission does not apply where all shoes differ. Neither is it shown on an elastic
         # ring, because the shoes are prepared one by one here and the ring belongs to all of them.
         if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
         return WholeAndSimple(
-            lambda: solve_prepared_model(_prepare_each_shoe_separately(brake, make), brake),
+            lambda: solve_prepared_model(
+                _prepare_model_with_each_shoe_by_itself(brake, make), brake
+            ),
             solve_brake_without_extra_computation,
         )
     if brake.friction > 0:
@@ -305,7 +309,7 @@ def _solvers_with_and_without_needless_computation(
     )
 
 
-def _prepare_each_shoe_separately(
+def _prepare_model_with_each_shoe_by_itself(
     brake: Brake, make: Callable[[Brake], PreparedModel]
 ) -> PreparedModel:
     """The prepared model of a brake in which each shoe is condensed by itself.
@@ -334,7 +338,9 @@ def _predict_change_with_straight_edges(
     whole = solve_prepared_model(sketch(brake), brake)
     # The other omissions are predicted on a surrogate. The mean gap between the chords of the
     # elements and the arc of the drum is added to the surrogate as a clearance.
-    scene, simple = prepared_model_without_parts(brake, set(names) - {"curvature"}, sketch)
+    scene, simple = prepared_model_without_neglected_parts(
+        brake, set(names) - {"curvature"}, sketch
+    )
     rest = solve_prepared_model(scene, simple)
     straightened = tuple(
         _shoe_with_clearance_like_straight_edge_gap(brake, shoe, elements) for shoe in simple.shoes

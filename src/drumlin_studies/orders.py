@@ -226,7 +226,10 @@ def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
         rows.append(row)
     for i, shoe in enumerate(convergence.responses[0].shoes):
         # Changes of the pressure from one mesh to the next; the finest mesh has no next mesh.
-        steps: list[float | None] = [*convergence.pressure_distances_between_meshes(i), None]
+        steps: list[float | None] = [
+            *convergence.relative_pressure_distances_between_meshes(i),
+            None,
+        ]
         for row, change in zip(rows, steps, strict=True):
             row[shoe.name] = change
     for row, response in zip(rows, convergence.responses, strict=True):

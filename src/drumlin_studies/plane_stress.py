@@ -25,7 +25,7 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve as by_elements
 from drumlin.fem.width.correction import correct_response_for_shoe_widths
 from drumlin.fem.width.face import WidthFace
-from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, hinged, solve_brake_by_sine_law
 from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
@@ -92,7 +92,7 @@ def solve_by_solid_and_plane_stress(brake: Brake, across: int = STUDY_DEGREE) ->
     return SolidAndPlane(brake, true, plane, correct_response_for_shoe_widths(brake, plane))
 
 
-def pressure_deviation_across_width(shoe: ShoeResponse, zone: float) -> float:
+def relative_pressure_deviation_across_width(shoe: ShoeResponse, zone: float) -> float:
     """Standard deviation of a solid shoe's pressure across the width, divided by the mean.
 
     Both are taken as root mean squares along the lining. 0 means an even pressure across the width.
@@ -136,7 +136,7 @@ def plane_stress_error_rows_of_shoes(three: SolidAndPlane, case: str = "") -> li
     Keys: `torque`; `pressure`, the L2 error of the mean pressure over the width; `peak`, the peak
     pressure by plane stress against the largest pressure on the face; `reaction`, the hinge
     reaction. The same four keys with "corrected_" before them are for plane stress with the
-    correction for the width. `uneven` is the result of `pressure_deviation_across_width`,
+    correction for the width. `uneven` is the result of `relative_pressure_deviation_across_width`,
     `mid_over_side` of `mid_plane_over_side_pressure`.
 
     three : the responses of the brake; case : name of the brake in the rows.
@@ -152,7 +152,7 @@ def plane_stress_error_rows_of_shoes(three: SolidAndPlane, case: str = "") -> li
             "shoe": true.name,
             "friction": "assists" if true.self_energising else "opposes",
             "solid_torque": true.torque,
-            "uneven": pressure_deviation_across_width(true, zone),
+            "uneven": relative_pressure_deviation_across_width(true, zone),
             "mid_over_side": mid_plane_over_side_pressure(true),
         }
         for name, found in (("", plane), ("corrected_", other)):
@@ -185,7 +185,7 @@ def mid_plane_over_side_pressure(shoe: ShoeResponse) -> float:
     return float(row[len(row) // 2] / row[-1])
 
 
-def value_of_largest_size_in_rows(table: Sequence[dict[str, Any]], key: str) -> float:
+def value_of_largest_magnitude_in_rows(table: Sequence[dict[str, Any]], key: str) -> float:
     """The value of a key with the largest absolute value among the rows, with its sign."""
     return float(max(values_of_key_in_rows(table, key), key=abs))
 
@@ -266,7 +266,7 @@ def map_plane_stress_errors(
                 solve_by_solid_and_plane_stress(brake_at(a, b))
             )
             for key in keys:
-                errors[key][j, i] = value_of_largest_size_in_rows(table, key)
+                errors[key][j, i] = value_of_largest_magnitude_in_rows(table, key)
     return PlaneErrorMap(name, axes, np.asarray(x), np.asarray(y), errors)
 
 
@@ -306,7 +306,7 @@ class TorqueOnLevels(NamedTuple):
         return float(np.ptp(self.values))
 
 
-def solve_torque_on_levels(
+def solve_torque_on_refinement_levels(
     torque: Callable[[Level], float], levels: Sequence[Level]
 ) -> TorqueOnLevels:
     """The torque of a brake on levels of a solve.
@@ -473,7 +473,7 @@ def solve_with_solid_shoes(
 
     across, level : degree across the width, and level of the mesh in the plane of the drum.
     """
-    return solve_prepared_model(prepare_brake_with_widths(brake, level, across), brake)
+    return solve_prepared_model(prepare_model_with_shoe_widths(brake, level, across), brake)
 
 
 class WornSolid(NamedTuple):
@@ -485,7 +485,7 @@ class WornSolid(NamedTuple):
         Sliding distances in units of 1/(k K), with the wear coefficient k and the stiffness K of
         the lining.
     uneven : tuple of tuples
-        For each shoe and distance the result of `pressure_deviation_across_width`.
+        For each shoe and distance the result of `relative_pressure_deviation_across_width`.
     from_law : tuple of tuples
         For each shoe and distance the relative L2 distance of the pressure from the sine law. The
         pressure is the mean over the width.
@@ -513,7 +513,7 @@ def wear_solid_linings(
     across : int
         Degree across the width.
     """
-    scene = prepare_brake_with_widths(brake, LEVELS[0], across)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], across)
     start, law = solve_prepared_model(scene, brake), solve_brake_by_sine_law(brake)
     setup = wear_setup_by_finite_elements(scene, brake)
     # The sliding distance 1/(k K) for a wear coefficient k of 1/Pa.
@@ -532,7 +532,9 @@ def wear_solid_linings(
             )
         zone = length_of_edge_zone_without_peak(brake.shoes[surface.shoe], brake.scale_factor)
         by_law = law.shoes[surface.shoe]
-        all_uneven.append(tuple(pressure_deviation_across_width(shoe, zone) for shoe in shoes))
+        all_uneven.append(
+            tuple(relative_pressure_deviation_across_width(shoe, zone) for shoe in shoes)
+        )
         all_from_law.append(
             tuple(relative_distance_of_pressures(shoe, by_law, zone) for shoe in shoes)
         )
@@ -593,7 +595,7 @@ def sentences_on_largest_plane_stress_errors(
         for key, said in SAID.items():
             # `max` compares errors first; of equal errors it takes the largest value `at`.
             error, at = max(
-                (abs(value_of_largest_size_in_rows(table, key)), at) for at, table in points
+                (abs(value_of_largest_magnitude_in_rows(table, key)), at) for at, table in points
             )
             largest.append(f"{said} by {number_as_text(error, '.1%')} (at {at:g})")
         values = f"{name} from {points[0][0]:g} to {points[-1][0]:g}"

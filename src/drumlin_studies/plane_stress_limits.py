@@ -14,10 +14,10 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import distance_of_plane_stress_from_widths
+from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.ladder import (
     has_shoe_with_parts_of_different_widths,
-    solve_level_of_section_with_width_degree,
+    solve_cross_section_mesh_with_width_degree,
 )
 
 LIMIT_DEGREE = 3
@@ -155,8 +155,10 @@ def error_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:
         where the model of the width does not apply
     """
     plane = solve(brake)
-    wide = solve_level_of_section_with_width_degree(brake, LEVELS[0], LIMIT_DEGREE, plane).response
-    found = distance_of_plane_stress_from_widths(brake, plane, wide).brake
+    wide = solve_cross_section_mesh_with_width_degree(
+        brake, LEVELS[0], LIMIT_DEGREE, plane
+    ).response
+    found = distance_of_plane_stress_from_width_solution(brake, plane, wide).brake
     return {name: found[name] for name in LIMIT_QUANTITIES}
 
 

@@ -28,7 +28,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
 from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import (
-    load_factors_and_pin_moment_per_newton,
+    load_column_factors_and_pin_moment_per_newton,
     penalty_stiffness_of_contact_per_area,
 )
 from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, mesh_and_assemble_shoe
@@ -167,10 +167,12 @@ def _solve_one_shoe_by_penalty(
         Times [s] of the steps of the solve, by name; the times of this shoe are added.
     """
     parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds)
-    drag = brake.signed_friction_per_pressure_in_shoe_frame(shoe)
-    unit, moment = load_factors_and_pin_moment_per_newton(parts, shoe)
+    drag = brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
+    unit, moment = load_column_factors_and_pin_moment_per_newton(parts, shoe)
     force = abs(shoe.actuation.force)
-    per_newton = parts.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, unit)
+    per_newton = parts.load_matrix_columns_by_load_name.column_factors_of_one_named_load(
+        ACTUATION, unit
+    )
     with add_elapsed_time(seconds, "contact"):
         A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
         points = _quadrature_points_of_shoe_friction_face(parts, brake, shoe, drag)
@@ -198,8 +200,8 @@ def _solve_one_shoe_by_penalty(
     balance = _balance_of_forces_and_moments(parts, shoe, contact, reaction, given, force * moment)
     # Friction assists the actuation if its work in a rotation about the pin has the sign of the
     # actuation's moment.
-    assists = _friction_work_on_motion(points, p, turned) * moment > 0
-    to_brake, turn = shoe.frame.convert_to_brake_frame(reaction), float(u[-1])
+    assists = _work_of_friction_in_shoe_motion(points, p, turned) * moment > 0
+    to_brake, turn = shoe.frame.convert_vectors_to_brake_frame(reaction), float(u[-1])
     response = _shoe_response_from_quadrature_pressures(
         shoe, points, p, abs(drag), to_brake, assists, turn
     )
@@ -212,7 +214,7 @@ def _answer_of_shoe_without_contact(shoe: Shoe) -> PointwiseAnswer:
     return PointwiseAnswer(response, Balance(0.0, 0.0), 0)
 
 
-def _friction_work_on_motion(points: _ContactPoints, p: Floats, motion: Floats) -> float:
+def _work_of_friction_in_shoe_motion(points: _ContactPoints, p: Floats, motion: Floats) -> float:
     """Work [N m] of the friction due to the pressures p (q,) [Pa], in a motion (unknowns,) [m].
 
     `pushing` has normal and friction forces, `closing` the normal forces with the other sign, so
@@ -244,7 +246,7 @@ def _balance_of_forces_and_moments(
     moment : float
         Moment of the actuation about the pin [N m].
     """
-    pin = shoe.pin_in_shoe_frame
+    pin = shoe.pin_position_in_shoe_frame
     return relative_sums_of_forces_and_moments(
         [contact.sum(axis=0), reaction, given],
         [
@@ -269,7 +271,7 @@ def _quadrature_points_of_shoe_friction_face(
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces], at, weights)
     normal, tangent = function_for_drum_normals_and_tangents(shoe.sign)(x)
     radius = np.hypot(*x)
-    phi = shoe.phi_of_points_in_shoe_frame(x, brake.size)
+    phi = shoe.surface_coordinates_of_points_in_shoe_frame(x, brake.size)
     unknowns = parts.constraints.matrix.shape[1]
     first = unknowns - FRAME - 2 * len(line.nodes)
 
@@ -301,7 +303,7 @@ def _quadrature_points_of_shoe_friction_face(
 
 def _nodal_displacements_per_turn_about_pin(parts: AssembledShoe, shoe: Shoe) -> Floats:
     """Displacements (2 n,) of the n contact nodes per angle of rotation about the pin [m/rad]."""
-    x, y = parts.line.xy - shoe.pin_in_shoe_frame[:, None]
+    x, y = parts.line.xy - shoe.pin_position_in_shoe_frame[:, None]
     return np.column_stack([-y, x]).ravel()
 
 

@@ -263,7 +263,9 @@ def torque_differences_from_sine_law_at_lining_radii(
     return found
 
 
-def figures_of_merit_at_frictions(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
+def figures_of_merit_over_friction_coefficient(
+    brake: Brake, scene: PreparedModel, friction: Floats
+) -> Merits:
     """Figures of merit of each shoe and model over the coefficient of friction.
 
     The list of a model ends before the first friction at which the model has no answer, because
@@ -443,10 +445,10 @@ def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dic
             "shoe[0].lining.end": math.radians(35),
         },
     )
-    fine = _torque_normal_force_friction_radius(fixed, 2880)
+    fine = _torque_normal_force_and_friction_radius(fixed, 2880)
     rows, before = [], np.full(3, np.nan)
     for n in (45, 90, 180, 360, 720, 1440):
-        errors = np.abs(_torque_normal_force_friction_radius(fixed, n) / fine - 1)
+        errors = np.abs(_torque_normal_force_and_friction_radius(fixed, n) / fine - 1)
         outcome = timed(
             "foundation",
             partial(foundation.solve_brake_by_foundation_model, brake, sections=n),
@@ -469,7 +471,7 @@ def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dic
     return rows
 
 
-def _torque_normal_force_friction_radius(brake: Brake, sections: int) -> Floats:
+def _torque_normal_force_and_friction_radius(brake: Brake, sections: int) -> Floats:
     """The torque of a brake, and the normal force and friction radius of its first shoe, as (3,).
 
     They come from the foundation model with `sections` sections along each beam.

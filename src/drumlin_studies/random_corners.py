@@ -22,7 +22,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import make_drum_brake_from_data, vary
-from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
@@ -103,7 +103,7 @@ CORNER_KINDS: dict[str, CornerKind] = {
 """The kinds of brakes of this module, and how each is drawn."""
 
 
-def draw_brake_pressing_with_corner_or_tip(seed: int, kind: str | None = None) -> Brake:
+def draw_random_brake_pressing_with_corner_or_kink(seed: int, kind: str | None = None) -> Brake:
     """The random brake of a seed, in which one shoe presses only by a corner or a tip.
 
     A corner is an end of the lining's surface; a tip is a kink of this surface that points to the
@@ -315,7 +315,9 @@ def _solve_on_first_refinement_levels(brake: Brake) -> Response:
 
     Raises NoAnswer where a level has no answer.
     """
-    *_, last = islice(solve_on_finer_and_finer_levels(brake, solve_prepared_model), FEW_LEVELS)
+    *_, last = islice(
+        solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), FEW_LEVELS
+    )
     return last.response
 
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.file import make_validated_part, vary
-from drumlin.brake.plane_brake import make_brake_from_data
+from drumlin.brake.file import make_validated_brake_part, vary
+from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.fem.solve import solve
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
@@ -37,7 +37,9 @@ Draw = Callable[[Rng], dict[str, Any]]
 """A function that draws the data of a brake file, without title and friction."""
 
 
-def draw_brake_of_support_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> Brake:
+def draw_random_brake_of_support_kind(
+    seed: int, kind: str | None = None, *, rigid: bool = False
+) -> Brake:
     """The random brake of a seed and a kind of support and actuation.
 
     All shoes press, also with HOLDING_FRICTION_MARGIN times the friction of the brake.
@@ -64,7 +66,9 @@ def draw_brake_of_support_kind(seed: int, kind: str | None = None, *, rigid: boo
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
-            brake = make_brake_from_data(_brake_data_with_rigid_shoes(data) if rigid else data)
+            brake = make_drum_or_plane_brake_from_data(
+                _brake_data_with_rigid_shoes(data) if rigid else data
+            )
             brake = mirror_turn_and_shift_brake(
                 brake, turn=0.0 if brake.surface.is_plane_and_not_drum else turn, mirrored=mirrored
             )
@@ -83,7 +87,7 @@ def draw_random_brake_of_kind(seed: int, kind: str) -> Brake:
     """
     if kind in SHAPE_KINDS:
         return draw_random_brake(seed, kind)
-    return draw_brake_of_support_kind(seed, kind)
+    return draw_random_brake_of_support_kind(seed, kind)
 
 
 def _require_contact_of_all_shoes(brake: Brake) -> None:
@@ -272,7 +276,7 @@ def _draw_data_of_cam_brake(rng: Rng) -> dict[str, Any]:
     """The data of a brake whose two shoes a cam spreads, both on hinges or both on abutments."""
     on_hinges = rng.random() < 0.6
 
-    def draw_hinged_or_abutting_shoe(rng: Rng, R: float) -> dict[str, Any]:
+    def draw_data_of_hinged_or_abutting_shoe(rng: Rng, R: float) -> dict[str, Any]:
         """The data of one shoe, for the radius R of the drum [m]."""
         if on_hinges:
             return _draw_data_of_hinged_shoe(rng, R)
@@ -281,8 +285,8 @@ def _draw_data_of_cam_brake(rng: Rng) -> dict[str, Any]:
     data = _draw_drum_brake_data(
         rng,
         lambda rng, R: [
-            draw_hinged_or_abutting_shoe(rng, R),
-            mirror_shoe_data_to_other_drum_side(draw_hinged_or_abutting_shoe(rng, R)),
+            draw_data_of_hinged_or_abutting_shoe(rng, R),
+            mirror_shoe_data_to_other_drum_side(draw_data_of_hinged_or_abutting_shoe(rng, R)),
         ],
     )
     # The force of the cam replaces the forces that were drawn for the shoes.
@@ -320,7 +324,7 @@ def _draw_data_of_cylinder_brake(rng: Rng) -> dict[str, Any]:
 def _draw_data_of_strut_brake(rng: Rng) -> dict[str, Any]:
     """The data of a brake whose first shoe pushes the second, hinged shoe through a strut."""
 
-    def draw_both_shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
+    def draw_data_of_both_shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
         """The data of both shoes, for the radius R of the drum [m]."""
         # The actuation that is drawn for the second shoe is removed again: the strut pushes it.
         u, second = rng.uniform, _draw_unsupported_shoe_data(rng, R)
@@ -332,7 +336,9 @@ def _draw_data_of_strut_brake(rng: Rng) -> dict[str, Any]:
         del other["actuation"]
         return [_draw_data_of_shoe_on_abutment(rng, R, rough=False), other]
 
-    return _draw_drum_brake_data(rng, draw_both_shoes, link=[{"from": "first", "to": "second"}])
+    return _draw_drum_brake_data(
+        rng, draw_data_of_both_shoes, link=[{"from": "first", "to": "second"}]
+    )
 
 
 def _draw_until_shoe_has_elastic_body(
@@ -391,7 +397,7 @@ def _draw_data_of_linked_blocks_brake(rng: Rng) -> dict[str, Any]:
     """
     names = ("first", "second", "third", "fourth")[: int(rng.integers(2, 5))]
 
-    def draw_all_blocks(rng: Rng, R: float) -> list[dict[str, Any]]:
+    def draw_data_of_all_blocks(rng: Rng, R: float) -> list[dict[str, Any]]:
         """The data of all blocks, for the radius R of the drum [m]; only the first is pushed."""
         strap, angle = rng.uniform(1.05, 1.15), float(rng.uniform(-1.5, -0.5))
         blocks: list[dict[str, Any]] = []
@@ -409,7 +415,7 @@ def _draw_data_of_linked_blocks_brake(rng: Rng) -> dict[str, Any]:
         return blocks
 
     return _draw_drum_brake_data(
-        rng, draw_all_blocks, link=[{"from": a, "to": b} for a, b in pairwise(names)]
+        rng, draw_data_of_all_blocks, link=[{"from": a, "to": b} for a, b in pairwise(names)]
     )
 
 
@@ -603,13 +609,13 @@ def _mirror_turn_and_shift_shoe_data(
     """
     motion = _MirrorTurnAndShift(turn, mirrored, shift, "side" not in shoe)
     moves = {
-        "hinge": motion.moved_point,
-        "pivot": motion.moved_point,
-        "abutment": motion.moved_direction_and_point,
-        "guide": motion.moved_direction_and_point,
-        "actuation": motion.moved_direction_and_point,
-        "lining": motion.moved_lining_or_body,
-        "body": motion.moved_lining_or_body,
+        "hinge": motion.point_after_mirror_turn_and_shift,
+        "pivot": motion.point_after_mirror_turn_and_shift,
+        "abutment": motion.support_data_after_mirror_turn_and_shift,
+        "guide": motion.support_data_after_mirror_turn_and_shift,
+        "actuation": motion.support_data_after_mirror_turn_and_shift,
+        "lining": motion.lining_data_after_mirror_turn_and_shift,
+        "body": motion.lining_data_after_mirror_turn_and_shift,
     }
     result = dict(shoe)
     for key, move in moves.items():
@@ -639,22 +645,26 @@ class _MirrorTurnAndShift(NamedTuple):
         """Factor that multiplies angles and y coordinates: -1 if the shoe is mirrored, else 1."""
         return -1 if self.mirrored else 1
 
-    def turned_vector(self, x: float, y: float) -> dict[str, float]:
+    def vector_after_mirror_and_turn(self, x: float, y: float) -> dict[str, float]:
         """The components x and y of a vector after mirroring and turning."""
         c, s, y = math.cos(self.turn), math.sin(self.turn), self.sign * y
         return {"x": c * x - s * y, "y": s * x + c * y}
 
-    def moved_point(self, point: dict[str, float]) -> dict[str, float]:
+    def point_after_mirror_turn_and_shift(self, point: dict[str, float]) -> dict[str, float]:
         """The point after mirroring, turning and shifting."""
-        turned = self.turned_vector(point["x"], point["y"])
+        turned = self.vector_after_mirror_and_turn(point["x"], point["y"])
         return turned | {"x": turned["x"] + self.shift}
 
-    def moved_direction_and_point(self, part: dict[str, Any]) -> dict[str, Any]:
+    def support_data_after_mirror_turn_and_shift(self, part: dict[str, Any]) -> dict[str, Any]:
         """The data of a support or actuation after mirroring, turning and shifting."""
         moved = part | {"direction": self.turn + self.sign * part["direction"]}
-        return moved | ({"point": self.moved_point(part["point"])} if "point" in part else {})
+        return moved | (
+            {"point": self.point_after_mirror_turn_and_shift(part["point"])}
+            if "point" in part
+            else {}
+        )
 
-    def moved_place_on_lining(self, place: float) -> float:
+    def lining_place_after_mirror_turn_and_shift(self, place: float) -> float:
         """The angle or the length x of a place on a lining, after the motion."""
         # On a plane `mirrored` comes with a turn of 180 degrees: together they mirror about the
         # y axis.
@@ -662,20 +672,23 @@ class _MirrorTurnAndShift(NamedTuple):
             return math.cos(self.turn) * place + self.shift
         return self.turn + self.sign * place
 
-    def moved_lining_or_body(self, part: dict[str, Any]) -> dict[str, Any]:
+    def lining_data_after_mirror_turn_and_shift(self, part: dict[str, Any]) -> dict[str, Any]:
         """The data of a lining or body with its angles and misfit mirrored, turned and shifted.
 
         A mirror exchanges start and end.
         """
-        start, end = sorted(self.moved_place_on_lining(part[key]) for key in ("start", "end"))
+        start, end = sorted(
+            self.lining_place_after_mirror_turn_and_shift(part[key]) for key in ("start", "end")
+        )
         moved = part | {"start": start, "end": end}
         if isinstance(part.get("clearance"), list | tuple):
             moved["clearance"] = sorted(
-                [self.moved_place_on_lining(x), gap] for x, gap in part["clearance"]
+                [self.lining_place_after_mirror_turn_and_shift(x), gap]
+                for x, gap in part["clearance"]
             )
         if "misfit" in part:
             x, y = (part["misfit"]["offset"][key] for key in "xy")
-            moved["misfit"] = part["misfit"] | {"offset": self.turned_vector(x, y)}
+            moved["misfit"] = part["misfit"] | {"offset": self.vector_after_mirror_and_turn(x, y)}
         return moved
 
 
@@ -705,7 +718,7 @@ def mirror_turn_and_shift_brake(
         _mirror_turn_and_shift_shoe_data(shoe, turn, mirrored=mirrored, shift=shift)
         for shoe in data["shoe"]
     ]
-    return make_validated_part(type(brake), data)
+    return make_validated_brake_part(type(brake), data)
 
 
 LENGTH_KEYS = {"x", "y", "radius", "thickness", "width", "grip", "clearance", "diameter", "taper"}
@@ -761,6 +774,6 @@ def brake_with_scaled_lengths_and_moduli(brake: Brake, length: float, modulus: f
             return value * modulus * length**2
         return value * modulus * length**3 if key == "torque" else value
 
-    return make_validated_part(
+    return make_validated_brake_part(
         type(brake), scale_lengths_moduli_and_forces_in_data(brake.model_dump(by_alias=True))
     )

@@ -39,10 +39,10 @@ from drumlin.brake.components import (
 )
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
-from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
+from drumlin.brake.ring_support import reason_if_ring_edge_is_not_fixed_or_free
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.bodies import ShoeSubstructure
-from drumlin.fem.preparation.cache import shape_key_of_shoe
+from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel, reason_why_brake_is_not_modelled
 from drumlin.fem.substructure.interface import edge_quadrature_points
@@ -104,7 +104,7 @@ def make_function_that_prepares_surrogates(
         reason = (
             reason_why_brake_is_not_modelled(brake)
             or reason_if_any_part_is_orthotropic(brake, "a sketch")
-            or reason_if_ring_support_is_not_plain(brake, "a sketch")
+            or reason_if_ring_edge_is_not_fixed_or_free(brake, "a sketch")
         )
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
@@ -139,7 +139,7 @@ def _model_with_shoe_and_ring_flexibility(
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
     bodies = []
     for body, shoe, bare in zip(scene.bodies, brake.shoes, scene.brake.shoes, strict=True):
-        key = shape_key_of_shoe(brake, shoe)
+        key = cache_key_of_shoe_shape(brake, shoe)
         if key not in made:
             made[key] = (
                 body
@@ -195,9 +195,9 @@ def _add_elastic_shoe_flexibility_to_rigid_body(
         [m].
     """
     bar, coupling = _bar_that_replaces_shoe(shoe, radius), body.coupling
-    nodal = bar.square_root_of_flexibility(body.line.xy)
+    nodal = bar.square_root_of_bar_flexibility(body.line.xy)
     pressed, dragged = -nodal @ coupling.N.T, nodal @ coupling.T.T
-    load = bar.square_root_of_flexibility(
+    load = bar.square_root_of_bar_flexibility(
         body.load_centre[:, None], beyond=np.ones((len(bar.along), 1))
     )
     couple = np.concatenate([bar.bending, np.zeros(2 * len(bar.along))])[:, None]
@@ -242,7 +242,7 @@ class _Bar(NamedTuple):
     shearing: Floats
     round: bool
 
-    def square_root_of_flexibility(self, xy: Floats, beyond: Floats | None = None) -> Floats:
+    def square_root_of_bar_flexibility(self, xy: Floats, beyond: Floats | None = None) -> Floats:
         """The square root S of the bar's flexibility S^T S under forces at n points.
 
         S has the shape (3 m, 2 n): for each of the m sections bending, stretching and shearing, for
@@ -370,8 +370,8 @@ def _straight_axis_of_bar(shoe: Shoe) -> _BarAxis:
     """The axis of a shoe with a straight beam, from the hinge to the actuation force."""
     assert shoe.body is not None
     hinge, end = (
-        shoe.frame.convert_to_shoe_frame(shoe.pin.xy),
-        shoe.frame.convert_to_shoe_frame(shoe.actuation.point.xy),
+        shoe.frame.convert_vectors_to_shoe_frame(shoe.pin.xy),
+        shoe.frame.convert_vectors_to_shoe_frame(shoe.actuation.point.xy),
     )
     line = make_beam_axis(hinge, end)
     along = line.length * _middles_of_bar_sections()
@@ -417,7 +417,7 @@ def _ring_with_closed_form_flexibility(
     turned = np.where(k == 0, 0.0, sign * share * shear / root)
     pressed, dragged = [], []
     for body, shoe in zip(bodies, brake.shoes, strict=True):
-        c, s = _integrals_of_waves_over_lining(body, shoe, k)
+        c, s = _cosine_and_sine_integrals_over_lining(body, shoe, k)
         pressed.append(np.vstack([root[:, None] * c, root[:, None] * s]))
         dragged.append(np.vstack([-turned[:, None] * s, turned[:, None] * c]))
     return RingSubstructure(
@@ -433,7 +433,7 @@ def _ring_with_closed_form_flexibility(
     )
 
 
-def _integrals_of_waves_over_lining(
+def _cosine_and_sine_integrals_over_lining(
     body: ShoeSubstructure, shoe: Shoe, k: Ints
 ) -> tuple[Floats, Floats]:
     """Integrals b Int psi_i cos k theta ds and b Int psi_i sin k theta ds over a lining [m^2].
@@ -444,7 +444,9 @@ def _integrals_of_waves_over_lining(
     line = body.line
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces])
     wave = np.exp(
-        1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of_points_in_shoe_frame(x, 1.0))
+        1j
+        * k[:, None, None]
+        * shoe.frame.theta(shoe.surface_coordinates_of_points_in_shoe_frame(x, 1.0))
     )
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
     # In each row of `line.pieces` a node occurs at most once, as += with an index array requires:
@@ -487,7 +489,9 @@ def radial_ring_compliances_by_mode(
     K = _ring_stiffness_of_each_mode(section.material, section.thickness, radius, sign, modes)
     load = np.zeros((*K.shape[:2], 2))
     load[:, 0, 0] = load[:, RING_DEGREE + 1, 1] = radius
-    u = _displacements_under_constraints(K, _constraints_at_rim_of_each_mode(ring, modes), load)
+    u = _displacements_under_linear_constraints(
+        K, _displacement_constraints_at_ring_rim_by_mode(ring, modes), load
+    )
     return np.asarray(u[:, 0, 0]), np.asarray(u[:, 0, 1])
 
 
@@ -565,7 +569,7 @@ def _ring_stiffness_of_each_mode(
     )
 
 
-def _constraints_at_rim_of_each_mode(ring: Ring, modes: Ints) -> Floats:
+def _displacement_constraints_at_ring_rim_by_mode(ring: Ring, modes: Ints) -> Floats:
     """The constraints (m, 2 n, 2) on the displacements U and V of n nodes, for each of m modes.
 
     A fixed rim does not move. Of a free rim the rigid-body modes k = 0 (rotation) and k = 1
@@ -581,7 +585,7 @@ def _constraints_at_rim_of_each_mode(ring: Ring, modes: Ints) -> Floats:
     return hold
 
 
-def _displacements_under_constraints(K: Floats, hold: Floats, load: Floats) -> Floats:
+def _displacements_under_linear_constraints(K: Floats, hold: Floats, load: Floats) -> Floats:
     """The displacements (m, n, l) of m bodies under l loads and two linear constraints.
 
     The constraints become further equations, scaled to the size of the stiffness matrix.

@@ -2,11 +2,12 @@
 
 The rows show whether brakes end at the law of their rigid shoes, and how exact the computed wear
 is. They treat brakes that run in from new (`table_row_and_wear_run_of_brake`,
-`run_in_row_of_modulus_ratio`), wear in steps of half the size (`row_of_run_with_halved_steps`),
-wear laws with exponents of the pressure (`run_in_row_of_pressure_exponent`), a drum that turns both
-ways (`wear_brake_with_drum_reversals`), and implicit against explicit steps
-(`rows_of_runs_in_equal_steps`). Sliding distances are in units of 1/(k K), with the stiffness K =
-E/t of the lining and the wear coefficient k.
+`table_row_of_run_in_at_modulus_ratio`), wear in steps of half the size
+(`row_comparing_run_with_halved_wear_steps`), wear laws with exponents of the pressure
+(`table_row_of_run_in_at_pressure_exponent`), a drum that turns both ways
+(`wear_brake_with_drum_reversals`), and implicit against explicit steps
+(`rows_and_ends_of_wear_runs_in_equal_steps`). Sliding distances are in units of 1/(k K), with the
+stiffness K = E/t of the lining and the wear coefficient k.
 """
 
 import math
@@ -50,9 +51,9 @@ from drumlin.lining_wear.run_in import (
     brake_with_worn_linings,
     compute_checks_of_wear_run,
     compute_life_of_linings,
-    end_of_wear_by_rigid_shoe_law,
+    final_pressure_and_torque_by_rigid_shoe_law,
     norm_along_lining_without_end_elements,
-    relative_difference_from_end_of_wear,
+    relative_differences_from_end_of_wear,
     sliding_distance_of_e_fold_pressure_change,
     wear_brake_linings_until_worn_in,
 )
@@ -105,7 +106,7 @@ class Run:
         """
         return max(
             amplitude_of_node_to_node_pressure_ripple(
-                surface.own_values_by_growing_angle(state.pressure)
+                surface.lining_values_by_growing_angle(state.pressure)
             )
             for surface in self.setup.surfaces
         )
@@ -128,7 +129,7 @@ def wear_brake_until_pressure_settles(
         Further arguments of `wear_brake_linings_until_worn_in`.
     """
     states = wear_brake_linings_until_worn_in(setup, law, **options)
-    goal = end_of_wear_by_rigid_shoe_law(setup, law, options.get("torque"))
+    goal = final_pressure_and_torque_by_rigid_shoe_law(setup, law, options.get("torque"))
     return Run(name, setup, states, goal, sliding_distance_of_e_fold_pressure_change(setup, law))
 
 
@@ -231,8 +232,8 @@ def table_row_of_wear_run_until_settled(one: Run) -> dict[str, Any]:
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
     # Distances of pressure and torque from the law, with new linings and after the last state.
     new, end = (
-        relative_difference_from_end_of_wear(setup, states[0], goal),
-        relative_difference_from_end_of_wear(setup, states[-1], goal),
+        relative_differences_from_end_of_wear(setup, states[0], goal),
+        relative_differences_from_end_of_wear(setup, states[-1], goal),
     )
     # Shares of the lining's life that are spent more than 1 %, and more than 0.1 %, off the law.
     spent = compute_life_of_linings(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
@@ -243,7 +244,7 @@ def table_row_of_wear_run_until_settled(one: Run) -> dict[str, Any]:
         "new_pressure": new.pressure,
         "new_torque": new.torque,
         "least_torque": min(
-            relative_difference_from_end_of_wear(setup, state, goal).torque for state in states
+            relative_differences_from_end_of_wear(setup, state, goal).torque for state in states
         ),
         "pressure_distance": spent.pressure * spent.distance / unit,
         "torque_distance": spent.torque * spent.distance / unit,
@@ -261,7 +262,9 @@ def table_row_of_wear_run_until_settled(one: Run) -> dict[str, Any]:
     }
 
 
-def run_in_row_of_modulus_ratio(brake: Brake, ratio: float, elements: int) -> dict[str, Any]:
+def table_row_of_run_in_at_modulus_ratio(
+    brake: Brake, ratio: float, elements: int
+) -> dict[str, Any]:
     """The row of a brake whose linings have `ratio` times the modulus of the shoes' bodies.
 
     elements : number of elements along each lining.
@@ -276,7 +279,7 @@ def run_in_row_of_modulus_ratio(brake: Brake, ratio: float, elements: int) -> di
     }
 
 
-def row_of_run_with_halved_steps(one: Run) -> dict[str, Any]:
+def row_comparing_run_with_halved_wear_steps(one: Run) -> dict[str, Any]:
     """The row that compares a run with the same run in steps of half the size.
 
     `pressure`, `torque` and `depth` are the largest relative differences between both runs.
@@ -299,7 +302,7 @@ def row_of_run_with_halved_steps(one: Run) -> dict[str, Any]:
     # Pairs of states of both runs at the same sliding distance.
     pairs = list(zip(one.states, halved, strict=True))
     long = wear_brake_linings_until_worn_in(one.setup, ARCHARD, distance=10 * s[-1])
-    after = relative_difference_from_end_of_wear(one.setup, long[-1], one.goal)
+    after = relative_differences_from_end_of_wear(one.setup, long[-1], one.goal)
     return {
         "brake": one.name,
         "asked": DEFAULT_WEAR_STEP_ERROR,
@@ -315,7 +318,7 @@ def row_of_run_with_halved_steps(one: Run) -> dict[str, Any]:
     }
 
 
-def run_in_row_of_pressure_exponent(setup: WearSetup, m: float) -> dict[str, Any]:
+def table_row_of_run_in_at_pressure_exponent(setup: WearSetup, m: float) -> dict[str, Any]:
     """The row of a hinged brake that wears by the power m of the pressure.
 
     The pressure of the worn-in lining is then proportional to sin(phi)^(1/m), with the angle phi
@@ -324,9 +327,9 @@ def run_in_row_of_pressure_exponent(setup: WearSetup, m: float) -> dict[str, Any
     law = WearLaw(DEFAULT_WEAR_COEFFICIENT, m)
     states, goal = (
         wear_brake_linings_until_worn_in(setup, law),
-        end_of_wear_by_rigid_shoe_law(setup, law),
+        final_pressure_and_torque_by_rigid_shoe_law(setup, law),
     )
-    end = relative_difference_from_end_of_wear(setup, states[-1], goal)
+    end = relative_differences_from_end_of_wear(setup, states[-1], goal)
     return {
         "exponent": m,
         "goal": goal.torque,
@@ -364,7 +367,7 @@ class Reversals:
     mean: float
 
     @property
-    def row_of_law_distances(self) -> dict[str, float]:
+    def row_of_wear_run_with_drum_reversals(self) -> dict[str, float]:
         """The table row of a run with reversals of the drum.
 
         `after` is the largest distance of the pressure from its law, reached right after a
@@ -396,7 +399,9 @@ def wear_brake_with_drum_reversals(
         True: wear_setup_by_finite_elements(scene, brake),
         False: wear_setup_by_finite_elements(scene, brake_with_opposite_rotation(brake)),
     }
-    goals = {sense: end_of_wear_by_rigid_shoe_law(setup) for sense, setup in setups.items()}
+    goals = {
+        sense: final_pressure_and_torque_by_rigid_shoe_law(setup) for sense, setup in setups.items()
+    }
     size = every * sliding_distance_of_e_fold_pressure_change(setups[True], ARCHARD)
     states = wear_brake_linings_until_worn_in(
         setups[True],
@@ -407,7 +412,7 @@ def wear_brake_with_drum_reversals(
         tolerance=5e-3,
     )
     far = [
-        relative_difference_from_end_of_wear(
+        relative_differences_from_end_of_wear(
             setups[state.forward], state, goals[state.forward]
         ).pressure
         for state in states
@@ -438,7 +443,9 @@ def _largest_relative_difference_on_linings(
     differences = []
     for surface in setup.surfaces:
         norms = [
-            norm_along_lining_without_end_elements(surface, surface.own_values_by_growing_angle(of))
+            norm_along_lining_without_end_elements(
+                surface, surface.lining_values_by_growing_angle(of)
+            )
             for of in (values - reference, reference)
         ]
         differences.append(norms[0] / norms[1])
@@ -464,7 +471,7 @@ class EqualStepsEnd:
     ripple: float
 
 
-def rows_of_runs_in_equal_steps(
+def rows_and_ends_of_wear_runs_in_equal_steps(
     one: Run, end: float, steps: Sequence[float]
 ) -> tuple[list[dict[str, Any]], list[EqualStepsEnd]]:
     """Table rows and last states of wear runs in steps of equal size, implicit and explicit ones.
@@ -526,7 +533,7 @@ def _list_implicit_and_explicit_runs(
         )
 
 
-def run_with_smallest_new_contact(runs: Iterable[Run]) -> Run:
+def wear_run_with_smallest_new_contact(runs: Iterable[Run]) -> Run:
     """The run whose new linings touch the drum with the smallest fraction of their nodes."""
     return min(runs, key=lambda one: float((one.states[0].pressure > 0).mean()))
 

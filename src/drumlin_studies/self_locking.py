@@ -17,7 +17,7 @@ from drumlin.contact.self_locking import (
     FrictionDependentProblem,
     FrictionLimit,
     compare_solutions_from_starting_contact_sets,
-    find_friction_limit_of_contact,
+    find_largest_friction_with_equilibrium,
     smallest_singular_friction_of_contact_sets,
 )
 from drumlin.fem.analysis.self_locking import (
@@ -164,7 +164,7 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     brake = draw_random_brake(seed, way)
     scene = make_prepared_model(brake, elements=LOCKING_ELEMENTS)
     problems = ShoeGroup(scene, brake, (0,)).contact_problem_as_function_of_friction
-    end = find_friction_limit_of_contact(problems, FARTHEST_RANDOM_FRICTION)
+    end = find_largest_friction_with_equilibrium(problems, FARTHEST_RANDOM_FRICTION)
     starts = _starting_contact_sets(len(problems.frictionless.q), seed)
     top = min(end.friction, LARGEST_FRICTION)
     counts, disagreeing = _count_agreeing_answers_below_friction(problems, top, starts)
@@ -173,7 +173,7 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     beyond = answered = None
     if end.friction <= 10:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
-        beyond = _count_answers_at_frictions(problems, end, mu_beyond, starts)
+        beyond = _count_stable_answers_beyond_friction_limit(problems, end, mu_beyond, starts)
         answered = sum(
             _is_brake_solvable_with_exact_contact(scene, vary(brake, {"friction": mu}))
             for mu in mu_beyond
@@ -216,7 +216,7 @@ def _starting_contact_sets(n: int, seed: int) -> list[Bools]:
     return [np.ones(n, bool), np.zeros(n, bool), *random_sets]
 
 
-def _count_answers_at_frictions(
+def _count_stable_answers_beyond_friction_limit(
     problems: FrictionDependentProblem,
     end: FrictionLimit,
     frictions: list[float],
@@ -268,7 +268,7 @@ def _count_agreeing_answers_below_friction(
         mu = fraction * top
         found = compare_solutions_from_starting_contact_sets(
             problems.contact_problem_at_friction_coefficient(mu),
-            find_friction_limit_of_contact(problems, mu).last_contact,
+            find_largest_friction_with_equilibrium(problems, mu).last_contact,
             starts,
         )
         for key in AGREEMENT_COUNTS:

@@ -29,7 +29,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_brake_to_tolerance
-from drumlin.fem.error_control.levels import SolvedLevel, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import SolvedLevel, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
@@ -180,7 +180,7 @@ def stated_and_true_errors_of_stored_brake(
 
     # The tolerances read the same sequence of levels, so that each level is solved once.
     sequences: tuple[Iterable[SolvedLevel], ...] = tee(
-        solve_on_finer_and_finer_levels(brake, solve_and_count_unknowns), len(ASKED)
+        solve_brake_on_finer_and_finer_mesh_levels(brake, solve_and_count_unknowns), len(ASKED)
     )
     found = []
     for (asked, tolerance), sequence in zip(ASKED.items(), sequences, strict=True):
@@ -221,7 +221,7 @@ def stated_and_true_errors_of_folder(
     names : names of the brakes to be judged; all of the folder by default
     """
     found: list[StatedTrueErrors] = []
-    for path in list_stored_truth_files(folder):
+    for path in list_files_of_stored_fine_solutions(folder):
         if names is None or path.stem in names:
             found += stated_and_true_errors_of_stored_brake(
                 path.stem, read_stored_fine_solution(path)
@@ -235,7 +235,7 @@ def names_of_quickly_solved_brakes(worths: Mapping[str, AccuracyAndCost]) -> set
     return {name for name, count in unknowns.items() if count <= QUICK}
 
 
-def list_stored_truth_files(folder: Path) -> list[Path]:
+def list_files_of_stored_fine_solutions(folder: Path) -> list[Path]:
     """The files of far finer solutions in a folder, in the order of their names."""
     return sorted(path for path in folder.glob("*.json") if path.name != FILE)
 

@@ -57,19 +57,19 @@ from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.division import Level
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import distance_of_plane_stress_from_widths
+from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.functions import (
     SAME_SIDE,
     WidthFunctions,
-    breaks_across_half_width_of_shoe,
     half_widths_of_parts,
     has_parts_of_different_widths,
+    piece_ends_across_half_width_of_shoe,
 )
 from drumlin.fem.width.ladder import (
     solve_brake_with_widths_to_tolerance,
-    solve_level_of_section_with_width_degree,
+    solve_cross_section_mesh_with_width_degree,
 )
-from drumlin.fem.width.prepare import reason_against_width_model
+from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_lobatto_points
 from drumlin_studies.random_brake import draw_random_brake
@@ -168,7 +168,7 @@ class SolidErrorRow:
         """Whether the true errors meet the tolerance."""
         return max(self.true[name] for name in BOUNDED_ERRORS) <= self.tolerance
 
-    def is_judged(self, name: str) -> bool:
+    def is_true_error_fit_to_judge_by(self, name: str) -> bool:
         """Whether a true error is certain and large enough to judge the stated error.
 
         `name` is one of JUDGED_ERRORS.
@@ -256,7 +256,7 @@ def functions_across_width_graded_to_sides(
 
     `degree` is the degree of the functions in each piece.
     """
-    halves, breaks = half_widths_of_parts(shoe).values(), breaks_across_half_width_of_shoe(shoe)
+    halves, breaks = half_widths_of_parts(shoe).values(), piece_ends_across_half_width_of_shoe(shoe)
 
     def is_place_a_side_of_shoe_part(place: float) -> bool:
         """Whether the side of a part of the shoe is at this distance [m] from the mid-plane."""
@@ -272,7 +272,7 @@ def functions_across_width_graded_to_sides(
     return WidthFunctions(tuple(sorted(found)), degree)
 
 
-def response_with_graded_width_functions(
+def response_with_width_functions_graded_to_sides(
     brake: Brake, level: Level, degree: int = GRADED_DEGREE
 ) -> Response:
     """The response of a brake with functions across the width graded to the sides of its parts.
@@ -284,7 +284,7 @@ def response_with_graded_width_functions(
     degree : degree of the functions across the width, in each of their pieces
     """
     graded = partial(functions_across_width_graded_to_sides, degree=degree)
-    return solve_level_of_section_with_width_degree(brake, level, graded, solve(brake)).response
+    return solve_cross_section_mesh_with_width_degree(brake, level, graded, solve(brake)).response
 
 
 def response_plus_step(base: Response, start: Response, end: Response) -> Response:
@@ -343,11 +343,11 @@ def reference_solution_of_solve(brake: Brake, found: Response) -> SolidReference
     finer = LEVELS[min(number + 1, len(LEVELS) - 1)]
     steps = []
     for degree in (TRUTH_STEP_DEGREE, TRUTH_STEP_DEGREE - 1):
-        start = solve_level_of_section_with_width_degree(brake, LEVELS[0], degree, found).response
-        end = solve_level_of_section_with_width_degree(brake, finer, degree, start).response
+        start = solve_cross_section_mesh_with_width_degree(brake, LEVELS[0], degree, found).response
+        end = solve_cross_section_mesh_with_width_degree(brake, finer, degree, start).response
         steps.append((start, end))
     graded, lower = (
-        response_with_graded_width_functions(brake, LEVELS[0], degree)
+        response_with_width_functions_graded_to_sides(brake, LEVELS[0], degree)
         for degree in (GRADED_DEGREE, GRADED_DEGREE - 1)
     )
     return SolidReference(
@@ -389,7 +389,7 @@ def reason_why_brake_is_left_out(brake: Brake, kind: str) -> str:
     several = any(map(has_parts_of_different_widths, brake.shoes))
     if several == (kind == "one"):
         return OTHER_WIDTHS
-    return reason_against_width_model(brake) or ""
+    return reason_why_width_model_does_not_apply(brake) or ""
 
 
 def _rows_with_stated_and_then_true_errors(
@@ -414,7 +414,7 @@ def _rows_with_stated_and_then_true_errors(
 
     def errors_against_truth(response: Response) -> dict[str, float]:
         """The relative distances of a response from the truth, by the names of JUDGED_ERRORS."""
-        apart = distance_of_plane_stress_from_widths(brake, response, reference.truth).brake
+        apart = distance_of_plane_stress_from_width_solution(brake, response, reference.truth).brake
         return {name: apart[name] for name in JUDGED_ERRORS}
 
     by_degree, by_step = map(errors_against_truth, (reference.lower, reference.other_step))
@@ -471,7 +471,7 @@ def table_lines_of_stated_over_true_quantiles(rows: Sequence[SolidErrorRow]) -> 
             continue
         enough = np.mean([row.is_at_least_true(name) for row in known])
         small = sum(row.is_surely_too_small(name) for row in known)
-        ratios = [row.ratio(name) for row in known if row.is_judged(name)]
+        ratios = [row.ratio(name) for row in known if row.is_true_error_fit_to_judge_by(name)]
         half = sum(ratio < 0.5 for ratio in ratios)
         at = np.quantile(ratios, [0.05, 0.5]) if ratios else [math.nan, math.nan]
         numbers = "  ".join(f"{value:5.2f}" for value in at)

@@ -16,17 +16,17 @@ from typing import NamedTuple
 from drumlin.base.errors import DrumlinError
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import Tolerance
-from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.width.error import distance_of_plane_stress_from_widths
+from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.ladder import (
     solve_brake_with_widths_to_tolerance,
-    solve_level_of_section_with_width_degree,
+    solve_cross_section_mesh_with_width_degree,
 )
 from drumlin.models import model_with_name_that_applies_to_brake, reasons_why_models_do_not_apply
 from drumlin.peers.solid_deck import solve_solid_by_calculix
 from drumlin.response.response import Response
-from drumlin_studies.solid_error import GRADED_DEGREE, response_with_graded_width_functions
+from drumlin_studies.solid_error import GRADED_DEGREE, response_with_width_functions_graded_to_sides
 from drumlin_studies.work_precision import LEAST_SAMPLE
 
 FINE_PLANE_LEVEL = 5
@@ -118,7 +118,7 @@ class SolidSetting(NamedTuple):
     elements: tuple[int, ...]
 
 
-def solve_solid_truth_of_brake(brake: Brake, level: int) -> SolidTruth:
+def solve_fine_reference_of_solid_shoes(brake: Brake, level: int) -> SolidTruth:
     """The solid truth of a brake on a refinement level, and responses that show its uncertainty.
 
     level : number of the level, from 2.
@@ -126,24 +126,26 @@ def solve_solid_truth_of_brake(brake: Brake, level: int) -> SolidTruth:
     fine, coarse = LEVELS[level - 1], LEVELS[level - 2]
     return SolidTruth(
         level,
-        response_with_graded_width_functions(brake, fine),
-        response_with_graded_width_functions(brake, fine, GRADED_DEGREE - 1),
-        response_with_graded_width_functions(brake, coarse, GRADED_DEGREE - 1),
+        response_with_width_functions_graded_to_sides(brake, fine),
+        response_with_width_functions_graded_to_sides(brake, fine, GRADED_DEGREE - 1),
+        response_with_width_functions_graded_to_sides(brake, coarse, GRADED_DEGREE - 1),
     )
 
 
-def uncertainty_of_solid_truth(brake: Brake, truth: SolidTruth) -> dict[str, float]:
+def uncertainty_of_solid_shoe_reference(brake: Brake, truth: SolidTruth) -> dict[str, float]:
     """The relative uncertainty of the torque and the mean pressure of a solid truth.
 
     It is the distance between two degrees across the width on one level, plus the distance between
     two levels with the lower degree.
     """
-    by_degree = distance_of_plane_stress_from_widths(brake, truth.lower, truth.response).brake
-    by_level = distance_of_plane_stress_from_widths(brake, truth.coarser, truth.lower).brake
+    by_degree = distance_of_plane_stress_from_width_solution(
+        brake, truth.lower, truth.response
+    ).brake
+    by_level = distance_of_plane_stress_from_width_solution(brake, truth.coarser, truth.lower).brake
     return {name: by_degree[name] + by_level[name] for name in ("torque", "pressure")}
 
 
-def list_models_beside_solid(brake: Brake, setting: SolidSetting) -> list[TimedModel]:
+def list_models_compared_with_solid_shoes(brake: Brake, setting: SolidSetting) -> list[TimedModel]:
     """All models of a brake, from the laws to CalculiX, with their settings."""
     models = []
     refused = reasons_why_models_do_not_apply(brake)
@@ -156,7 +158,7 @@ def list_models_beside_solid(brake: Brake, setting: SolidSetting) -> list[TimedM
         models.append(TimedModel("foundation", "lifted", partial(foundation, brake, lift=["all"])))
     for degree in (0, *setting.degrees):
         for number in range(1, setting.levels + 1):
-            answer = partial(_solve_with_degree, brake, number, degree)
+            answer = partial(_solve_mesh_level_with_degree_across_width, brake, number, degree)
             models.append(TimedModel(f"degree {degree}", f"level {number}", answer))
     for tolerance in setting.tolerances:
         models.append(
@@ -171,7 +173,7 @@ def list_models_beside_solid(brake: Brake, setting: SolidSetting) -> list[TimedM
     return models
 
 
-def _solve_with_degree(brake: Brake, number: int, degree: int) -> Response:
+def _solve_mesh_level_with_degree_across_width(brake: Brake, number: int, degree: int) -> Response:
     """The response of a brake with a degree across the width, on one refinement level.
 
     Degree 0 is plane stress, whose answer on the first level starts the solve of other degrees.
@@ -183,15 +185,17 @@ def _solve_with_degree(brake: Brake, number: int, degree: int) -> Response:
     degree : degree across the width
     """
     levels = LEVELS[:1] if degree or number == 1 else (LEVELS[0], LEVELS[number - 1])
-    *_, solved = solve_on_finer_and_finer_levels(brake, solve_prepared_model, levels=levels)
+    *_, solved = solve_brake_on_finer_and_finer_mesh_levels(
+        brake, solve_prepared_model, levels=levels
+    )
     if degree == 0:
         return solved.response
-    return solve_level_of_section_with_width_degree(
+    return solve_cross_section_mesh_with_width_degree(
         brake, LEVELS[number - 1], degree, solved.response
     ).response
 
 
-def measure_models_beside_solid(
+def measure_models_against_solid_shoes(
     brake: Brake,
     setting: SolidSetting,
     solid: Response,
@@ -208,12 +212,12 @@ def measure_models_beside_solid(
     solid : response of the solid truth
     say : is called with a line of text on the progress
     """
-    plane = _solve_with_degree(brake, FINE_PLANE_LEVEL, 0)
+    plane = _solve_mesh_level_with_degree_across_width(brake, FINE_PLANE_LEVEL, 0)
     rows = []
-    for model in list_models_beside_solid(brake, setting):
+    for model in list_models_compared_with_solid_shoes(brake, setting):
         say(f"{model.family}, {model.name}")
         try:
-            timed = measure_cold_solve(model.solve)
+            timed = solve_and_measure_processor_time(model.solve)
         except DrumlinError:
             continue
         rows.append(_row_of_timed_response(brake, model, timed, (solid, plane)))
@@ -233,7 +237,7 @@ class TimedResponse(NamedTuple):
     seconds: float
 
 
-def measure_cold_solve(solve_once: Callable[[], Response]) -> TimedResponse:
+def solve_and_measure_processor_time(solve_once: Callable[[], Response]) -> TimedResponse:
     """The response of a solve, with its processor time.
 
     The time of a solve that takes at most FAST is the median of REPEATS repeats.
@@ -262,6 +266,6 @@ def _row_of_timed_response(
     """
     errors: list[float] = []
     for truth in truths:
-        true = distance_of_plane_stress_from_widths(brake, timed.response, truth).brake
+        true = distance_of_plane_stress_from_width_solution(brake, timed.response, truth).brake
         errors += [true["torque"], true["pressure"]]
     return SolidWorkRow(model.family, model.name, timed.seconds, *errors)

@@ -11,7 +11,7 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.plane_brake import make_brake_from_data
+from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin_studies.random_kinds import (
     HOLDING_ATTEMPTS,
@@ -57,7 +57,7 @@ def draw_random_brake_with_clearances(seed: int, kind: str | None = None) -> Bra
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
-            brake = make_brake_from_data(data)
+            brake = make_drum_or_plane_brake_from_data(data)
             turn = 0.0 if brake.surface.is_plane_and_not_drum else turn
             brake = mirror_turn_and_shift_brake(brake, turn=turn, mirrored=mirrored)
             if all(shoe.contact_arcs for shoe in solve_brake_by_its_rigid_shoe_law(brake).shoes):

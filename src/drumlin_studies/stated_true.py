@@ -23,7 +23,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
-from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.hp.corner import NodalPressure
 from drumlin.fem.model import solve_prepared_model
 from drumlin.response.response import (
@@ -35,7 +35,7 @@ from drumlin.response.response import (
     length_of_edge_zone_without_peak,
     reference_force_of_reaction_errors,
 )
-from drumlin.response.resultants import edge_zone_that_does_not_count
+from drumlin.response.resultants import length_of_edge_zone_without_pressure_errors
 from drumlin.verification import triangles
 
 JUDGED_QUANTITIES = ("pressure", "torque", "peak", "reaction")
@@ -126,7 +126,7 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth
     solutions: list[Sequence[ShoeResponse]] = []
     changes: list[float] = []
     try:
-        for _, response in solve_on_finer_and_finer_levels(
+        for _, response in solve_brake_on_finer_and_finer_mesh_levels(
             brake, partial(solve_prepared_model, penalty=math.inf)
         ):
             change = math.inf
@@ -244,7 +244,7 @@ def relative_pressure_error_of_shoe(
     found : the pressure that is judged; true : the far finer solution; edge : length of each zone
     [rad].
     """
-    zone = edge_zone_that_does_not_count(true.theta, true.pressure, true.order, edge)
+    zone = length_of_edge_zone_without_pressure_errors(true.theta, true.pressure, true.order, edge)
     first, last = true.theta[0] + zone, true.theta[-1] - zone
     # The nodes of both pressures divide the lining into intervals.
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
@@ -260,7 +260,7 @@ def relative_pressure_error_of_shoe(
     return math.sqrt(square / size)
 
 
-def peak_pressure_outside_edge_zones(
+def computed_peak_outside_edge_zones(
     shoe: Shoe, scale_factor: float, found: PressureField
 ) -> float:
     """Largest pressure [Pa] of a shoe outside the edge zones at the lining's ends.
@@ -276,7 +276,7 @@ def peak_pressure_outside_edge_zones(
     found : PressureField
         The pressure of the shoe.
     """
-    zone = edge_zone_that_does_not_count(
+    zone = length_of_edge_zone_without_pressure_errors(
         found.theta,
         found.pressure,
         found.order,
@@ -294,14 +294,14 @@ def _relative_peak_pressure_error(
     """Relative error of the peak pressure of a shoe; nan where the shoe does not press.
 
     A response of drumlin states its peak pressure. The peak of another solution, for example by
-    triangles, is found by `peak_pressure_outside_edge_zones`.
+    triangles, is found by `computed_peak_outside_edge_zones`.
     """
-    true_peak = peak_pressure_outside_edge_zones(shoe, scale_factor, true)
+    true_peak = computed_peak_outside_edge_zones(shoe, scale_factor, true)
     states_peak = hasattr(found, "peak_pressure")
     found_peak = (
         float(found.peak_pressure)
         if states_peak
-        else peak_pressure_outside_edge_zones(shoe, scale_factor, found)
+        else computed_peak_outside_edge_zones(shoe, scale_factor, found)
     )
     return abs(found_peak / true_peak - 1) if true_peak else math.nan
 

@@ -34,8 +34,8 @@ from drumlin.base.files import write_text
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import make_brake_from_data
-from drumlin.fem.error_control.levels import DEG, solve_on_finer_and_finer_levels
+from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
+from drumlin.fem.error_control.levels import DEG, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.hp.corner import (
     corners_with_unbounded_pressure,
     pressure_error_left_at_lining_corners,
@@ -50,8 +50,8 @@ from drumlin.verification.triangles.solution import ShoeSolution
 from drumlin_studies.random_brake import SHAPE_KINDS as DRAWN_KINDS
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_corners import CORNER_KINDS as CORNERS
-from drumlin_studies.random_corners import draw_brake_pressing_with_corner_or_tip
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.random_corners import draw_random_brake_pressing_with_corner_or_kink
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 from drumlin_studies.stated_true import TrueShoe as Solved
 from drumlin_studies.stated_true import (
     Truth,
@@ -152,9 +152,9 @@ class DrawnBrake(NamedTuple):
         drawn = (
             draw_random_brake
             if self.kind in DRAWN_KINDS
-            else draw_brake_pressing_with_corner_or_tip
+            else draw_random_brake_pressing_with_corner_or_kink
             if self.kind in CORNERS
-            else draw_brake_of_support_kind
+            else draw_random_brake_of_support_kind
         )
         found = drawn(self.seed, self.kind)
         return vary(found, dict(self.changes)) if self.changes else found
@@ -168,7 +168,7 @@ on. The stored truths therefore judge brakes on which nothing was fitted."""
 
 TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
 """Clearance table with a tip, a kink that points to the drum, for the brake
-`draw_brake_of_support_kind(SEED + 1, "hinge")`.
+`draw_random_brake_of_support_kind(SEED + 1, "hinge")`.
 
 The rows are an angle theta [rad] and a clearance [m]. The tip in the middle row is about as high as
 the compression of the lining by the force, so that nearly the whole lining presses.
@@ -285,7 +285,10 @@ def solve_fine_solution_to_be_stored(name: str) -> StoredTruth:
     brake = drawn.brake()
     if drawn.kind in CORNERS:
         return StoredTruth(
-            drawn.covers, brake, "deep triangles", solve_corner_or_tip_by_deep_triangles(brake)
+            drawn.covers,
+            brake,
+            "deep triangles",
+            solve_brake_on_corner_or_kink_by_fine_triangles(brake),
         )
     # Triangles are preferred, because they share no part of the method with the hp elements.
     try:
@@ -308,7 +311,7 @@ def solve_brake_by_fine_triangles(brake: Brake) -> Truth:
     )
 
 
-def solve_corner_or_tip_by_deep_triangles(brake: Brake) -> Truth:
+def solve_brake_on_corner_or_kink_by_fine_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake that presses only by a corner or a tip of the lining.
 
     A tip is a kink of the lining that points to the drum. The meshes are DEEPEST for a tip and DEEP
@@ -327,7 +330,8 @@ def solve_corner_or_tip_by_deep_triangles(brake: Brake) -> Truth:
     found = []
     for solutions in meshes:
         corrected = [
-            _solution_with_corner_power_law(brake, i, one) for i, one in enumerate(solutions)
+            _shoe_solution_with_power_law_at_corner(brake, i, one)
+            for i, one in enumerate(solutions)
         ]
         found.append(corrected)
     true = reference_from_last_three_meshes(brake, found, begin)
@@ -337,7 +341,9 @@ def solve_corner_or_tip_by_deep_triangles(brake: Brake) -> Truth:
     return replace(true, unsure={**true.unsure, "pressure": true.unsure["pressure"] + left})
 
 
-def _solution_with_corner_power_law(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
+def _shoe_solution_with_power_law_at_corner(
+    brake: Brake, index: int, found: ShoeSolution
+) -> ShoeSolution:
     """The solution of shoe `index` with the power law in place of its pressure near a corner.
 
     Only corners with an unbounded pressure are changed.
@@ -363,7 +369,7 @@ def solve_brake_by_finer_hp_meshes(brake: Brake) -> Truth:
     Raises NoAnswer where a mesh has no answer.
     """
     begin = time.process_time()
-    answers = solve_on_finer_and_finer_levels(
+    answers = solve_brake_on_finer_and_finer_mesh_levels(
         brake, partial(solve_prepared_model, penalty=math.inf), levels=FINER
     )
     found = [step.response.shoes for step in answers]
@@ -407,7 +413,9 @@ def read_stored_fine_solution(path: Path) -> StoredTruth:
     data = json.loads(path.read_text(encoding="utf-8"))
     shoes = [_shoe_solution_from_plain_data(shoe) for shoe in data["shoes"]]
     true = Truth(shoes, data["uncertainty"], data["seconds"])
-    return StoredTruth(data["covers"], make_brake_from_data(data["brake"]), data["by"], true)
+    return StoredTruth(
+        data["covers"], make_drum_or_plane_brake_from_data(data["brake"]), data["by"], true
+    )
 
 
 def _shoe_solution_from_plain_data(data: Mapping[str, Any]) -> ShoeSolution:

@@ -4,7 +4,7 @@ import math
 
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import make_drum_brake_from_data
-from drumlin.brake.plane_brake import make_brake_from_data
+from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 
 TEXTBOOK_LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 """Data of the lining of all drum brakes of this module, in SI units.
@@ -164,7 +164,7 @@ def brake_with_one_hinged_pad(
         Width of the lining [m].
     """
     start, end = sorted(hand * x for x in span)
-    return make_brake_from_data(
+    return make_drum_or_plane_brake_from_data(
         {
             "title": "test",
             "friction": mu,

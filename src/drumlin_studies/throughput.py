@@ -65,7 +65,7 @@ class Throughput(NamedTuple):
         return self.cases / self.seconds
 
 
-def time_sweep_with_processes(
+def measure_time_of_sweep_by_processes(
     cases: Sequence[SweepCase], workers: int, sample: Sequence[int] = ()
 ) -> Throughput:
     """The measured time of a sweep by processes of this machine.
@@ -75,27 +75,31 @@ def time_sweep_with_processes(
     """
     start, before = time.perf_counter(), _processor_time_of_all_processes()
     with provide_workers_for_cases_of_sweep(workers) as found:
-        made = _time_sweep_with_started_workers("processes", cases, found, start, sample)
+        made = _measure_time_of_sweep_by_started_workers("processes", cases, found, start, sample)
     return made._replace(processor=_processor_time_of_all_processes() - before)
 
 
-def time_sweep_with_dask_workers(cases: Sequence[SweepCase], workers: int) -> Throughput:
+def measure_time_of_sweep_by_dask_workers(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The measured time of a sweep by Dask workers.
 
     Each worker is a process of one thread on this machine.
     """
-    return _time_sweep_with_dask_environment("Dask workers", cases, workers, {})
+    return _measure_time_of_sweep_with_environment("Dask workers", cases, workers, {})
 
 
-def time_sweep_with_dask_keeping_memory(cases: Sequence[SweepCase], workers: int) -> Throughput:
+def measure_time_of_sweep_by_dask_keeping_memory(
+    cases: Sequence[SweepCase], workers: int
+) -> Throughput:
     """The measured time of a sweep by Dask workers that keep freed memory for later use.
 
     By default a Dask worker returns freed memory to the system at once.
     """
-    return _time_sweep_with_dask_environment("Dask workers that keep memory", cases, workers, KEEP)
+    return _measure_time_of_sweep_with_environment(
+        "Dask workers that keep memory", cases, workers, KEEP
+    )
 
 
-def _time_sweep_with_dask_environment(
+def _measure_time_of_sweep_with_environment(
     by: str, cases: Sequence[SweepCase], workers: int, environment: dict[str, str]
 ) -> Throughput:
     """The measured time of a sweep by Dask workers.
@@ -124,7 +128,7 @@ def _time_sweep_with_dask_environment(
         ) as cluster,
         provide_workers_for_cases_of_sweep(scheduler=cluster.scheduler_address) as found,
     ):
-        made = _time_sweep_with_started_workers(by, cases, found, start)
+        made = _measure_time_of_sweep_by_started_workers(by, cases, found, start)
     return made._replace(processor=_processor_time_of_all_processes() - before)
 
 
@@ -149,7 +153,7 @@ def _processor_time_of_all_processes() -> float:
     return sum(os.times()[:4])
 
 
-def _time_sweep_with_started_workers(
+def _measure_time_of_sweep_by_started_workers(
     by: str,
     cases: Sequence[SweepCase],
     found: Workers,
@@ -346,7 +350,7 @@ def kill_and_finish_sweep(
         say(f"kill {number + 1} of {kills}")
         found = _count_finished_cases_in_journal(path)
         with _run_process_during_block(
-            spawn.Process(target=_solve_sweep_with_journal, args=(cases, path))
+            spawn.Process(target=_solve_remaining_sweep_cases_with_journal, args=(cases, path))
         ) as process:
             while _count_finished_cases_in_journal(path) < moment:
                 if process.exitcode is not None:
@@ -376,7 +380,7 @@ def _run_process_during_block(process: Any) -> Iterator[Any]:
         process.join()
 
 
-def _solve_sweep_with_journal(cases: Sequence[SweepCase], path: Path) -> None:
+def _solve_remaining_sweep_cases_with_journal(cases: Sequence[SweepCase], path: Path) -> None:
     """Solve the cases of a sweep that are not yet in the journal at `path`, and add them to it."""
     with Journal(path) as journal:
         solve_all_cases_of_sweep(cases, journal=journal)

@@ -22,7 +22,7 @@ from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_g
 from drumlin.fem.model import (
     DOUBLE_SPACING,
     REFINED_REMARK,
-    refine_group_solution,
+    solve_full_system_of_group_by_refinement,
     solve_prepared_model,
 )
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -228,7 +228,7 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
     row |= {"digits": None, "whole": ""}
     start = time.perf_counter()
     try:
-        refined = refine_group_solution(group, active, OTHER_ORDER)
+        refined = solve_full_system_of_group_by_refinement(group, active, OTHER_ORDER)
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start

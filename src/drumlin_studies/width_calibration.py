@@ -1,9 +1,9 @@
 """Fit the safety factors of the stated errors of solid shoes on random brakes.
 
-`observe_width_errors_of_random_brake` solves a brake by several degrees across the width on one
+`width_error_rows_of_random_brake` solves a brake by several degrees across the width on one
 mesh of the section, or by one degree on two meshes of the section. It returns rows, each with an
-estimated error without its safety factor and the true error. `fit_width_factors` finds the smallest
-factors with which the estimates are large enough. The command
+estimated error without its safety factor and the true error. `fit_safety_factors_of_width_errors`
+finds the smallest factors with which the estimates are large enough. The command
 
     make calibrate
 
@@ -26,22 +26,22 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import distance_of_plane_stress_from_widths
+from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.ladder import (
     LOOKED_AHEAD,
     MOST_SECTION_LEVELS,
     ErrorFactors,
     SolidFactors,
-    coarsest_level_within_tolerance,
+    coarsest_cross_section_mesh_within_tolerance,
     error_divided_by_distance_to_next_degrees,
     hp_elements_to_compare_width_degrees,
-    solve_level_of_section_with_width_degree,
-    solve_levels_up_to_tolerance,
+    refine_cross_section_up_to_tolerance,
+    solve_cross_section_mesh_with_width_degree,
 )
 from drumlin.fem.width.prepare import (
     MakeFunctions,
-    prepare_divided_brake_with_widths,
-    reason_against_width_model,
+    prepare_model_with_widths_on_given_elements,
+    reason_why_width_model_does_not_apply,
 )
 from drumlin.response.response import Response
 from drumlin_studies.calibration import (
@@ -149,7 +149,7 @@ class WidthRow(NamedTuple):
         return self.true > least
 
 
-def observe_width_errors_of_random_brake(part: str, kind: str, seed: int) -> list[WidthRow]:
+def width_error_rows_of_random_brake(part: str, kind: str, seed: int) -> list[WidthRow]:
     """The estimated and true errors of a random brake, as rows for the fit.
 
     The list is empty if the model with widths does not apply or a solve has no answer.
@@ -161,10 +161,14 @@ def observe_width_errors_of_random_brake(part: str, kind: str, seed: int) -> lis
     kind : how the brake is drawn, a name in `solid_error.DRAWN`
     seed : seed of the brake
     """
-    observe = observe_errors_of_width_degrees if part == "width" else observe_error_of_section_mesh
+    observe = (
+        error_rows_of_degrees_across_width
+        if part == "width"
+        else error_rows_of_coarsest_cross_section_mesh
+    )
     try:
         brake = DRAWN[kind](seed)
-        if reason_against_width_model(brake) is not None:
+        if reason_why_width_model_does_not_apply(brake) is not None:
             return []
         rows = observe(brake, solve(brake))
     except (BadInput, NoAnswer, np.linalg.LinAlgError):
@@ -172,7 +176,7 @@ def observe_width_errors_of_random_brake(part: str, kind: str, seed: int) -> lis
     return [row._replace(kind=kind, seed=seed) for row in rows]
 
 
-def observe_errors_of_width_degrees(brake: Brake, plane: Response) -> list[WidthRow]:
+def error_rows_of_degrees_across_width(brake: Brake, plane: Response) -> list[WidthRow]:
     """Rows with the errors of the degrees FITTED_DEGREES across the width, on one mesh.
 
     The true error of a degree is its distance from the truth, whose functions across the width are
@@ -183,22 +187,29 @@ def observe_errors_of_width_degrees(brake: Brake, plane: Response) -> list[Width
     cache = Cache()
     section = hp_elements_to_compare_width_degrees(brake, plane, cache=cache)
 
-    def answer(across: int | MakeFunctions) -> Response:
+    def solve_with_degree_across_width(across: int | MakeFunctions) -> Response:
         """The response with the degree, or the function maker, `across` for the width."""
-        scene = prepare_divided_brake_with_widths(brake, section.divisions, across, cache=cache)
+        scene = prepare_model_with_widths_on_given_elements(
+            brake, section.divisions, across, cache=cache
+        )
         return solve_prepared_model(scene, brake, start=plane)
 
-    truth = answer(functions_across_width_graded_to_sides)
+    truth = solve_with_degree_across_width(functions_across_width_graded_to_sides)
     last = FITTED_DEGREES[-1] + LOOKED_AHEAD
-    answers = {degree: answer(degree) for degree in range(FITTED_DEGREES[0], last + 1)}
-    unsure = distance_of_plane_stress_from_widths(brake, answers[last], truth).brake
+    answers = {
+        degree: solve_with_degree_across_width(degree)
+        for degree in range(FITTED_DEGREES[0], last + 1)
+    }
+    unsure = distance_of_plane_stress_from_width_solution(brake, answers[last], truth).brake
     rows = []
     for degree in FITTED_DEGREES:
         ahead = [
-            distance_of_plane_stress_from_widths(brake, answers[degree], answers[further]).brake
+            distance_of_plane_stress_from_width_solution(
+                brake, answers[degree], answers[further]
+            ).brake
             for further in range(degree + 1, degree + LOOKED_AHEAD + 1)
         ]
-        true = distance_of_plane_stress_from_widths(brake, answers[degree], truth).brake
+        true = distance_of_plane_stress_from_width_solution(brake, answers[degree], truth).brake
         factor = error_divided_by_distance_to_next_degrees(degree)
         for name in LEAST_FITTED:
             estimate = factor * max(distance[name] for distance in ahead)
@@ -206,7 +217,7 @@ def observe_errors_of_width_degrees(brake: Brake, plane: Response) -> list[Width
     return rows
 
 
-def observe_error_of_section_mesh(brake: Brake, plane: Response) -> list[WidthRow]:
+def error_rows_of_coarsest_cross_section_mesh(brake: Brake, plane: Response) -> list[WidthRow]:
     """Rows with the estimated and true errors that the coarsest mesh in the section makes.
 
     The errors are distances between the first two levels of this mesh. The estimate has the degree
@@ -215,15 +226,19 @@ def observe_error_of_section_mesh(brake: Brake, plane: Response) -> list[WidthRo
     """
     levels, loose = LEVELS[:MOST_SECTION_LEVELS], Tolerance(1.0, 1.0)
     cache = Cache()
-    climb = solve_levels_up_to_tolerance(brake, loose, solve_prepared_model, cache, levels, plane)
-    section = coarsest_level_within_tolerance(brake, climb, loose, ErrorFactors(1.0, 1.0))
+    climb = refine_cross_section_up_to_tolerance(
+        brake, loose, solve_prepared_model, cache, levels, plane
+    )
+    section = coarsest_cross_section_mesh_within_tolerance(
+        brake, climb, loose, ErrorFactors(1.0, 1.0)
+    )
     first, second = (
-        solve_level_of_section_with_width_degree(
+        solve_cross_section_mesh_with_width_degree(
             brake, level, SECTION_TRUE_DEGREE, plane, cache=cache
         ).response
         for level in levels
     )
-    true = distance_of_plane_stress_from_widths(brake, first, second).brake
+    true = distance_of_plane_stress_from_width_solution(brake, first, second).brake
     rows = []
     for name in LEAST_FITTED:
         stated = (
@@ -235,7 +250,7 @@ def observe_error_of_section_mesh(brake: Brake, plane: Response) -> list[WidthRo
     return rows
 
 
-def smallest_width_factor(rows: Sequence[WidthRow]) -> float:
+def smallest_safety_factor_of_width_errors(rows: Sequence[WidthRow]) -> float:
     """The smallest safety factor that makes estimates large enough, rounded up to two digits.
 
     Estimates times the factor cover the true errors of the fraction WIDTH_QUANTILE of all solves,
@@ -256,7 +271,7 @@ def smallest_width_factor(rows: Sequence[WidthRow]) -> float:
     return round_up_to_significant_digits(max(covering, max(needed) / LARGEST_SHORTFALL))
 
 
-def fit_width_factors(rows: Sequence[WidthRow]) -> SolidFactors:
+def fit_safety_factors_of_width_errors(rows: Sequence[WidthRow]) -> SolidFactors:
     """Fit the safety factors of the stated errors of solid shoes to rows of observed errors."""
     factors = []
     for part in ("width", "section"):
@@ -266,11 +281,11 @@ def fit_width_factors(rows: Sequence[WidthRow]) -> SolidFactors:
                 for row in rows
                 if row.part == part and (row.quantity == "pressure") == of_pressure
             ]
-            factors.append(smallest_width_factor(own))
+            factors.append(smallest_safety_factor_of_width_errors(own))
     return SolidFactors(*factors)
 
 
-def width_factors_as_json_text(
+def width_safety_factors_as_json_text(
     factors: SolidFactors, rows: Sequence[WidthRow], commit: str, date: str
 ) -> str:
     """The JSON text of the file of safety factors: each factor with its meaning, and its origin.
@@ -294,7 +309,7 @@ def width_factors_as_json_text(
     )
 
 
-def width_rows_as_csv_text(rows: Sequence[WidthRow]) -> str:
+def width_error_rows_as_csv_text(rows: Sequence[WidthRow]) -> str:
     """The rows as the text of a CSV table, with errors of four digits."""
     lines = [",".join(WidthRow._fields)]
     for row in rows:
@@ -303,8 +318,8 @@ def width_rows_as_csv_text(rows: Sequence[WidthRow]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def read_width_rows(path: Path) -> list[WidthRow]:
-    """Read the rows from a CSV table that `width_rows_as_csv_text` has made."""
+def read_width_error_rows_from_csv(path: Path) -> list[WidthRow]:
+    """Read the rows from a CSV table that `width_error_rows_as_csv_text` has made."""
     rows = []
     with path.open(encoding="utf-8", newline="") as file:
         for one in csv.DictReader(file):

@@ -29,9 +29,12 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.width.correction import REMAINING_SHARE, correct_response_for_shoe_widths
-from drumlin.fem.width.error import distance_of_plane_stress_from_widths
-from drumlin.fem.width.functions import breaks_across_half_width_of_shoe
-from drumlin.fem.width.prepare import prepare_brake_with_widths, reason_against_width_model
+from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
+from drumlin.fem.width.functions import piece_ends_across_half_width_of_shoe
+from drumlin.fem.width.prepare import (
+    prepare_model_with_shoe_widths,
+    reason_why_width_model_does_not_apply,
+)
 from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 
 LEAST_JUDGED = 1e-3
@@ -78,7 +81,7 @@ def plane_stress_errors_or_reason(
 
     degree : degree of the polynomials across the width in the model that serves as the truth.
     """
-    reason = reason_against_width_model(brake)
+    reason = reason_why_width_model_does_not_apply(brake)
     if reason is not None:
         return reason
     try:
@@ -91,20 +94,20 @@ def plane_stress_errors_or_reason(
         plane = solve_prepared_model(
             make_prepared_model(brake, LEVELS[0], points), brake, start=response
         )
-        scene = prepare_brake_with_widths(brake, LEVELS[0], degree, points)
+        scene = prepare_model_with_shoe_widths(brake, LEVELS[0], degree, points)
         wide = solve_prepared_model(scene, brake, start=response)
         corrected = correct_response_for_shoe_widths(brake, plane)
     except NoAnswer as error:
         return str(error)
     true, remaining = (
-        distance_of_plane_stress_from_widths(brake, plane, wide),
-        distance_of_plane_stress_from_widths(brake, corrected, wide),
+        distance_of_plane_stress_from_width_solution(brake, plane, wide),
+        distance_of_plane_stress_from_width_solution(brake, corrected, wide),
     )
     found = response.plane_stress_error
     assert found is not None
     if found.unknown or true.unknown:
         return f"estimate: {found.unknown or 'known'}; truth: {true.unknown or 'known'}"
-    widths = max(len(breaks_across_half_width_of_shoe(shoe)) - 1 for shoe in brake.shoes)
+    widths = max(len(piece_ends_across_half_width_of_shoe(shoe)) - 1 for shoe in brake.shoes)
     return WidthErrorRow(
         brake.title, widths, dict(true.brake), dict(found.brake), dict(remaining.brake)
     )

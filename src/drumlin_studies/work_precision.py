@@ -28,7 +28,7 @@ from drumlin.base.resource_use import peak_memory_of_process
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_brake_to_tolerance
-from drumlin.fem.error_control.levels import LEVELS, solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
 from drumlin.fem.mesh.grading import (
     EDGE_SIZE,
@@ -279,7 +279,7 @@ def _solve_from_start_on_hp_level(brake: Brake, *, level: int) -> ColdSolve:
     The coarsest level is solved before, because the elements are graded to the contact's ends.
     """
     levels = (LEVELS[0], LEVELS[level])[-level - 1 :]
-    *_, (scene, response) = solve_on_finer_and_finer_levels(
+    *_, (scene, response) = solve_brake_on_finer_and_finer_mesh_levels(
         brake, partial(solve_prepared_model, penalty=math.inf), levels=levels
     )
     return _result_of_solve_from_start(brake, scene, response, math.inf)

@@ -18,11 +18,11 @@ from drumlin_studies.brake_kinds import (
     BrakeInMotion,
     brake_and_reversed_brake,
     brake_factor_of_cam_brake,
-    error_rows_of_other_models,
-    locking_friction_by_elements,
     row_of_errors_of_rigid_shoe_law,
+    self_locking_friction_by_finite_elements,
     sentence_on_whether_law_can_be_trusted,
     solve_brake_by_all_models,
+    torque_error_rows_of_models_besides_law,
 )
 
 HERE = Path(__file__).parent
@@ -75,7 +75,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
             cases.append(found)
             own.append(
                 row_of_errors_of_rigid_shoe_law(
-                    found, None if short else locking_friction_by_elements(brake)
+                    found, None if short else self_locking_friction_by_finite_elements(brake)
                 )
             )
         rows += own
@@ -84,10 +84,10 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         if (
             not brake.surface.is_plane_and_not_drum
             and brake.actuation is not None
-            and brake.actuation.is_cam
+            and brake.actuation.is_cam_or_wedge
         ):
             cams[path.stem] = brake_factor_of_cam_brake(brake)
-    others = [row for found in cases for row in error_rows_of_other_models(found)]
+    others = [row for found in cases for row in torque_error_rows_of_models_besides_law(found)]
     return Result(cases, rows, others, verdicts, cams)
 
 

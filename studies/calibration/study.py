@@ -39,10 +39,10 @@ from drumlin_studies.width_calibration import (
     WIDTH_QUANTILE,
     WIDTH_SEEDS,
     WidthRow,
-    fit_width_factors,
-    observe_width_errors_of_random_brake,
-    width_factors_as_json_text,
-    width_rows_as_csv_text,
+    fit_safety_factors_of_width_errors,
+    width_error_rows_as_csv_text,
+    width_error_rows_of_random_brake,
+    width_safety_factors_as_json_text,
 )
 
 HERE = Path(__file__).parent
@@ -105,7 +105,7 @@ def study(
         fit_safety_factors(levels),
         Provenance(words, brakes, len(levels), commit, date),
         width_rows,
-        fit_width_factors(width_rows),
+        fit_safety_factors_of_width_errors(width_rows),
     )
 
 
@@ -129,7 +129,7 @@ def _observe_solid_shoes(
 
 def _observe_solid_case(case: Case) -> dict[str, Any]:
     """The rows of a case's brake with solid shoes, as plain data."""
-    rows = observe_width_errors_of_random_brake(**case)
+    rows = width_error_rows_of_random_brake(**case)
     return {"rows": [row._asdict() for row in rows]}
 
 
@@ -167,11 +167,11 @@ def report(result: Result, folder: Path) -> Path:
         folder / "factors.json", estimate_factors_as_json_text(result.factors, result.provenance)
     )
     provenance = result.provenance
-    text = width_factors_as_json_text(
+    text = width_safety_factors_as_json_text(
         result.width_factors, result.width_rows, provenance.commit, provenance.date
     )
     write_text(folder / "width_factors.json", text)
-    write_text(folder / "width_rows.csv", width_rows_as_csv_text(result.width_rows))
+    write_text(folder / "width_rows.csv", width_error_rows_as_csv_text(result.width_rows))
     levels = levels_of(result.rows)
     # Factor of each quantity, and weight of the change by random signs.
     force = result.factors.force

@@ -153,7 +153,9 @@ def draw_figures(result: Result, folder: Path) -> None:
     for i, shoe in enumerate(convergence.responses[0].shoes):
         steps[f"p, {shoe.name} shoe (L2, to the next finer mesh)"] = list(
             zip(
-                convergence.elements, convergence.pressure_distances_between_meshes(i), strict=False
+                convergence.elements,
+                convergence.relative_pressure_distances_between_meshes(i),
+                strict=False,
             )
         )
     steps["torque, from its limit"] = [

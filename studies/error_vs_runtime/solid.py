@@ -14,9 +14,9 @@ from drumlin.report.figures import STYLE
 from drumlin.report.palette import BLUE, BROWN, GREEN, INK, OCHRE, PURPLE, RED, SHADE, SKY
 from drumlin_studies.solid_work import (
     SolidSetting,
-    measure_models_beside_solid,
-    solve_solid_truth_of_brake,
-    uncertainty_of_solid_truth,
+    measure_models_against_solid_shoes,
+    solve_fine_reference_of_solid_shoes,
+    uncertainty_of_solid_shoe_reference,
 )
 
 STUDIES = Path(__file__).parents[1]
@@ -67,11 +67,11 @@ def compute_solid_comparisons(
             """The solid truth of the brake, and all models against it."""
             brake = read_brake(STUDIES / f"{name}.toml")
             say(f"{name}: solid truth")
-            truth = solve_solid_truth_of_brake(brake, setting.truth)
-            rows = measure_models_beside_solid(brake, setting, truth.response, say)
+            truth = solve_fine_reference_of_solid_shoes(brake, setting.truth)
+            rows = measure_models_against_solid_shoes(brake, setting, truth.response, say)
             return {
                 "title": brake.title,
-                "uncertain": uncertainty_of_solid_truth(brake, truth),
+                "uncertain": uncertainty_of_solid_shoe_reference(brake, truth),
                 "rows": [row._asdict() for row in rows],
             }
 
@@ -90,7 +90,7 @@ def draw_error_against_solid(
 
     Parameters
     ----------
-    rows : rows of `measure_models_beside_solid`, as mappings
+    rows : rows of `measure_models_against_solid_shoes`, as mappings
     uncertain : uncertainty of the solid truth
     key : "pressure" or "torque"
     """

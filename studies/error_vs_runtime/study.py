@@ -43,7 +43,7 @@ from drumlin.verification.reference_file import (
 )
 from drumlin_studies.methods import list_solution_methods_to_compare
 from drumlin_studies.omission_table import (
-    predicted_over_true_changes,
+    predicted_over_true_changes_by_omission,
     row_of_largest_straight_edge_effect,
     saved_time_ranges_by_omission,
     table_rows_for_each_part_omitted_from_brake,
@@ -267,7 +267,7 @@ def report(result: Result, folder: Path) -> Path:
     by_law = rows_with_given_values(rows, status="converged", model="sine")
     ratios = {}
     for key in ("pressure", "shoes", "torque"):
-        ratios[key] = predicted_over_true_changes(left_out, key)
+        ratios[key] = predicted_over_true_changes_by_omission(left_out, key)
     failed = []
     for row in rows:
         if row["status"] != "converged":

@@ -16,8 +16,8 @@ from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import (
-    changes_displacing_lining_circles,
-    changes_grinding_linings_to_radius,
+    changes_that_grind_linings_to_radius,
+    changes_that_move_lining_circles,
 )
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import table_as_csv_text
@@ -159,7 +159,7 @@ def study(
     family = {}
     for dr in FAMILY:
         family[dr] = solve_prepared_model(
-            scene, vary(brake, changes_grinding_linings_to_radius(brake, dr * 1e-6))
+            scene, vary(brake, changes_that_grind_linings_to_radius(brake, dr * 1e-6))
         )
     # Torque over one turn of a drum with lobes, with new and with worn-in linings.
     angles = np.linspace(0, 2 * math.pi, setting.angles, endpoint=False)
@@ -231,9 +231,9 @@ def _cases_of_map(brake: Brake, sides: tuple[Floats, Floats], elements: int) -> 
     cases = []
     for offset in sides[1]:
         for radius in sides[0]:
-            changes = changes_grinding_linings_to_radius(
+            changes = changes_that_grind_linings_to_radius(
                 brake, radius
-            ) | changes_displacing_lining_circles(brake, offset)
+            ) | changes_that_move_lining_circles(brake, offset)
             cases.append(SweepCase(brake, changes, options={"elements": elements}))
     return cases
 

@@ -19,7 +19,7 @@ from drumlin_studies.plane_stress import (
     SolidAndPlane,
     TimeAndErrors,
     WornSolid,
-    value_of_largest_size_in_rows,
+    value_of_largest_magnitude_in_rows,
 )
 
 PANELS = {
@@ -136,7 +136,7 @@ def draw_error_curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, A
             ):
                 y = []
                 for _, table in points:
-                    y.append(100 * abs(value_of_largest_size_in_rows(table, key)))
+                    y.append(100 * abs(value_of_largest_magnitude_in_rows(table, key)))
                 axes.semilogy(x, y, marker=marker, lw=1.5, label=label)
             # Quantities that vary over more than a decade have a logarithmic axis.
             if max(x) > 10 * max(min(x), 0.1):

@@ -17,11 +17,11 @@ from drumlin.brake.components import Beam
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import table_as_csv_text
 from drumlin.fem.analysis.fields import write_fields_to_vtu_file
-from drumlin.fem.analysis.solid_fields import recover_fields_in_solid_shoes
+from drumlin.fem.analysis.solid_fields import recover_stresses_in_all_solid_shoes
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin.report.solid_picture import draw_solid_shoes_and_return_failure_reason
@@ -116,15 +116,15 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     setting = SHORT if short else FULL
     brake = read_brake(HERE / "brake.toml")
     say("the brake itself")
-    scene = prepare_brake_with_widths(brake, LEVELS[0], rows.STUDY_DEGREE)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], rows.STUDY_DEGREE)
     three = rows.solve_by_solid_and_plane_stress(brake)
     # Finer divisions of the section give the uncertainty of the torque in both models.
     say("levels of the section")
     levels = LEVELS[: setting.levels]
-    true = rows.solve_torque_on_levels(
+    true = rows.solve_torque_on_refinement_levels(
         lambda level: rows.solve_with_solid_shoes(brake, level=level).torque, levels
     )
-    plane = rows.solve_torque_on_levels(
+    plane = rows.solve_torque_on_refinement_levels(
         lambda level: solve_prepared_model(make_prepared_model(brake, level), brake).torque, levels
     )
     maps = _map_errors(brake, setting, say)
@@ -255,7 +255,7 @@ def report(result: Result, folder: Path) -> Path:
             drawing.save_figure(figure, folder / f"{name}.{ending}")
     brake, response = result.three.brake, result.three.solid
     write_fields_to_vtu_file(
-        folder / "solid.vtu", recover_fields_in_solid_shoes(result.scene, brake, response)
+        folder / "solid.vtu", recover_stresses_in_all_solid_shoes(result.scene, brake, response)
     )
     not_drawn = draw_solid_shoes_and_return_failure_reason(
         folder / "solid.vtu", folder / "solid.png", brake.title

@@ -89,7 +89,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         brake, scene, np.linspace(-3e-3, 3e-3, 5 if short else 13)
     )
     say("friction")
-    merits = post.figures_of_merit_at_frictions(
+    merits = post.figures_of_merit_over_friction_coefficient(
         brake, scene, np.linspace(0.05, 0.6, 4 if short else 12)
     )
     # Brakes that violate one assumption of the model each.

@@ -44,10 +44,10 @@ def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
         top = 1.15 * peak_nodal_pressure_of_wear_state(setup, states[0])
         shades = mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, len(curves)))
         for (left, right), surface in zip(grid, setup.surfaces, strict=True):
-            theta = np.degrees(surface.angles_in_growing_order)
+            theta = np.degrees(surface.contact_angles_in_growing_order)
             # One curve for each chosen distance.
             for s, shade in zip(curves, shades, strict=True):
-                p = surface.own_values_by_growing_angle(
+                p = surface.lining_values_by_growing_angle(
                     interpolate_wear_state_at_distance(states, s * one.unit).pressure
                 )
                 left.plot(
@@ -57,7 +57,7 @@ def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
                 mark_where_curve_leaves_axes(left, theta, p * 1e-6, shade)
             left.plot(
                 theta,
-                surface.own_values_by_growing_angle(one.goal.pressure) * 1e-6,
+                surface.lining_values_by_growing_angle(one.goal.pressure) * 1e-6,
                 color=LAW,
                 lw=1.6,
                 ls="--",
@@ -82,14 +82,14 @@ def _draw_pressure_map(axes: Axes, one: Run, surface: WornLining, top: float) ->
     levels = np.geomspace(end * 1e-4, end, 240)
     p = np.array(
         [
-            surface.own_values_by_growing_angle(
+            surface.lining_values_by_growing_angle(
                 interpolate_wear_state_at_distance(one.states, s * one.unit).pressure
             )
             for s in levels
         ]
     )
     axes.pcolormesh(
-        np.degrees(surface.angles_in_growing_order),
+        np.degrees(surface.contact_angles_in_growing_order),
         levels,
         np.where(p > 0, p, np.nan),
         cmap="viridis",
@@ -197,9 +197,9 @@ def draw_worn_profiles(one: Run, curves: Sequence[float]) -> Figure:
         end = states[-1].s / unit
         levels = np.geomspace(end * 1e-4, end, 200)
         for column, surface in zip(grid.T, setup.surfaces, strict=True):
-            theta = np.degrees(surface.angles_in_growing_order)
+            theta = np.degrees(surface.contact_angles_in_growing_order)
             for s, shade in zip(curves, shades, strict=True):
-                depth = surface.own_values_by_growing_angle(
+                depth = surface.lining_values_by_growing_angle(
                     interpolate_wear_state_at_distance(states, s * unit).depth
                 )
                 column[0].plot(theta, depth * 1e6, color=shade, lw=1.6, label=f"s k K = {s:g}")
@@ -207,7 +207,7 @@ def draw_worn_profiles(one: Run, curves: Sequence[float]) -> Figure:
             column[0].set_title(f"{surface.name} shoe")
             touching = np.array(
                 [
-                    surface.own_values_by_growing_angle(
+                    surface.lining_values_by_growing_angle(
                         interpolate_wear_state_at_distance(states, s * unit).pressure
                     )
                     > 0
@@ -233,13 +233,13 @@ def draw_checkerboards(surface: WornLining, boards: Sequence[EqualStepsEnd]) -> 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.6, 3.6), layout="constrained")
         grid = figure.subplots(1, len(boards), sharey=True, squeeze=False)[0]
-        theta = np.degrees(surface.angles_in_growing_order)
+        theta = np.degrees(surface.contact_angles_in_growing_order)
         # The third of the lining about its largest pressure.
         third = (theta[-1] - theta[0]) / 3
-        smooth = surface.own_values_by_growing_angle(boards[0].state.pressure)
+        smooth = surface.lining_values_by_growing_angle(boards[0].state.pressure)
         start = min(max(theta[smooth.argmax()] - third / 2, theta[0]), theta[-1] - third)
         for axes, board in zip(grid, boards, strict=True):
-            p = surface.own_values_by_growing_angle(board.state.pressure) * 1e-6
+            p = surface.lining_values_by_growing_angle(board.state.pressure) * 1e-6
             axes.plot(theta, p, color=BLUE, lw=0.8, marker="o", ms=2.2)
             torque = f"torque {board.state.torque:.2f} N m"
             said = f"{board.title}\ncheckerboard {board.ripple:.1e}\n{torque}"

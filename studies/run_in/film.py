@@ -69,14 +69,14 @@ def _draw_frame(
         # Pressure over the angle, a panel for each lining, with the law dashed.
         for axes, surface in zip(panels, setup.surfaces, strict=False):
             theta, p = (
-                np.degrees(surface.angles_in_growing_order),
-                surface.own_values_by_growing_angle(state.pressure) * 1e-6,
+                np.degrees(surface.contact_angles_in_growing_order),
+                surface.lining_values_by_growing_angle(state.pressure) * 1e-6,
             )
             axes.fill_between(theta, np.minimum(p, top * 1e-6), color=NEW, alpha=0.25, lw=0)
             axes.plot(theta, p, color=NEW, lw=1.6)
             axes.plot(
                 theta,
-                surface.own_values_by_growing_angle(goal.pressure) * 1e-6,
+                surface.lining_values_by_growing_angle(goal.pressure) * 1e-6,
                 color=LAW,
                 lw=1.4,
                 ls="--",
@@ -147,8 +147,8 @@ def _draw_deformed_shoes(
         )
     for surface in setup.surfaces:
         theta, p = (
-            surface.angles_in_growing_order,
-            np.minimum(surface.own_values_by_growing_angle(frame.state.pressure), top),
+            surface.contact_angles_in_growing_order,
+            np.minimum(surface.lining_values_by_growing_angle(frame.state.pressure), top),
         )
         # Bars along the drum show the pressure.
         spread = np.linspace(theta[0], theta[-1], 70)

@@ -17,7 +17,7 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import table_as_csv_text
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
-from drumlin.lining_wear.run_in import relative_difference_from_end_of_wear
+from drumlin.lining_wear.run_in import relative_differences_from_end_of_wear
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin_studies import run_in_limits as limits
@@ -107,14 +107,14 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("linings from soft to stiff")
     ratios = []
     for ratio in RATIOS[1::2] if short else RATIOS:
-        ratios.append(limits.run_in_row_of_modulus_ratio(brake, ratio, elements))
+        ratios.append(limits.table_row_of_run_in_at_modulus_ratio(brake, ratio, elements))
     # A run with steps of half the size shows the error of the steps.
     say("half the step, twice the way")
-    halves = [limits.row_of_run_with_halved_steps(one) for one in (main, flexible)]
+    halves = [limits.row_comparing_run_with_halved_wear_steps(one) for one in (main, flexible)]
     say("exponents")
     exponents = []
     for m in (2.0,) if short else EXPONENTS:
-        exponents.append(limits.run_in_row_of_pressure_exponent(setup, m))
+        exponents.append(limits.table_row_of_run_in_at_pressure_exponent(setup, m))
     # The actuation follows the friction so that the torque stays.
     say("held torque")
     held = limits.wear_brake_until_pressure_settles("held torque", setup, torque=main.goal.torque)
@@ -126,7 +126,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         )
     # Implicit and explicit steps of equal sizes.
     say("steps")
-    steps, boards = limits.rows_of_runs_in_equal_steps(main, END, STEPS)
+    steps, boards = limits.rows_and_ends_of_wear_runs_in_equal_steps(main, END, STEPS)
     say("film")
     frames = limits.animation_frames_of_run(scene, main, 6 if short else 40)
     return Result(
@@ -180,7 +180,7 @@ def report(result: Result, folder: Path) -> Path:
     }.items():
         write_text(folder / f"{name}.csv", table_as_csv_text(rows))
     reversal = result.reversals[min(1, len(result.reversals) - 1)]
-    least = limits.run_with_smallest_new_contact([result.main, *result.runs])
+    least = limits.wear_run_with_smallest_new_contact([result.main, *result.runs])
     draw_figures(result, least, reversal, folder)
     lives = []
     for row in result.brakes:
@@ -192,7 +192,7 @@ def report(result: Result, folder: Path) -> Path:
             far.append(row)
     reversals = []
     for one in result.reversals:
-        reversals.append(one.row_of_law_distances)
+        reversals.append(one.row_of_wear_run_with_drum_reversals)
     return write_html_page(
         HERE / "page.html",
         folder / "index.html",
@@ -206,7 +206,7 @@ def report(result: Result, folder: Path) -> Path:
         volume=max(
             values_of_key_in_rows(rows_that_have_value_of_key(result.brakes, "volume"), "volume")
         ),
-        reversal=reversal.row_of_law_distances,
+        reversal=reversal.row_of_wear_run_with_drum_reversals,
         reversals=reversals,
     )
 
@@ -238,7 +238,7 @@ def draw_figures(result: Result, least: Run, reversal: Reversals, folder: Path) 
     far = [
         one
         for one in result.runs
-        if abs(relative_difference_from_end_of_wear(one.setup, one.states[0], one.goal).torque)
+        if abs(relative_differences_from_end_of_wear(one.setup, one.states[0], one.goal).torque)
         > FAR
     ]
     made = {

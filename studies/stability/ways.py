@@ -33,25 +33,27 @@ class PathCheck(NamedTuple):
 PATH_CHECKS = {
     "refusals": PathCheck(
         "Refused by levels, and by three meshes",
-        consistency_refused.default_solve_against_mesh_rows,
+        consistency_refused.rows_comparing_default_solve_with_meshes,
         2000,
     ),
     "holding": PathCheck(
         "The holding brake at full slip, and the sliding brake",
-        consistency_hold.torque_rows_of_hold_and_solve,
+        consistency_hold.rows_comparing_torques_of_hold_and_solve,
         600,
     ),
     "wear": PathCheck(
         "Wear at its start and end, the sliding and the worn-in brake",
-        consistency_wear.wear_check_rows_of_seed,
+        consistency_wear.rows_of_wear_checks_of_random_brake,
         600,
     ),
     "slopes": PathCheck(
-        "Printed slopes, and central differences", consistency_slopes.torque_slope_rows_of_seed, 600
+        "Printed slopes, and central differences",
+        consistency_slopes.rows_comparing_torque_slopes_of_random_brake,
+        600,
     ),
     "blocks": PathCheck(
         "True errors of linings with 7 to 30 blocks, and stated ones",
-        consistency_blocks.stated_error_rows_for_block_linings,
+        consistency_blocks.rows_of_stated_and_true_errors_of_block_linings,
         100,
     ),
 }

@@ -26,13 +26,13 @@ from drumlin_studies.throughput import (
     Kill,
     Throughput,
     kill_and_finish_sweep,
+    measure_time_of_sweep_by_dask_keeping_memory,
+    measure_time_of_sweep_by_dask_workers,
+    measure_time_of_sweep_by_processes,
     row_of_torque_distribution,
     rows_of_cases_per_second,
     rows_of_times_certified_by_sample,
     time_and_error_rows_of_coarser_meshes,
-    time_sweep_with_dask_keeping_memory,
-    time_sweep_with_dask_workers,
-    time_sweep_with_processes,
 )
 
 HERE = Path(__file__).parent
@@ -67,12 +67,12 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     with_dask = not short and importlib.util.find_spec("distributed") is not None
     ways = (
         [
-            time_sweep_with_processes,
-            time_sweep_with_dask_workers,
-            time_sweep_with_dask_keeping_memory,
+            measure_time_of_sweep_by_processes,
+            measure_time_of_sweep_by_dask_workers,
+            measure_time_of_sweep_by_dask_keeping_memory,
         ]
         if with_dask
-        else [time_sweep_with_processes]
+        else [measure_time_of_sweep_by_processes]
     )
     counts = {SHARED: 60 if short else 1000, OWN: 4 if short else 150}
     sweeps = {name: read_sweep_from_toml_file(HERE / file) for name, file in FILES.items()}
@@ -88,7 +88,8 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     own = sweeps[OWN].cases[: counts[OWN]]
     sample = positions_of_sample(own, 3 if short else "every 10th", seed=1)
     sampled = rows_of_times_certified_by_sample(
-        measured[OWN], [time_sweep_with_processes(own, workers, sample) for workers in WORKERS]
+        measured[OWN],
+        [measure_time_of_sweep_by_processes(own, workers, sample) for workers in WORKERS],
     )
     say("coarser meshes")
     meshes = time_and_error_rows_of_coarser_meshes(

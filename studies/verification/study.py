@@ -26,7 +26,7 @@ from drumlin_studies.orders import (
 )
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
-from drumlin_studies.random_kinds import draw_brake_of_support_kind
+from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 from drumlin_studies.side_by_side import PROCESSES, Case, compute_cases_in_parallel_with_journal
 from drumlin_studies.stated_true import (
     JUDGED_TOLERANCES,
@@ -168,7 +168,7 @@ def _tolerances_of_seed(seed: int, *, short: bool) -> list[float]:
 
 def _corner_case_rows(case: Case) -> dict[str, Any]:
     """Stated and true errors of a brake that presses with a corner or under a tip."""
-    return {"rows": corner_rows.stated_and_true_error_rows_of_seed(case["corner"])}
+    return {"rows": corner_rows.rows_of_stated_and_true_errors_of_corner_brake(case["corner"])}
 
 
 def _draw_brake(seed: int) -> Brake:
@@ -178,7 +178,7 @@ def _draw_brake(seed: int) -> Brake:
         if not way.startswith("pad"):
             ways.append(way)
     brake = (
-        draw_brake_of_support_kind(seed, ways[seed // 2 % len(ways)])
+        draw_random_brake_of_support_kind(seed, ways[seed // 2 % len(ways)])
         if seed % 2
         else draw_random_brake(seed)
     )

@@ -25,7 +25,7 @@ def slices_of_consecutive_parts(sizes: Iterable[int]) -> tuple[slice, ...]:
     return tuple(slice(a, b) for a, b in pairwise(accumulate(sizes, initial=0)))
 
 
-def polar_angles_near_given_angle(middle: float, xy: Floats) -> Floats:
+def polar_angles_within_half_turn_of_angle(middle: float, xy: Floats) -> Floats:
     """Polar angles [rad] of the points `xy` (2, ...), each within half a turn of `middle` [rad]."""
     # The points are turned by the angle -middle. Their angles then lie about 0, far from the jump
     # between pi and -pi.

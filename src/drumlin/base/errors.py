@@ -137,11 +137,11 @@ def error_line_and_exit_status(error: BaseException) -> tuple[str, int]:
     If the line is empty, nothing is to be printed. The exit status is 2 for wrong input, 3 if there
     is no answer, 128 plus the number of a signal, and 1 for a fault of drumlin itself.
     """
-    line, status = _uncut_error_line_and_exit_status(error)
+    line, status = _error_line_of_any_length_and_exit_status(error)
     return printable_single_line(line), status
 
 
-def _uncut_error_line_and_exit_status(error: BaseException) -> tuple[str, int]:
+def _error_line_of_any_length_and_exit_status(error: BaseException) -> tuple[str, int]:
     """The line of text about an exception, and the exit status of the command.
 
     The text may still be too long, or have line breaks.
@@ -174,7 +174,7 @@ def _uncut_error_line_and_exit_status(error: BaseException) -> tuple[str, int]:
     return "; ".join([line, *getattr(error, "__notes__", ())]), status
 
 
-def run_and_return_exit_status(run: Callable[[], int]) -> int:
+def call_function_and_return_exit_status(run: Callable[[], int]) -> int:
     """Call `run` and return its exit status, or the exit status of the exception that it raises.
 
     The line about the exception is printed to standard error.

@@ -142,7 +142,7 @@ def check_output_files_are_writable(*paths: Path | None) -> None:
     """
     targets = []
     for path in filter(None, paths):
-        target, found = _target_and_status_of_writable_output_file(path)
+        target, found = _resolved_path_and_file_status_of_output(path)
         if target in targets and (found is None or stat.S_ISREG(found.st_mode)):
             raise BadInput(f"{path}: is written twice; give each output a file of its own")
         targets.append(target)
@@ -160,7 +160,7 @@ def check_path_can_be_folder(path: Path) -> None:
         raise exception_for_unusable_file(path, "written", error) from error
 
 
-def _target_and_status_of_writable_output_file(path: Path) -> tuple[Path, os.stat_result | None]:
+def _resolved_path_and_file_status_of_output(path: Path) -> tuple[Path, os.stat_result | None]:
     """The file at the end of the symbolic links of an output path, and its status on the disk.
 
     The status is None if no such file exists yet. Raises BadInput if the file must not or cannot be
@@ -198,7 +198,7 @@ def temporary_file_replacing_output(path: Path) -> Iterator[Path]:
     `path` is a pipe or a device, the content is copied to it. Raises BadInput if `path` must not or
     cannot be written, and NoAnswer if the disk is full.
     """
-    target, found = _target_and_status_of_writable_output_file(path)
+    target, found = _resolved_path_and_file_status_of_output(path)
     stream = None if found is None else _pipe_or_stream_to_write_into(path, found)
     folder = target.parent if stream is None else Path(tempfile.gettempdir())
     suffix = path.suffix if len(path.suffix) <= LONGEST_SUFFIX else ""

@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import Any
 
 
-def getattr_of_moved_module(
+def make_getattr_function_of_moved_module(
     old: str, new: str, renamed: Mapping[str, str] | None = None
 ) -> Callable[[str], Any]:
     """Make the function `__getattr__` of an old module, which looks up names in the new module.
@@ -34,7 +34,9 @@ def getattr_of_moved_module(
     return object_of_new_module_with_warning
 
 
-def getattr_of_renamed_functions(module: str, renamed: Mapping[str, str]) -> Callable[[str], Any]:
+def make_getattr_function_for_renamed_functions(
+    module: str, renamed: Mapping[str, str]
+) -> Callable[[str], Any]:
     """Make the function `__getattr__` of a module whose functions have new names.
 
     Each look-up of an old name warns and names the new one.

@@ -3,7 +3,7 @@
 import math
 
 
-def round_numbers_about(value: float) -> tuple[float, ...]:
+def four_round_numbers_around_value(value: float) -> tuple[float, ...]:
     """Four round numbers around a positive `value`, in growing order.
 
     They are 1, 2, 5 and 10 times the largest power of ten that is not above the value.
@@ -12,7 +12,7 @@ def round_numbers_about(value: float) -> tuple[float, ...]:
     return tuple(digit * power for digit in (1, 2, 5, 10))
 
 
-def largest_round_number_up_to(value: float) -> float:
+def largest_round_number_not_above_value(value: float) -> float:
     """The largest round number that is not above a positive `value`, up to round-off."""
     slack = value * (1 + 1e-9)
-    return max(number for number in round_numbers_about(value) if number <= slack)
+    return max(number for number in four_round_numbers_around_value(value) if number <= slack)

@@ -8,13 +8,16 @@ import csv
 import io
 from collections.abc import Iterable
 
-from drumlin.base.written_numbers import decimal_sign_of_number, number_as_written
+from drumlin.base.written_numbers import (
+    decimal_sign_proved_by_number_text,
+    number_from_text_as_people_write_it,
+)
 
 SEPARATORS = (",", ";", "\t")
 """Characters that may separate the cells of a table."""
 
 
-def rows_of_separated_table(text: str) -> list[list[str]]:
+def cell_rows_of_separated_text_table(text: str) -> list[list[str]]:
     """The rows of a table, each a list of cells.
 
     The separator is the one of SEPARATORS that the first line has most often.
@@ -36,7 +39,7 @@ def decimal_sign_of_table(cells: Iterable[str]) -> str:
     # The first cell that proves a sign is kept for the error message.
     found: dict[str, str] = {}
     for cell in cells:
-        sign = decimal_sign_of_number(cell)
+        sign = decimal_sign_proved_by_number_text(cell)
         if sign:
             found.setdefault(sign, cell.strip())
     if len(found) == 2:
@@ -53,10 +56,10 @@ def number_in_table_cell(cell: str, decimal_sign: str) -> float:
     Raises ValueError for a cell without a number, or with a number that has two readings.
     """
     # A plain number needs no check of its commas. It may also be longer than LONGEST_QUANTITY,
-    # which `number_as_written` refuses.
+    # which `number_from_text_as_people_write_it` refuses.
     if decimal_sign != "," or not set(".,") & set(cell):
         try:
             return float(cell)
         except ValueError:
             pass
-    return number_as_written(cell, decimal_sign)
+    return number_from_text_as_people_write_it(cell, decimal_sign)

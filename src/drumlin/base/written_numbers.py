@@ -18,7 +18,7 @@ NUMBER_PATTERN = r"[-+]? ?(?:(?:\d+ )?\d+ ?/ ?\d+|[\d.,](?:[\d., ]*[\d.,])?(?:[e
 """Pattern of a text that may be a number; it has no capturing groups, for use in other patterns.
 
 The text must have plain spaces and minus signs, see `text_with_plain_spaces_and_minus_signs`.
-`number_as_written` then checks the digits.
+`number_from_text_as_people_write_it` then checks the digits.
 """
 _PLAIN_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?", re.ASCII)
 _NUMBER = re.compile(rf"\s*({NUMBER_PATTERN})\s*", re.ASCII)
@@ -39,7 +39,7 @@ def text_with_plain_spaces_and_minus_signs(text: str) -> str:
     return text if text.isascii() and "\t" not in text else text.translate(_PLAIN_CHARACTERS)
 
 
-def number_as_written(text: str, decimal_sign: str = "") -> float:
+def number_from_text_as_people_write_it(text: str, decimal_sign: str = "") -> float:
     """The number that a text gives, without a unit.
 
     Parameters
@@ -66,10 +66,12 @@ def number_as_written(text: str, decimal_sign: str = "") -> float:
         if below == 0:
             raise ValueError("must be a number: its fraction has the denominator 0")
         return sign * (whole + above / below)
-    return sign * float(f"{_digits_with_decimal_point(digits, decimal_sign)}e{exponent or 0}")
+    return sign * float(
+        f"{_digits_without_grouping_with_decimal_point(digits, decimal_sign)}e{exponent or 0}"
+    )
 
 
-def decimal_sign_of_number(text: str) -> str:
+def decimal_sign_proved_by_number_text(text: str) -> str:
     """The decimal sign that a text proves, "," or "."; "" if the text proves neither of them."""
     digits = text_with_plain_spaces_and_minus_signs(text).strip().lstrip("-+ ")
     digits = re.sub(r"[eE][-+]?\d{1,3}$", "", digits)
@@ -82,7 +84,7 @@ def decimal_sign_of_number(text: str) -> str:
     return "." if "," in digits and _GROUPS_OF_THREE.fullmatch(digits) else ""
 
 
-def _digits_with_decimal_point(digits: str, decimal_sign: str) -> str:
+def _digits_without_grouping_with_decimal_point(digits: str, decimal_sign: str) -> str:
     """The digits of a number with a decimal point, and without the signs between groups of three.
 
     `decimal_sign` is "," or "." if it is known. Raises ValueError for digits with two readings.
@@ -103,7 +105,7 @@ def _digits_with_decimal_point(digits: str, decimal_sign: str) -> str:
     raise ValueError("must be a number with a decimal point")
 
 
-def pure_number_as_written(value: object) -> object:
+def number_without_unit_from_text(value: object) -> object:
     """The number without a unit that a text such as "0,3" or "30 %" stands for.
 
     Other values, and texts that give no number, are returned unchanged. Raises ValueError for a
@@ -114,4 +116,6 @@ def pure_number_as_written(value: object) -> object:
     plain = text_with_plain_spaces_and_minus_signs(value).strip()
     if _NUMBER.fullmatch(plain.removesuffix("%")) is None:
         return value
-    return number_as_written(plain.removesuffix("%")) / (100 if plain.endswith("%") else 1)
+    return number_from_text_as_people_write_it(plain.removesuffix("%")) / (
+        100 if plain.endswith("%") else 1
+    )

@@ -47,11 +47,11 @@ class Axis(NamedTuple):
         turned = self.sense * (np.asarray(theta) - self.origin)
         return np.asarray(turned - 2 * math.pi * np.round(turned / (2 * math.pi)))
 
-    def components_along_and_across_beam(self, vector: Floats) -> tuple[float, float]:
+    def vector_components_along_and_across_beam(self, vector: Floats) -> tuple[float, float]:
         """Components of a vector (2,) along the beam's axis and normal to it, towards O."""
         return float(vector @ self.along), float(vector @ self.towards)
 
-    def convert_to_brake_frame(self, x: Floats, y: Floats) -> Floats:
+    def convert_beam_coordinates_to_brake_points(self, x: Floats, y: Floats) -> Floats:
         """Convert coordinates x, y (...) [m] of the beam to points (..., 2) [m] of the brake."""
         return self.hinge + np.multiply.outer(x, self.along) + np.multiply.outer(y, self.towards)
 

@@ -19,13 +19,13 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.components import Backing, Bar, Beam, Lining, Lobes, Ring
-from drumlin.brake.drive import Drive, Link, reason_why_forces_are_shared
+from drumlin.brake.drive import Drive, Link, reason_why_forces_follow_from_cam_or_strut
 from drumlin.brake.fields import Part, Point
 from drumlin.brake.friction import (
     FrictionCurve,
     FrictionTable,
-    friction_curve_of_lining,
-    text_of_friction,
+    friction_coefficient_as_text,
+    friction_over_pressure_of_lining,
 )
 from drumlin.brake.further_loads import Gravity, Lever, Spring
 from drumlin.brake.show import html_table_of_brake, text_of_brake
@@ -63,7 +63,7 @@ class ShoeFrame(NamedTuple):
         """Convert phi to coordinates of the surface (theta on a drum), same shape."""
         return self.origin + self.sense * self.unit * np.asarray(phi)
 
-    def distance(self, theta: Floats) -> Floats:
+    def distance_along_surface_from_pin(self, theta: Floats) -> Floats:
         """Distance of the coordinates `theta` along the surface from the pin's coordinate.
 
         The result has the shape of `theta`. It is an angle [rad] on a drum and a length [m] on a
@@ -71,16 +71,16 @@ class ShoeFrame(NamedTuple):
         """
         return self.sense * (np.asarray(theta) - self.origin)
 
-    def convert_to_brake_frame(self, vectors: Floats) -> Floats:
+    def convert_vectors_to_brake_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the shoe to the frame of the brake."""
         c, s = math.cos(self.origin), math.sin(self.origin)
         # The matrix rotates by the angle `origin`. With sense -1 it first mirrors the shoe's y.
         return np.asarray(vectors) @ np.array([[c, s], [-self.sense * s, self.sense * c]])
 
-    def convert_to_shoe_frame(self, vectors: Floats) -> Floats:
+    def convert_vectors_to_shoe_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the brake to the frame of the shoe."""
         c, s = math.cos(self.origin), math.sin(self.origin)
-        # The transpose of the orthogonal matrix of `convert_to_brake_frame` is its inverse.
+        # The transpose of the orthogonal matrix of `convert_vectors_to_brake_frame` is its inverse.
         return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
 
 
@@ -118,7 +118,7 @@ class Shoe(Meshed):
             + (self.body.depth if self.body else 0.0)
         )
 
-    def reason_against_several_linings(self, what: str) -> str | None:
+    def reason_if_several_linings_are_not_allowed(self, what: str) -> str | None:
         """Why the computation `what` does not apply to a shoe with several linings; else None.
 
         Linings that touch, without a slot between them, count as one lining.
@@ -162,7 +162,7 @@ class Shoe(Meshed):
 
     @property
     @abstractmethod
-    def pin_in_shoe_frame(self) -> Floats:
+    def pin_position_in_shoe_frame(self) -> Floats:
         """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
 
     @abstractmethod
@@ -170,11 +170,11 @@ class Shoe(Meshed):
         """Convert points (..., 2) [m] from the frame of the brake to the frame of the shoe."""
 
     @abstractmethod
-    def points(self, xy: Floats) -> Floats:
+    def convert_points_to_brake_frame(self, xy: Floats) -> Floats:
         """Convert points (2, n) [m] from the frame of the shoe to the frame of the brake."""
 
     @abstractmethod
-    def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
+    def points_at_depth_and_coordinate_phi(self, depth: Floats, phi: Floats, size: float) -> Floats:
         """Points (2, ...) [m] at a depth behind the friction surface and a coordinate phi.
 
         The points are in the frame of the shoe.
@@ -187,14 +187,14 @@ class Shoe(Meshed):
         """
 
     @abstractmethod
-    def off(self, xy: Floats, size: float) -> Floats:
+    def distance_from_friction_surface(self, xy: Floats, size: float) -> Floats:
         """Distance [m] of points from the friction surface, positive on the side of the shoe.
 
         The points (2, ...) [m] are in the frame of the shoe; `size` is the brake's size [m].
         """
 
     @abstractmethod
-    def phi_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
+    def surface_coordinates_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
         """Coordinate phi (...) of points (2, ...) [m] that are in the frame of the shoe.
 
         On a drum it is the angle within half a turn of the lining's middle. `size` is the size of
@@ -209,22 +209,24 @@ class Shoe(Meshed):
         """
 
     @abstractmethod
-    def back(self, size: float) -> float:
+    def length_along_shoe_back_per_unit_of_phi(self, size: float) -> float:
         """Length [m] along the back of the shoe's body per unit of phi; on a drum its radius."""
 
     @property
     @abstractmethod
-    def closing(self) -> float:
+    def direction_in_which_lining_middle_closes_gap(self) -> float:
         """Direction [rad] in which the middle of the lining moves straight towards the surface."""
 
     @abstractmethod
-    def gap_due_to_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
+    def gap_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a lining that is ground to a circle, at coordinates theta, same shape.
 
         It is the part of the misfit that follows from `misfit.radius` and `misfit.offset`.
         """
 
-    def middle_of_body_end_face(self, size: float, *, loaded: bool = False) -> Floats:
+    def middle_of_supported_end_face_of_shoe_body(
+        self, size: float, *, loaded: bool = False
+    ) -> Floats:
         """Middle (2,) [m] of the end face of an arc body at its support, in the shoe's frame.
 
         With `loaded` it is the middle of the other end face, which the actuation pushes. `size` is
@@ -234,9 +236,11 @@ class Shoe(Meshed):
         ends = self.frame.phi_coordinates_as_list((self.body.start, self.body.end))
         # phi counts from the pin, so that the supported end is the nearer one.
         phi = max(ends, key=abs) if loaded else min(ends, key=abs)
-        return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), size)
+        return self.points_at_depth_and_coordinate_phi(
+            np.array(self.depth - 0.5 * self.body.depth), np.array(phi), size
+        )
 
-    def is_nearer_to_loaded_end(self, point: Point, size: float) -> bool:
+    def is_point_nearer_to_loaded_end_than_to_pin(self, point: Point, size: float) -> bool:
         """Whether a point is nearer to the loaded end of the shoe's body than to its pin.
 
         A one-sided support nearer to the loaded end pushes on this end, as the actuation does. A
@@ -247,9 +251,9 @@ class Shoe(Meshed):
         # of the actuation.
         loaded = self.convert_points_to_shoe_frame(self.actuation.point.xy)
         if isinstance(self.body, Bar) and self.mesh is None:
-            loaded = self.middle_of_body_end_face(size, loaded=True)
+            loaded = self.middle_of_supported_end_face_of_shoe_body(size, loaded=True)
         at = self.convert_points_to_shoe_frame(point.xy)
-        return math.dist(at, loaded) < math.dist(at, self.pin_in_shoe_frame)
+        return math.dist(at, loaded) < math.dist(at, self.pin_position_in_shoe_frame)
 
     @property
     def has_support_on_back_of_body(self) -> bool:
@@ -260,7 +264,7 @@ class Shoe(Meshed):
         has_grip = isinstance(self.body, Bar) and self.body.grip is not None
         return self.kind_of_support in {"pivot", "guide"} or has_grip
 
-    def grip(self, size: float) -> tuple[float, float] | None:
+    def interval_of_body_back_held_by_support(self, size: float) -> tuple[float, float] | None:
         """Interval (phi_1, phi_2) of the back of an elastic body that the support holds.
 
         It is None if the support holds an end face of the body, or if the shoe is rigid or has a
@@ -279,7 +283,11 @@ class Shoe(Meshed):
             else self.surface_coordinate_of_point(self.pivot)
         )
         # The held interval is at most 60 % of the lining and stays away from the lining's ends.
-        wanted = 0.5 * (self.body.grip or self.body.thickness) / self.back(size)
+        wanted = (
+            0.5
+            * (self.body.grip or self.body.thickness)
+            / self.length_along_shoe_back_per_unit_of_phi(size)
+        )
         half = min(wanted, 0.3 * (end - start))
         # It lies opposite the pivot, or at the lining's middle if there is no pivot.
         phi = self.frame.phi(np.array(place))
@@ -404,7 +412,7 @@ class Brake(Part):
         """The brake on a rigid drum; a brake on a plane is returned as it is."""
         return self
 
-    def round(self) -> Self:
+    def brake_with_perfectly_round_drum(self) -> Self:
         """The brake on a drum that is not out of round; a brake on a plane is returned as it is."""
         return self
 
@@ -413,7 +421,7 @@ class Brake(Part):
         """Harmonics of a drum that is out of round; none for a plane."""
         return ()
 
-    def radial_deviation_of_surface(self, theta: Floats) -> Floats | None:
+    def radial_deviation_of_drum_surface(self, theta: Floats) -> Floats | None:
         """Radial deviation [m] of a drum that is out of round, at angles theta, same shape.
 
         It is positive where the surface lies outside its circle, and None for a round drum and for
@@ -444,9 +452,9 @@ class Brake(Part):
         From a table it is the coefficient at the brake's sliding speed, for a cold lining without
         pressure.
         """
-        return self._friction_without_pressure(self.friction_as_written, 0.0)
+        return self._friction_coefficient_at_zero_pressure(self.friction_as_written, 0.0)
 
-    def _friction_without_pressure(
+    def _friction_coefficient_at_zero_pressure(
         self, written: float | FrictionTable, temperature_rise: float
     ) -> float:
         """The friction coefficient at the pressure 0 and a temperature rise [K] of the lining.
@@ -455,16 +463,18 @@ class Brake(Part):
         """
         if not isinstance(written, FrictionTable):
             return written
-        curve = written.curve(self.sliding_speed or 0.0, temperature_rise)
-        return float(curve.coefficient(np.zeros(())))
+        curve = written.friction_over_pressure_at_speed_and_heat(
+            self.sliding_speed or 0.0, temperature_rise
+        )
+        return float(curve.friction_coefficient_at_pressures(np.zeros(())))
 
-    def friction_curve_of_shoe(self, shoe: Shoe) -> FrictionCurve:
+    def friction_over_pressure_of_shoe(self, shoe: Shoe) -> FrictionCurve:
         """Friction coefficient of a shoe's lining as a function of the pressure.
 
         A coefficient that does not depend on the pressure is a curve of one point.
         """
         own = shoe.lining.friction
-        return friction_curve_of_lining(
+        return friction_over_pressure_of_lining(
             self.friction_as_written if own is None else own,
             self.sliding_speed or 0.0,
             shoe.lining.temperature_rise,
@@ -477,9 +487,9 @@ class Brake(Part):
         """
         own = shoe.lining.friction
         written = self.friction_as_written if own is None else own
-        return self._friction_without_pressure(written, shoe.lining.temperature_rise)
+        return self._friction_coefficient_at_zero_pressure(written, shoe.lining.temperature_rise)
 
-    def relative_friction_of_shoe(self, shoe: Shoe) -> float:
+    def shoe_friction_over_brake_friction(self, shoe: Shoe) -> float:
         """Friction coefficient of a shoe's lining divided by the friction coefficient of the brake.
 
         It is 1 for a brake without friction, whose linings have no friction either.
@@ -497,16 +507,16 @@ class Brake(Part):
         by_heat = isinstance(written, FrictionTable) and bool(written.temperature_rise)
         return shoe.lining.friction is not None or (by_heat and shoe.lining.temperature_rise != 0)
 
-    def friction_at_friction_of_shoe(self, shoe: Shoe, friction: float) -> float:
+    def brake_friction_that_gives_shoe_friction(self, shoe: Shoe, friction: float) -> float:
         """Friction coefficient of the brake that gives a shoe's lining the coefficient `friction`.
 
         The coefficients of brake and linings change in proportion. The result is inf for a lining
         without friction.
         """
-        ratio = self.relative_friction_of_shoe(shoe)
+        ratio = self.shoe_friction_over_brake_friction(shoe)
         return friction / ratio if ratio else math.inf
 
-    def key_of_first_own_friction(self) -> str | None:
+    def key_of_first_lining_with_own_friction(self) -> str | None:
         """The first key by which a lining has a friction of its own; None if no lining has one."""
         for i, shoe in enumerate(self.shoes):
             if self._has_lining_own_friction(shoe):
@@ -514,13 +524,13 @@ class Brake(Part):
                 return f"shoe[{i}].lining.{own}"
         return None
 
-    def check_friction_of_brake_scales_linings(self) -> None:
+    def check_brake_has_friction_if_lining_has(self) -> None:
         """Raise ValueError if a lining has a friction of its own on a brake without friction.
 
         The search for self-locking, and slopes by friction, scale the friction coefficients of all
         linings in proportion to the coefficient of the brake, which must therefore not be 0.
         """
-        key = self.key_of_first_own_friction()
+        key = self.key_of_first_lining_with_own_friction()
         if self.friction == 0 and key is not None:
             raise ValueError(
                 f"friction = 0: must be greater than 0 where a lining has its own {key}"
@@ -531,32 +541,35 @@ class Brake(Part):
 
         The friction coefficients that linings have of their own change in proportion.
         """
-        if self.key_of_first_own_friction() is None:
+        if self.key_of_first_lining_with_own_friction() is None:
             return self.model_copy(update={"friction_as_written": friction})
         shoes = []
         for shoe in self.shoes:
-            own = friction * self.relative_friction_of_shoe(shoe)
+            own = friction * self.shoe_friction_over_brake_friction(shoe)
             changed = own if self._has_lining_own_friction(shoe) else None
-            lining = shoe.lining.copy_with({"friction": changed})
+            lining = shoe.lining.copy_of_lining_with_changed_fields({"friction": changed})
             shoes.append(shoe.model_copy(update={"lining": lining}))
         return self.model_copy(update={"friction_as_written": friction, "shoes": tuple(shoes)})
 
     @property
-    def friction_in_words(self) -> str:
+    def friction_coefficients_as_text(self) -> str:
         """The friction coefficients as a text, such as "mu = 0.3, 0.4 of shoe 'left'".
 
         The text names the shoes whose linings have a friction of their own.
         """
         own = [
-            f"{text_of_friction(self.friction_curve_of_shoe(shoe))} of shoe {shoe.name!r}"
+            f"{friction_coefficient_as_text(self.friction_over_pressure_of_shoe(shoe))} of shoe "
+            f"{shoe.name!r}"
             for shoe in self.shoes
             if self._has_lining_own_friction(shoe)
         ]
         speed, written = self.sliding_speed or 0.0, self.friction_as_written
-        of_brake = text_of_friction(friction_curve_of_lining(written, speed, 0.0))
+        of_brake = friction_coefficient_as_text(
+            friction_over_pressure_of_lining(written, speed, 0.0)
+        )
         return ", ".join([f"mu = {of_brake}", *own])
 
-    def signed_friction_per_pressure(self, shoe: Shoe) -> float:
+    def signed_friction_stress_over_pressure(self, shoe: Shoe) -> float:
         """Friction stress on a shoe's lining at full slip, divided by the pressure.
 
         It is the friction coefficient times `sign_of_motion`, and positive towards growing
@@ -564,20 +577,20 @@ class Brake(Part):
         """
         return self.friction_of_shoe(shoe) * self.sign_of_motion
 
-    def signed_friction_per_pressure_in_shoe_frame(self, shoe: Shoe) -> float:
+    def signed_friction_stress_over_pressure_in_shoe_frame(self, shoe: Shoe) -> float:
         """Friction stress on a shoe's lining at full slip, divided by the pressure.
 
         It is positive towards growing phi, the coordinate of the shoe's own frame.
         """
-        return self.signed_friction_per_pressure(shoe) * shoe.frame.sense
+        return self.signed_friction_stress_over_pressure(shoe) * shoe.frame.sense
 
     @property
-    def shares(self) -> str | None:
+    def reason_why_cam_or_strut_sets_forces(self) -> str | None:
         """Text for an error message that the forces on the shoes follow from a cam or a strut.
 
         It is None if the force on each shoe is known before the solve.
         """
-        return reason_why_forces_are_shared(self.actuation, self.links)
+        return reason_why_forces_follow_from_cam_or_strut(self.actuation, self.links)
 
     @property
     def names_of_shoes_pushed_by_struts(self) -> set[str]:
@@ -601,18 +614,18 @@ class Brake(Part):
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
 
-    def reason_against_several_linings(self, what: str) -> str | None:
+    def reason_if_several_linings_are_not_allowed(self, what: str) -> str | None:
         """Why the computation `what` does not take shoes with several linings; else None."""
         for shoe in self.shoes:
-            reason = shoe.reason_against_several_linings(what)
+            reason = shoe.reason_if_several_linings_are_not_allowed(what)
             if reason is not None:
                 return f"shoe {shoe.name!r}: {reason}"
         return None
 
     def reason_why_not_all_shoes_hinged(self) -> str | None:
         """Why not every shoe turns about a hinge under a known force; None if every shoe does."""
-        if self.shares:
-            return self.shares
+        if self.reason_why_cam_or_strut_sets_forces:
+            return self.reason_why_cam_or_strut_sets_forces
         for shoe in self.shoes:
             if shoe.kind_of_support != "hinge":
                 return f"shoe {shoe.name!r}: {MOVES[shoe.kind_of_support]}"
@@ -627,6 +640,6 @@ class Brake(Part):
         if reason is not None:
             raise BadInput(f"{what} takes shoes on hinges under forces of their own only: {reason}")
 
-    def names(self, group: Sequence[int]) -> str:
+    def names_of_shoes_with_indices(self, group: Sequence[int]) -> str:
         """Names of the shoes with the indices `group`, for an error message."""
         return ", ".join(f"shoe {self.shoes[i].name!r}" for i in group)

@@ -30,7 +30,7 @@ It is relative to the largest change of slope in the table. A larger change is a
 T = TypeVar("T")
 
 
-def unloaded_gap_of_shoe(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
+def gap_between_unloaded_lining_and_surface(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
     """Gap [m] between a shoe's unloaded lining and the surface, with all misfits of both.
 
     `theta` are coordinates along the surface (angles on a drum); the result has their shape.
@@ -39,14 +39,14 @@ def unloaded_gap_of_shoe(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
     if len(linings) > 1:
         # Each of several linings on a shoe has a clearance and a misfit of its own.
         alone = [shoe.model_copy(update={"lining": part}) for part in linings]
-        gaps = [unloaded_gap_of_shoe(brake, part, theta) for part in alone]
+        gaps = [gap_between_unloaded_lining_and_surface(brake, part, theta) for part in alone]
         return np.choose(index_of_lining_at_coordinates(shoe.lining, theta), gaps)
     (lining,) = linings
     misfit = lining.misfit
     total = lining.clearance_at_surface_coordinates(theta)
     # Each part of the misfit is computed only if it is not zero.
     if misfit.radius is not None or misfit.offset.radius > 0:
-        total = total + shoe.gap_due_to_lining_radius_and_offset(theta, brake.size)
+        total = total + shoe.gap_due_to_ground_lining_radius_and_offset(theta, brake.size)
     # The taper is the difference of the gaps at the two ends of the lining, linear in between.
     if misfit.taper:
         from_middle = shoe.frame.sense * (theta - lining.middle)
@@ -55,7 +55,7 @@ def unloaded_gap_of_shoe(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
         total = total + gap_due_to_block_heights(lining, theta)
     # Where the drum lies outside its circle, an internal lining has a larger gap, and an external
     # lining a smaller gap.
-    off = brake.radial_deviation_of_surface(theta)
+    off = brake.radial_deviation_of_drum_surface(theta)
     return total if off is None else total + shoe.sign * off
 
 
@@ -80,20 +80,23 @@ def coordinates_of_gap_kinks(lining: Lining) -> list[float]:
 
     They are the rows of its clearance table and the ends of the rounded steps between its blocks.
     """
-    return [*coordinates_of_clearance_rows(lining), *coordinates_of_block_step_ends(lining)]
+    return [
+        *coordinates_of_clearance_table_rows(lining),
+        *coordinates_of_step_ends_between_blocks(lining),
+    ]
 
 
-def coordinates_of_clearance_rows(lining: Lining) -> list[float]:
+def coordinates_of_clearance_table_rows(lining: Lining) -> list[float]:
     """Coordinates (angles on a drum) of the rows of a lining's table of clearances.
 
     The clearance is linear between the rows. The list is empty if the clearance is a number. For
     several linings on a shoe it has the rows of one lining after the other, without rows beyond
     the ends of their own lining.
     """
-    return [angle for angle, _ in _rows_and_slope_changes_of_clearance(lining)]
+    return [angle for angle, _ in _clearance_table_rows_and_slope_changes(lining)]
 
 
-def coordinates_of_block_step_ends(lining: Lining) -> list[float]:
+def coordinates_of_step_ends_between_blocks(lining: Lining) -> list[float]:
     """Coordinates (angles on a drum) where the rounded steps between blocks begin and end."""
     half = lining.step / 2
     blocks = [block for part in lining.linings for block in part.misfit.blocks]
@@ -106,29 +109,29 @@ def gap_kinks_that_point_to_drum(lining: Lining) -> list[tuple[float, float]]:
     Each kink is a pair: its coordinate (an angle on a drum) and the change of the gap's slope
     there, in metres per unit of the coordinate.
     """
-    change = clearance_slope_changes(lining)
+    change = clearance_slope_change_at_each_table_row(lining)
     # Where the slope of the gap grows abruptly, the lining has a convex edge towards the drum.
     sharp = change > SLOPE_CHANGE_ROUND_OFF * np.abs(change).max(initial=0.0)
-    rows = zip(coordinates_of_clearance_rows(lining), change.tolist(), sharp, strict=True)
+    rows = zip(coordinates_of_clearance_table_rows(lining), change.tolist(), sharp, strict=True)
     return [(angle, slope) for angle, slope, is_sharp in rows if is_sharp]
 
 
-def clearance_slope_changes(lining: Lining) -> Floats:
+def clearance_slope_change_at_each_table_row(lining: Lining) -> Floats:
     """Change of the clearance's slope at each row of a lining's clearance table, (n,).
 
     It is in metres per unit of the surface's coordinate (rad on a drum). The clearance is constant
     beyond the table. The array is empty if the clearance is a number.
     """
-    return np.array([change for _, change in _rows_and_slope_changes_of_clearance(lining)])
+    return np.array([change for _, change in _clearance_table_rows_and_slope_changes(lining)])
 
 
-def _rows_and_slope_changes_of_clearance(lining: Lining) -> list[tuple[float, float]]:
+def _clearance_table_rows_and_slope_changes(lining: Lining) -> list[tuple[float, float]]:
     """Coordinate of each row of a lining's clearance table, and the change of slope there.
 
-    See `coordinates_of_clearance_rows` and `clearance_slope_changes`.
+    See `coordinates_of_clearance_table_rows` and `clearance_slope_change_at_each_table_row`.
     """
     found: list[tuple[float, float]] = []
-    for part in lining.linings_apart:
+    for part in lining.linings_with_touching_ones_joined:
         if not isinstance(part.clearance, tuple):
             continue
         angle, gap = np.array(part.clearance).T
@@ -136,12 +139,12 @@ def _rows_and_slope_changes_of_clearance(lining: Lining) -> list[tuple[float, fl
         slope = np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]])
         rows = zip(angle.tolist(), np.diff(slope).tolist(), strict=True)
         # If the shoe has several linings, each table holds on its own lining only.
-        alone = len(lining.linings_apart) == 1
+        alone = len(lining.linings_with_touching_ones_joined) == 1
         found += [row for row in rows if alone or part.start < row[0] < part.end]
     return found
 
 
-def solve_at_drum_positions(
+def solve_brake_at_angular_drum_positions(
     brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float]
 ) -> list[T]:
     """Solve a brake for several angular positions of a drum that is out of round.
@@ -162,7 +165,7 @@ def solve_at_drum_positions(
     return [solve(vary(brake, {"drum.angle": angle})) for angle in angles]
 
 
-def changes_grinding_linings_to_radius(brake: Brake, mismatch: float) -> dict[str, float]:
+def changes_that_grind_linings_to_radius(brake: Brake, mismatch: float) -> dict[str, float]:
     """Changes for `vary` that grind every lining to the drum's radius plus `mismatch` [m].
 
     The result has the new radius [m] by the key of each lining's misfit.
@@ -172,20 +175,22 @@ def changes_grinding_linings_to_radius(brake: Brake, mismatch: float) -> dict[st
     }
 
 
-def changes_displacing_lining_circles(brake: Brake, size: float) -> dict[str, float]:
+def changes_that_move_lining_circles(brake: Brake, size: float) -> dict[str, float]:
     """Changes for `vary` that displace the circle of every lining by `size` [m].
 
     The circle is displaced along the line from the drum's centre to the shoe's hinge, outwards. The
     result has the components of the offset [m] by their keys.
     """
     slopes = [
-        point_change_along_hinge_radius(brake, i, "lining.misfit.offset")
+        point_coordinate_changes_along_hinge_radius(brake, i, "lining.misfit.offset")
         for i in range(len(brake.shoes))
     ]
     return {key: size * slope for part in slopes for key, slope in part.items()}
 
 
-def point_change_along_hinge_radius(brake: Brake, index: int, key: str) -> dict[str, float]:
+def point_coordinate_changes_along_hinge_radius(
+    brake: Brake, index: int, key: str
+) -> dict[str, float]:
     """Change of a point's coordinates per metre along the line from drum centre to hinge.
 
     The point is a datum of the shoe with this index, under the key `key`, such as

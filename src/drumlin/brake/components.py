@@ -110,7 +110,9 @@ because plane stress depends only on its product with the width.
 """
 
 
-def _section_with_bending_stiffness(part: "Ring | Beam | Bar", EI: float | None) -> Section | None:
+def _cross_section_or_none_if_unknown(
+    part: "Ring | Beam | Bar", EI: float | None
+) -> Section | None:
     """The cross-section of a ring, a beam or an arc; None if it is unknown.
 
     If the bending stiffness `EI` [N m^2] is given, the width of the section is chosen to give it.
@@ -169,7 +171,7 @@ class Ring(Part):
         """Whether the ring's edge away from the shoes is simply fixed or free.
 
         Some models refuse a ring with any other support, see
-        `ring_support.reason_if_ring_support_is_not_plain`.
+        `ring_support.reason_if_ring_edge_is_not_fixed_or_free`.
         """
         return self.support in PLAIN_SUPPORTS
 
@@ -179,7 +181,7 @@ class Ring(Part):
 
         It is None if the brake file has the bending stiffness but no thickness.
         """
-        return _section_with_bending_stiffness(self, self.bending_stiffness)
+        return _cross_section_or_none_if_unknown(self, self.bending_stiffness)
 
     @property
     def EI(self) -> float:
@@ -335,7 +337,7 @@ class Lining(Part):
         return (self,)
 
     @property
-    def linings_apart(self) -> "tuple[Lining, ...]":
+    def linings_with_touching_ones_joined(self) -> "tuple[Lining, ...]":
         """The linings by growing coordinate, with linings that touch joined to one lining."""
         return self.linings
 
@@ -345,7 +347,7 @@ class Lining(Part):
 
         Between two parts is a slot without lining. Linings that touch are one part.
         """
-        return tuple((part.start, part.end) for part in self.linings_apart)
+        return tuple((part.start, part.end) for part in self.linings_with_touching_ones_joined)
 
     @property
     def slots(self) -> tuple[tuple[float, float], ...]:
@@ -367,11 +369,11 @@ class Lining(Part):
     def step(self) -> float:
         """Length of the rounded step between two blocks, in the surface's coordinate."""
 
-    def copy_with(self, changes: Mapping[str, object]) -> Self:
+    def copy_of_lining_with_changed_fields(self, changes: Mapping[str, object]) -> Self:
         """A copy in which every lining has the values `changes`, by the names of its fields."""
         return self.model_copy(update=dict(changes))
 
-    def copy_with_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
+    def copy_of_lining_with_other_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
         """A copy with other clearances: one for each of `arcs`, in their order."""
         (clearance,) = clearances
         return self.model_copy(update={"clearance": clearance})
@@ -458,7 +460,7 @@ class DrumLiningRow(Lining):
 
     @model_validator(mode="before")
     @classmethod
-    def _name_the_list_of_tables(cls, data: object) -> object:
+    def _wrap_list_of_lining_tables_in_dictionary(cls, data: object) -> object:
         """Return the data as {"parts": data} if they are a list of tables, as in a brake file.
 
         Other data are returned unchanged.
@@ -466,7 +468,7 @@ class DrumLiningRow(Lining):
         return {"parts": data} if isinstance(data, list | tuple) else data
 
     @model_serializer(mode="wrap")
-    def _list_of_tables(self, handler: SerializerFunctionWrapHandler) -> object:
+    def _linings_as_list_of_tables(self, handler: SerializerFunctionWrapHandler) -> object:
         """The linings as plain data: a list of tables, as a brake file has them."""
         return handler(self)["parts"]
 
@@ -502,7 +504,7 @@ class DrumLiningRow(Lining):
         return self.parts
 
     @property
-    def linings_apart(self) -> tuple[Lining, ...]:
+    def linings_with_touching_ones_joined(self) -> tuple[Lining, ...]:
         """The linings by growing angle, with linings that touch joined to one lining."""
         found = [self.parts[0]]
         for part in self.parts[1:]:
@@ -557,12 +559,12 @@ class DrumLiningRow(Lining):
         """Angle [rad] over which a face rises smoothly from one block's height to the next."""
         return ROUNDED_STEP
 
-    def copy_with(self, changes: Mapping[str, object]) -> Self:
+    def copy_of_lining_with_changed_fields(self, changes: Mapping[str, object]) -> Self:
         """A copy in which every lining has the values `changes`, by the names of its fields."""
         parts = tuple(part.model_copy(update=dict(changes)) for part in self.parts)
         return self.model_copy(update={"parts": parts})
 
-    def copy_with_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
+    def copy_of_lining_with_other_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
         """A copy with other clearances: one for each of `arcs`, in their order."""
         # Linings that touch are on one arc and have one clearance.
         starts = [start for start, _ in self.arcs]
@@ -612,7 +614,7 @@ def _check_lining_is_like_first_one(key: str, part: DrumLining, first: DrumLinin
             )
 
 
-def _kind_of_lining_data(data: object) -> str:
+def _tag_for_one_or_several_linings(data: object) -> str:
     """The tag of the data of a shoe's linings: "one lining" for a table, else "several linings".
 
     Several linings are a list of tables.
@@ -624,7 +626,7 @@ def _kind_of_lining_data(data: object) -> str:
 # In a brake file [shoe.lining] is one lining, and a list of tables [[shoe.lining]] is several.
 AnyDrumLining = Annotated[
     Annotated[DrumLining, Tag("one lining")] | Annotated[DrumLiningRow, Tag("several linings")],
-    Discriminator(_kind_of_lining_data),
+    Discriminator(_tag_for_one_or_several_linings),
 ]
 
 
@@ -709,7 +711,7 @@ class Bar(Part):
         They are "table", the flange of a T-section if there is one, and "shoe", the web or the only
         rectangle. The order is from the friction surface into the shoe.
         """
-        own = _section_with_bending_stiffness(self, self.bending_stiffness)
+        own = _cross_section_or_none_if_unknown(self, self.bending_stiffness)
         # The validator of the body has checked that the section is known.
         assert own is not None
         if self.table is None:
@@ -775,7 +777,7 @@ class Beam(Part):
         bending stiffness but no thickness.
         """
         EI = self.bending_stiffness
-        return None if isinstance(EI, tuple) else _section_with_bending_stiffness(self, EI)
+        return None if isinstance(EI, tuple) else _cross_section_or_none_if_unknown(self, EI)
 
     @property
     def plates(self) -> dict[str, Section]:
@@ -788,7 +790,7 @@ class Beam(Part):
         """Thickness of the beam [m]; 0 if it is unknown."""
         return self.thickness or 0.0
 
-    def bending_stiffness_at_distances(self, x: Floats) -> Floats:
+    def bending_stiffness_at_distances_from_hinge(self, x: Floats) -> Floats:
         """Bending stiffness EI [N m^2] at the distances x [m] from the hinge, same shape."""
         if self.bending_stiffness is not None:
             return interpolate_number_or_table(self.bending_stiffness, x)
@@ -797,7 +799,7 @@ class Beam(Part):
         assert section is not None
         return np.full(np.shape(x), section.bending_stiffness)
 
-    def neutral_axis_offset_at_distances(self, x: Floats) -> Floats:
+    def neutral_axis_offset_at_distances_from_hinge(self, x: Floats) -> Floats:
         """Distance [m] of the neutral axis from the straight line, away from the drum.
 
         It is given at the distances x [m] from the hinge, with their shape.
@@ -805,7 +807,7 @@ class Beam(Part):
         return interpolate_number_or_table(self.offset, x)
 
 
-def _shape_of_body_data(data: object) -> str:
+def _tag_for_beam_or_arc_shape_of_shoe_body(data: object) -> str:
     """The shape of a shoe body from its data: "beam", or "arc", which is the default."""
     if isinstance(data, Mapping):
         return str(data.get("shape", "arc"))
@@ -816,7 +818,7 @@ def _shape_of_body_data(data: object) -> str:
 AnyBody = Annotated[
     Annotated[ArcBody, Tag("arc")] | Annotated[Beam, Tag("beam")],
     Discriminator(
-        _shape_of_body_data,
+        _tag_for_beam_or_arc_shape_of_shoe_body,
         custom_error_type="shape",
         custom_error_message='shape: must be "arc" (the default) or "beam"',
     ),

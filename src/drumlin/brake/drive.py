@@ -48,7 +48,7 @@ class Chamber(Part):
     lever: Thickness | None = None
 
     @model_validator(mode="after")
-    def _check_rod_pushes(self) -> Self:
+    def _check_chamber_rod_pushes_against_spring(self) -> Self:
         """Raise ValueError if the return spring holds the rod back against the pressure."""
         if self.rod_force <= 0:
             raise ValueError(
@@ -110,7 +110,7 @@ class Drive(Part):
         return self
 
     @property
-    def is_cam(self) -> bool:
+    def is_cam_or_wedge(self) -> bool:
         """Whether the drive is a cam or a wedge, which moves both loaded shoe ends equally."""
         return self.pressure is None
 
@@ -143,7 +143,7 @@ class Link(Part):
     to: Name
 
 
-def shoes_with_forces_of_drive(brake: Any, *, file: bool) -> tuple[Any, ...]:
+def shoes_with_forces_of_drive_and_struts(brake: Any, *, file: bool) -> tuple[Any, ...]:
     """Return the shoes of a brake with the forces that its drive and its struts give them.
 
     A cylinder gives its force to each shoe, a cam or a wedge half of the sum of its forces. A shoe
@@ -167,13 +167,17 @@ def shoes_with_forces_of_drive(brake: Any, *, file: bool) -> tuple[Any, ...]:
     lines = _strut_actuations_by_shoe_index(shoes, links)
     pushed = [i for i in range(len(shoes)) if i not in lines]
     on_anchors = [shoe.name for shoe in shoes if shoe.anchors]
-    if on_anchors and (lines or (drive is not None and drive.is_cam)):
-        by = "a cam" if drive is not None and drive.is_cam else "a strut that pushes one shoe only"
+    if on_anchors and (lines or (drive is not None and drive.is_cam_or_wedge)):
+        by = (
+            "a cam"
+            if drive is not None and drive.is_cam_or_wedge
+            else "a strut that pushes one shoe only"
+        )
         raise ValueError(
             f"shoe {on_anchors[0]!r}: a shoe on anchors takes a force of its own or of a cylinder; "
             f"no brake has anchors and {by}"
         )
-    if drive is not None and drive.is_cam and len(pushed) != 2:
+    if drive is not None and drive.is_cam_or_wedge and len(pushed) != 2:
         raise ValueError(f"actuation: a cam moves two shoes, not {len(pushed)}")
     found = []
     for i, shoe in enumerate(shoes):
@@ -181,7 +185,7 @@ def shoes_with_forces_of_drive(brake: Any, *, file: bool) -> tuple[Any, ...]:
             if file and "actuation" in shoe.model_fields_set:
                 raise ValueError(f"shoe[{i}].actuation: a strut pushes this shoe; leave it out")
             actuation = lines[i]
-        elif drive is None and _has_other_loads_in_place_of_actuation(shoe, joined_names):
+        elif drive is None and _is_shoe_pressed_without_actuation(shoe, joined_names):
             actuation = shoe.actuation
         else:
             actuation = _actuation_of_shoe_without_strut(f"shoe[{i}].actuation", shoe, drive, file)
@@ -189,7 +193,7 @@ def shoes_with_forces_of_drive(brake: Any, *, file: bool) -> tuple[Any, ...]:
     return tuple(found)
 
 
-def _has_other_loads_in_place_of_actuation(shoe: Any, joined_names: Collection[str | None]) -> bool:
+def _is_shoe_pressed_without_actuation(shoe: Any, joined_names: Collection[str | None]) -> bool:
     """Whether a shoe has no actuation in the file, and another load presses it.
 
     The load is a force, a mass on which weight or rotation acts, a spring or a lever.
@@ -221,7 +225,7 @@ def _strut_actuations_by_shoe_index(
                 )
         source, pushed = shoes[places[link.source]], shoes[places[link.to]]
         if source.anchors or pushed.anchors:
-            _check_strut_between_feet(f"link[{k}]", source, pushed, links[:k], link)
+            _check_strut_joins_two_shoes_on_anchors(f"link[{k}]", source, pushed, links[:k], link)
             continue
         lines[places[link.to]] = _actuation_of_shoe_pushed_by_strut(
             f"link[{k}]", source, link, links[:k]
@@ -238,7 +242,7 @@ not be in equilibrium.
 """
 
 
-def _check_strut_between_feet(
+def _check_strut_joins_two_shoes_on_anchors(
     key: str, source: Held, to: Held, before: tuple[Link, ...], link: Link
 ) -> None:
     """Raise ValueError unless a strut lies between the feet of two shoes on anchors.
@@ -262,7 +266,7 @@ def _check_strut_between_feet(
         raise ValueError(f"{key}: a shoe on anchors bears on one strut, from another shoe")
     turn = math.remainder(second.direction - first.direction - math.pi, 2 * math.pi)
     between = first.point.xy - second.point.xy
-    along = source.unit_vector_of_abutment_force_on_foot
+    along = source.unit_vector_of_smooth_abutment_force
     off = abs(float(between[0] * along[1] - between[1] * along[0]))
     if (
         abs(turn) > LARGEST_BEND_OF_STRUT
@@ -300,7 +304,7 @@ def _actuation_of_shoe_without_strut(
     if drive is None:
         return own
     # Each shoe of a cam gets half of the sum. A solve finds the true parts from the stiffnesses.
-    share = drive.force_of_cylinder_or_sum_of_cam_forces / (2 if drive.is_cam else 1)
+    share = drive.force_of_cylinder_or_sum_of_cam_forces / (2 if drive.is_cam_or_wedge else 1)
     return own.model_copy(update={"force": share})
 
 
@@ -343,10 +347,12 @@ def _actuation_of_shoe_pushed_by_strut(
     )
 
 
-def reason_why_forces_are_shared(drive: Drive | None, links: tuple[Link, ...]) -> str | None:
+def reason_why_forces_follow_from_cam_or_strut(
+    drive: Drive | None, links: tuple[Link, ...]
+) -> str | None:
     """Text for an error message that the forces on the shoes follow from a cam or a strut.
 
     It is None if the force on each shoe is known before the solve.
     """
-    by = ["a cam"] * (drive is not None and drive.is_cam) + ["a strut"] * bool(links)
+    by = ["a cam"] * (drive is not None and drive.is_cam_or_wedge) + ["a strut"] * bool(links)
     return f"its shoes share their forces by {' and '.join(by)}" if by else None

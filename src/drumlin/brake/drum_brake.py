@@ -15,7 +15,7 @@ from pydantic import (
     model_validator,
 )
 
-from drumlin.base.arrays import Floats, polar_angles_near_given_angle
+from drumlin.base.arrays import Floats, polar_angles_within_half_turn_of_angle
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
@@ -34,18 +34,22 @@ from drumlin.brake.components import (
     Table,
     hint_about_angles_of_arc,
 )
-from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive
+from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive_and_struts
 from drumlin.brake.fields import AngularSpeed, Point, Title, check_shoe_names_differ
-from drumlin.brake.friction import FrictionOrTable, check_speed_of_friction_tables
-from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_spring_pulls
+from drumlin.brake.friction import FrictionOrTable, check_friction_tables_have_sliding_speed
+from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_loads_assigned_to_shoes
 from drumlin.brake.heat import (
     check_heated_drum_can_expand,
     check_heated_shoes_can_expand,
     radial_growth_of_heated_drum,
 )
 from drumlin.brake.off_circle import gap_of_lining_ground_to_circle, radial_deviation_of_drum
-from drumlin.brake.pattern import DrumPattern, data_with_repeated_shoes, move_around_drum
-from drumlin.brake.support import Held, check_motions_close_gap_differently
+from drumlin.brake.pattern import (
+    DrumPattern,
+    brake_data_with_patterned_shoes_repeated,
+    rotation_about_drum_centre,
+)
+from drumlin.brake.support import Held, check_rigid_body_modes_close_gap_differently
 from drumlin.brake.surface import DRUM
 from drumlin.brake.units import deg_text, mm_text
 
@@ -70,19 +74,19 @@ class DrumShoe(Shoe):
         return ShoeFrame(middle - offset, sense)
 
     @property
-    def pin_in_shoe_frame(self) -> Floats:
+    def pin_position_in_shoe_frame(self) -> Floats:
         """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
         return np.array([self.pin.radius, 0.0])
 
     def convert_points_to_shoe_frame(self, xy: Floats) -> Floats:
         """Convert points (..., 2) [m] from the frame of the brake to the frame of the shoe."""
-        return self.frame.convert_to_shoe_frame(xy)
+        return self.frame.convert_vectors_to_shoe_frame(xy)
 
-    def points(self, xy: Floats) -> Floats:
+    def convert_points_to_brake_frame(self, xy: Floats) -> Floats:
         """Convert points (2, n) [m] from the frame of the shoe to the frame of the brake."""
-        return np.asarray(self.frame.convert_to_brake_frame(xy.T).T)
+        return np.asarray(self.frame.convert_vectors_to_brake_frame(xy.T).T)
 
-    def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
+    def points_at_depth_and_coordinate_phi(self, depth: Floats, phi: Floats, size: float) -> Floats:
         """Points (2, ...) [m] at a depth behind the friction surface and at angles phi.
 
         The points are in the frame of the shoe.
@@ -97,30 +101,30 @@ class DrumShoe(Shoe):
         r = size - self.sign * depth
         return np.array([r * np.cos(phi), r * np.sin(phi)])
 
-    def off(self, xy: Floats, size: float) -> Floats:
+    def distance_from_friction_surface(self, xy: Floats, size: float) -> Floats:
         """Distance [m] of points from the friction surface, positive on the side of the shoe.
 
         The points (2, ...) [m] are in the frame of the shoe; `size` [m] is the drum's radius.
         """
         return self.sign * (size - np.hypot(*xy))
 
-    def phi_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
+    def surface_coordinates_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
         """Polar angles [rad] of points (2, ...) [m], within half a turn of the lining's middle.
 
         Points and angles are in the frame of the shoe.
         """
-        return polar_angles_near_given_angle(0.5 * sum(self.arc), xy)
+        return polar_angles_within_half_turn_of_angle(0.5 * sum(self.arc), xy)
 
     def surface_coordinate_of_point(self, point: Point) -> float:
         """Polar angle [rad] of a point, plus the whole turns that bring it near the lining."""
         return self.surface.coordinate_plus_turns_nearest_to_middle(point.angle, self.lining.middle)
 
-    def back(self, size: float) -> float:
+    def length_along_shoe_back_per_unit_of_phi(self, size: float) -> float:
         """Radius [m] of the back of the shoe's body."""
         return size - self.sign * self.depth
 
     @property
-    def closing(self) -> float:
+    def direction_in_which_lining_middle_closes_gap(self) -> float:
         """Direction [rad] in which the middle of the lining moves straight towards the drum.
 
         For an internal lining it is the angle of the lining's middle, and for an external lining
@@ -128,7 +132,7 @@ class DrumShoe(Shoe):
         """
         return self.lining.middle + (self.sign < 0) * math.pi
 
-    def gap_due_to_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
+    def gap_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a lining that is ground to a circle, at the angles theta [rad], same shape."""
         misfit = self.lining.misfit
         return gap_of_lining_ground_to_circle(
@@ -211,7 +215,7 @@ class DrumBrake(Brake):
         """A copy of the brake with a rigid drum."""
         return self.model_copy(update={"drum": self.drum.model_copy(update={"ring": None})})
 
-    def round(self) -> Self:
+    def brake_with_perfectly_round_drum(self) -> Self:
         """A copy of the brake with a drum that is not out of round."""
         return self.model_copy(update={"drum": self.drum.model_copy(update={"out_of_round": ()})})
 
@@ -225,7 +229,7 @@ class DrumBrake(Brake):
         heat = (Lobes(order=0, amplitude=growth),) if growth else ()
         return self.drum.out_of_round + heat
 
-    def radial_deviation_of_surface(self, theta: Floats) -> Floats | None:
+    def radial_deviation_of_drum_surface(self, theta: Floats) -> Floats | None:
         """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
         It is positive where the surface lies outside its circle, and None for a round drum.
@@ -235,9 +239,11 @@ class DrumBrake(Brake):
 
     @model_validator(mode="before")
     @classmethod
-    def _repeat_shoes_with_pattern(cls, data: object, info: ValidationInfo) -> object:
+    def _repeat_shoes_that_have_pattern(cls, data: object, info: ValidationInfo) -> object:
         """Return the data with several shoes in place of each shoe that has a pattern."""
-        return data_with_repeated_shoes(data, DrumShoe, move_around_drum, info)
+        return brake_data_with_patterned_shoes_repeated(
+            data, DrumShoe, rotation_about_drum_centre, info
+        )
 
     @model_validator(mode="after")
     def _check_shoes_and_set_drive_forces(self, info: ValidationInfo) -> Self:
@@ -246,11 +252,11 @@ class DrumBrake(Brake):
         Returns the brake with these forces. Raises ValueError if the parts do not fit together.
         """
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
-        check_speed_of_friction_tables(self, "drum.speed", self.drum.speed is not None)
-        self.check_friction_of_brake_scales_linings()
+        check_friction_tables_have_sliding_speed(self, "drum.speed", self.drum.speed is not None)
+        self.check_brake_has_friction_if_lining_has()
         # `unit_required` is set for data of a file, which need units, and not for a program's data.
         from_file = bool((info.context or {}).get("unit_required"))
-        shoes = shoes_with_forces_of_drive(self, file=from_file)
+        shoes = shoes_with_forces_of_drive_and_struts(self, file=from_file)
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
         check_heated_drum_can_expand(self.drum)
         check_heated_shoes_can_expand(shoes)
@@ -261,7 +267,7 @@ class DrumBrake(Brake):
             for k, part in enumerate(shoe.lining.linings):
                 key = f"shoe[{i}].lining[{k}].misfit" if several else f"shoe[{i}].lining.misfit"
                 _check_lining_misfit_is_small(key, part, self.drum.radius)
-        return brake_with_spring_pulls(self.model_copy(update={"shoes": shoes}))
+        return brake_with_loads_assigned_to_shoes(self.model_copy(update={"shoes": shoes}))
 
 
 def _check_drum_is_round_enough(drum: Drum, sign: int) -> None:
@@ -338,7 +344,7 @@ def _check_shoe_fits_drum(key: str, shoe: DrumShoe, radius: float) -> None:
                 f"{key}.lining: the slot from {deg_text(first)} to {deg_text(last)} must be at "
                 f"least {deg_text(SMALLEST_SLOT)} wide; linings that touch are one lining"
             )
-    check_abutment_has_no_grip(key, shoe)
+    check_shoe_on_abutment_has_no_grip(key, shoe)
     _check_support_lets_shoe_press(key, shoe, radius)
     # The layers of an internal shoe must end before the drum's centre.
     if shoe.sign > 0 and shoe.depth >= radius:
@@ -376,7 +382,7 @@ def _check_arc_carries_lining(key: str, body: ArcBody, lining: Lining) -> None:
         )
 
 
-def check_abutment_has_no_grip(key: str, shoe: Held) -> None:
+def check_shoe_on_abutment_has_no_grip(key: str, shoe: Held) -> None:
     """Raise ValueError if a shoe on an abutment has a `grip`, which only other supports use.
 
     An abutment holds the end face of the shoe's body, and a grip is a length of its back.
@@ -433,7 +439,7 @@ def _check_support_lets_shoe_press(key: str, shoe: DrumShoe, radius: float) -> N
         raise ValueError(f"{key}.abutment.point = (0, 0): must not be the drum's centre")
     # On a drum, translations close the gap; a turn about the drum's centre does not.
     if shoe.pivot is None:
-        check_motions_close_gap_differently(key, shoe, slice(0, 2))
+        check_rigid_body_modes_close_gap_differently(key, shoe, slice(0, 2))
         return
     shown = f"{key}.pivot = ({mm_text(shoe.pivot.x)}, {mm_text(shoe.pivot.y)})"
     if shoe.pivot.radius < 1e-9 * radius:
@@ -444,4 +450,4 @@ def _check_support_lets_shoe_press(key: str, shoe: DrumShoe, radius: float) -> N
         raise ValueError(
             f"{shown}: must not be the hinge; leave it out for a shoe that turns about its hinge"
         )
-    check_motions_close_gap_differently(key, shoe, slice(0, 2))
+    check_rigid_body_modes_close_gap_differently(key, shoe, slice(0, 2))

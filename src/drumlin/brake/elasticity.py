@@ -86,7 +86,7 @@ class ElasticLayer(NamedTuple):
         return np.broadcast_to(straight.astype(points.dtype), points.shape)
 
 
-def excess_stiffness_over_isotropic(elasticity: Any) -> Any:
+def orthotropic_excess_of_normal_stiffness(elasticity: Any) -> Any:
     """Excess of D_11 and D_22 over D_12 + 2 D_33 in elasticity matrices D (..., 3, 3).
 
     The result (..., 2) [Pa] is 0 for isotropic matrices.
@@ -98,6 +98,6 @@ def excess_stiffness_over_isotropic(elasticity: Any) -> Any:
     return np.where(np.abs(found) > round_off, found, 0.0)
 
 
-def is_elasticity_matrix_orthotropic(elasticity: Floats) -> Bools:
+def which_elasticity_matrices_are_orthotropic(elasticity: Floats) -> Bools:
     """Whether each elasticity matrix of an array (..., 3, 3) is not isotropic; shape (...)."""
-    return np.asarray(excess_stiffness_over_isotropic(elasticity).any(axis=-1))
+    return np.asarray(orthotropic_excess_of_normal_stiffness(elasticity).any(axis=-1))

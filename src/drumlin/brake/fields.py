@@ -27,11 +27,13 @@ from pydantic import (
 
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import did_you_mean_hint
-from drumlin.base.written_numbers import pure_number_as_written
+from drumlin.base.written_numbers import number_without_unit_from_text
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, quantity_in_si
 
 
-def _quantity_in_si(value: object, info: ValidationInfo, si: str, key: str = "") -> float:
+def _quantity_of_brake_key_in_si(
+    value: object, info: ValidationInfo, si: str, key: str = ""
+) -> float:
     """Convert a quantity to a number in SI units. Raises ValueError for anything else.
 
     Parameters
@@ -50,7 +52,7 @@ def _quantity_in_si(value: object, info: ValidationInfo, si: str, key: str = "")
 
 def _validator_that_converts_quantity_to_si(si: str) -> BeforeValidator:
     """Make the pydantic validator that converts a quantity to this SI unit."""
-    return BeforeValidator(partial(_quantity_in_si, si=si))
+    return BeforeValidator(partial(_quantity_of_brake_key_in_si, si=si))
 
 
 def _check_title_is_one_line(text: str) -> str:
@@ -87,7 +89,7 @@ def check_shoe_names_differ(names: Sequence[str]) -> None:
         )
 
 
-PURE_NUMBER = BeforeValidator(pure_number_as_written)
+PURE_NUMBER = BeforeValidator(number_without_unit_from_text)
 """The validator that reads a number without unit, which a file may write as "30 %" or "0,3"."""
 
 # Types of the quantities of a brake file: each converts a text with a unit to a number in SI units.
@@ -276,7 +278,9 @@ class Orthotropic(Part):
             ("along", "across"),
         )
         # With a positive strain energy the two others bound the third Poisson's ratio.
-        low, high = self._bounds_of_nu_through_across(self.E_across, self.nu_along_across)
+        low, high = self._bounds_of_poisson_ratio_through_across(
+            self.E_across, self.nu_along_across
+        )
         if not low < self.nu_through_across < high:
             raise ValueError(
                 f"nu_through_across = {self.nu_through_across:g}: must be greater than {low:.6g} "
@@ -284,7 +288,7 @@ class Orthotropic(Part):
             )
         return self
 
-    def _bounds_of_nu_through_across(
+    def _bounds_of_poisson_ratio_through_across(
         self, E_across: float, nu_along_across: float
     ) -> tuple[float, float]:
         """Lower and upper bound of nu_through_across, between which the strain energy is positive.
@@ -343,7 +347,7 @@ def _check_poisson_ratio_is_small_enough(
         )
 
 
-def _kind_of_material_isotropic_or_orthotropic(data: object) -> str:
+def _tag_for_isotropic_or_orthotropic_material(data: object) -> str:
     """The tag of the data of a material: "isotropic" or "orthotropic".
 
     The data are orthotropic if they have a key that only an orthotropic material has.
@@ -356,7 +360,7 @@ def _kind_of_material_isotropic_or_orthotropic(data: object) -> str:
 # The keys of a material tell whether it is read as isotropic or as orthotropic.
 AnyMaterial = Annotated[
     Annotated[Material, Tag("isotropic")] | Annotated[Orthotropic, Tag("orthotropic")],
-    Discriminator(_kind_of_material_isotropic_or_orthotropic),
+    Discriminator(_tag_for_isotropic_or_orthotropic_material),
 ]
 
 
@@ -370,7 +374,7 @@ class Point(Part):
     y: Length
 
     @property
-    def written_angle(self) -> float | None:
+    def angle_in_file_if_beyond_one_turn(self) -> float | None:
         """The polar angle [rad] as a file gives it, if it is more than a turn; None otherwise."""
         return self._written_angle
 
@@ -401,10 +405,10 @@ def _point_from_polar_coordinates(data: object, info: ValidationInfo) -> object:
     if set(data) != {"radius", "angle"}:
         raise ValueError("must be { radius = ..., angle = ... } or { x = ..., y = ... }")
     # A negative radius would silently put the point on the other side of the centre.
-    radius = _quantity_in_si(data["radius"], info, "m", "radius")
+    radius = _quantity_of_brake_key_in_si(data["radius"], info, "m", "radius")
     if radius < 0:
         raise ValueError(f"radius = {data['radius']!r} must not be negative")
-    angle = _quantity_in_si(data["angle"], info, "rad", "angle")
+    angle = _quantity_of_brake_key_in_si(data["angle"], info, "rad", "angle")
     point = Point(x=radius * math.cos(angle), y=radius * math.sin(angle))
     if abs(angle) > 2 * math.pi:
         point._written_angle = angle
@@ -469,7 +473,7 @@ def _convert_number_or_table_to_si(
     """
     value = rows_of_array(value)
     if not isinstance(value, list | tuple):
-        return _quantity_in_si(value, info, si)
+        return _quantity_of_brake_key_in_si(value, info, si)
     rows = _convert_table_rows_to_si(
         value, info, place=place, name=name, row=row, kinds=f"{QUANTITY_NAMES[si]} or rows"
     )
@@ -504,8 +508,8 @@ def _convert_table_rows_to_si(
     for item in items:
         if not isinstance(item, list | tuple) or len(item) != 2:
             raise ValueError(f'must be {kinds} like ["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]')
-        coordinate = _quantity_in_si(item[0], info, row[0], place)
-        rows.append((coordinate, _quantity_in_si(item[1], info, row[1], name)))
+        coordinate = _quantity_of_brake_key_in_si(item[0], info, row[0], place)
+        rows.append((coordinate, _quantity_of_brake_key_in_si(item[1], info, row[1], name)))
     # Interpolation between the rows needs coordinates that grow from row to row.
     for k in range(1, len(rows)):
         if rows[k][0] <= rows[k - 1][0]:

@@ -58,7 +58,7 @@ pydantic adds them to say as which kind of body, material or value the data were
 """
 
 
-def _line_about_validation_error(error: ValidationError, data: Any) -> str:
+def _error_line_about_invalid_brake_data(error: ValidationError, data: Any) -> str:
     """One line about the first error in the data of a brake file: "key = value: what is allowed".
 
     Parameters
@@ -93,7 +93,7 @@ def _line_about_validation_error(error: ValidationError, data: Any) -> str:
 P = TypeVar("P", bound=Part)
 
 
-def make_validated_part(
+def make_validated_brake_part(
     kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> P:
     """Make a brake, or a part of a brake, from nested data as a brake file has them.
@@ -113,7 +113,7 @@ def make_validated_part(
     try:
         return kind.model_validate(data, context={"unit_required": unit_required, "base": base})
     except ValidationError as error:
-        raise BadInput(_line_about_validation_error(error, data)) from error
+        raise BadInput(_error_line_about_invalid_brake_data(error, data)) from error
 
 
 def make_drum_brake_from_data(
@@ -121,9 +121,9 @@ def make_drum_brake_from_data(
 ) -> Brake:
     """Make a brake on a drum from the nested data of a brake file.
 
-    Raises BadInput for wrong data. The parameters are as in `make_validated_part`.
+    Raises BadInput for wrong data. The parameters are as in `make_validated_brake_part`.
     """
-    return make_validated_part(DrumBrake, data, unit_required=unit_required, base=base)
+    return make_validated_brake_part(DrumBrake, data, unit_required=unit_required, base=base)
 
 
 def read_text_of_brake_file(path: Path) -> str:
@@ -216,8 +216,8 @@ def vary(brake: P, changes: Mapping[str, Any]) -> P:
     # All changes are made before the check, because they may be valid only together.
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():
-        _set_value_in_nested_data(data, _split_dotted_key(key), value, key)
-    return make_validated_part(type(brake), data)
+        _set_value_of_key_in_nested_data(data, _split_dotted_key(key), value, key)
+    return make_validated_brake_part(type(brake), data)
 
 
 def si_unit_of_brake_key(brake: Part, key: str) -> str | None:
@@ -226,7 +226,7 @@ def si_unit_of_brake_key(brake: Part, key: str) -> str | None:
     It is "" for a number without unit, and None if the value is no number. The key is written as
     for `vary`. Raises BadInput for an unknown key.
     """
-    parts, name = parts_and_field_of_key(brake, key)
+    parts, name = parts_and_field_name_of_brake_key(brake, key)
     if isinstance(parts[0], Point) and name in POLAR_UNITS:
         return POLAR_UNITS[name]
     field = type(parts[0]).model_fields[name]
@@ -234,7 +234,7 @@ def si_unit_of_brake_key(brake: Part, key: str) -> str | None:
     return si_unit_of_field_type(kind)
 
 
-def is_allowed_range_an_interval(brake: Part, key: str) -> bool:
+def are_allowed_values_of_key_an_interval(brake: Part, key: str) -> bool:
     """Whether all positive values that a key may have form one interval, and all negative too.
 
     The values of all other keys are fixed. The result is True for lengths, forces, moduli and
@@ -244,7 +244,7 @@ def is_allowed_range_an_interval(brake: Part, key: str) -> bool:
     """
     unit = si_unit_of_brake_key(brake, key)
     return unit not in {None, "rad"} and not isinstance(
-        parts_and_field_of_key(brake, key)[0][0], Point
+        parts_and_field_name_of_brake_key(brake, key)[0][0], Point
     )
 
 
@@ -253,11 +253,11 @@ def values_of_brake_key(brake: Part, key: str) -> list[Any]:
 
     The key is written as for `vary`. Raises BadInput for an unknown key.
     """
-    parts, name = parts_and_field_of_key(brake, key)
+    parts, name = parts_and_field_name_of_brake_key(brake, key)
     return [getattr(part, name) for part in parts]
 
 
-def parts_and_field_of_key(brake: Part, key: str) -> tuple[list[Part], str]:
+def parts_and_field_name_of_brake_key(brake: Part, key: str) -> tuple[list[Part], str]:
     """Find the parts of a brake that a key belongs to, and the name of its field in Python.
 
     There are several parts if the key means every shoe. Raises BadInput for an unknown key.
@@ -265,18 +265,18 @@ def parts_and_field_of_key(brake: Part, key: str) -> tuple[list[Part], str]:
     found: list[Part] = [brake]
     *path, last = _split_dotted_key(key)
     for step in path:
-        if _is_index_in_key(step):
+        if _is_key_word_an_index(step):
             found = found[int(step) : int(step) + 1]
             continue
         # The name of a shoe leads to this shoe, unless it is a key of the shoes.
-        named = [part for part in found if _is_part_with_name(part, step)]
+        named = [part for part in found if _has_part_name_of_key_word(part, step)]
         if named:
             found = named
             continue
         # A key leads from each part to one part below it, or to several, such as all shoes.
         below: list[Part] = []
         for part in found:
-            value = getattr(part, _field_name_of_key(part, step, key))
+            value = getattr(part, _field_name_of_brake_file_key(part, step, key))
             value = value.linings if isinstance(value, Lining) else value
             below += value if isinstance(value, tuple) else [value]
         found = [part for part in below if part is not None]
@@ -284,10 +284,10 @@ def parts_and_field_of_key(brake: Part, key: str) -> tuple[list[Part], str]:
             raise BadInput(f"{key}: {step!r} has nothing to be set in")
     if not found:
         raise BadInput(f"{key}: the brake has no such part")
-    return found, _field_name_of_key(found[0], last, key)
+    return found, _field_name_of_brake_file_key(found[0], last, key)
 
 
-def _is_part_with_name(part: Part, step: str) -> bool:
+def _has_part_name_of_key_word(part: Part, step: str) -> bool:
     """Whether `step`, one word of a dotted key, is the name of this part, such as a shoe.
 
     It is False if the part has a key with this word.
@@ -296,7 +296,7 @@ def _is_part_with_name(part: Part, step: str) -> bool:
     return getattr(part, "name", None) == step and not is_key
 
 
-def _field_name_of_key(part: Part, key: str, whole: str) -> str:
+def _field_name_of_brake_file_key(part: Part, key: str, whole: str) -> str:
     """The name in Python of the field of a part that a brake file calls `key`.
 
     Raises BadInput for an unknown key; `whole` is the whole dotted key for the message.
@@ -369,12 +369,12 @@ def _split_dotted_key(key: str) -> list[str]:
     return key.replace("[", ".").replace("]", "").split(".")
 
 
-def _is_index_in_key(step: str) -> bool:
+def _is_key_word_an_index(step: str) -> bool:
     """Whether `step`, one word of a dotted key, is an index, such as 0 in "shoe[0].lining"."""
     return step.isascii() and step.isdigit() and len(step) < 9
 
 
-def _set_value_in_nested_data(data: Any, steps: list[str], value: Any, key: str) -> None:
+def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, key: str) -> None:
     """Set a value in nested data, in place. Raises BadInput for an unknown key.
 
     Parameters
@@ -392,21 +392,21 @@ def _set_value_in_nested_data(data: Any, steps: list[str], value: Any, key: str)
             for part in data
             if isinstance(part, dict) and part.get("name") == head and head not in part
         ]
-        if _is_index_in_key(head) and int(head) < len(data):
+        if _is_key_word_an_index(head) and int(head) < len(data):
             targets, rest_of = [data[int(head)]], rest
         elif named and rest:
             targets, rest_of = named, rest
         else:
             targets, rest_of = list(data), steps
         for target in targets:
-            _set_value_in_nested_data(target, rest_of, value, key)
+            _set_value_of_key_in_nested_data(target, rest_of, value, key)
     elif not isinstance(data, dict):
         raise BadInput(f"{key}: {head!r} has nothing to be set in")
     # If more names follow, the value belongs into the table with the key `head`.
     elif rest:
         if head not in data:
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
-        _set_value_in_nested_data(data[head], rest, value, key)
+        _set_value_of_key_in_nested_data(data[head], rest, value, key)
     else:
         _convert_point_to_coordinates_with_key(data, head)
         # The value is copied, because a later change may set a key within it.
@@ -421,16 +421,18 @@ def _convert_point_to_coordinates_with_key(data: dict[str, Any], key: str) -> No
     if key in data or not isinstance(key, str):
         return
     if set(data) == {"x", "y"} and key in POLAR_UNITS:
-        x, y = (_number_of_point_in_si(data[name], "m") for name in ("x", "y"))
+        x, y = (_point_coordinate_in_si(data[name], "m") for name in ("x", "y"))
         data.clear()
         data.update(radius=math.hypot(x, y), angle=math.atan2(y, x))
     elif set(data) == set(POLAR_UNITS) and key in {"x", "y"}:
-        radius, angle = (_number_of_point_in_si(data[name], si) for name, si in POLAR_UNITS.items())
+        radius, angle = (
+            _point_coordinate_in_si(data[name], si) for name, si in POLAR_UNITS.items()
+        )
         data.clear()
         data.update(x=radius * math.cos(angle), y=radius * math.sin(angle))
 
 
-def _number_of_point_in_si(value: Any, si: str) -> float:
+def _point_coordinate_in_si(value: Any, si: str) -> float:
     """Convert a coordinate of a point to SI; BadInput for a value that is no such quantity."""
     try:
         return quantity_in_si(value, si, unit_required=False)

@@ -59,21 +59,23 @@ class FrictionCurve(NamedTuple):
     pressure: Floats
     mu: Floats
 
-    def coefficient(self, p: Floats) -> Floats:
+    def friction_coefficient_at_pressures(self, p: Floats) -> Floats:
         """The friction coefficient at pressures p [Pa], same shape."""
         return np.interp(p, self.pressure, self.mu)
 
     @property
-    def slopes_between_rows(self) -> Floats:
+    def friction_slopes_between_table_rows(self) -> Floats:
         """The slopes (m + 1,) [1/Pa] before the first pressure, between two, and after the last."""
         return np.concatenate([[0.0], np.diff(self.mu) / np.diff(self.pressure), [0.0]])
 
-    def slope(self, p: Floats) -> Floats:
+    def friction_slope_at_pressures(self, p: Floats) -> Floats:
         """The derivative of the friction coefficient by the pressure [1/Pa] at p [Pa], same shape.
 
         At a pressure of the table it is the slope on the side of higher pressures.
         """
-        return self.slopes_between_rows[np.searchsorted(self.pressure, p, side="right")]
+        return self.friction_slopes_between_table_rows[
+            np.searchsorted(self.pressure, p, side="right")
+        ]
 
 
 class FrictionTable(Part):
@@ -95,7 +97,7 @@ class FrictionTable(Part):
         return {key: values for key in COLUMN_TEXTS if (values := getattr(self, key))}
 
     @model_validator(mode="after")
-    def _check_rows_are_a_grid(self) -> Self:
+    def _check_rows_hold_each_combination_once(self) -> Self:
         """Raise ValueError unless the rows have each combination of the columns' values once."""
         if not self.columns:
             raise ValueError(f"mu: give a column beside it: {', '.join(COLUMN_TEXTS)}")
@@ -118,7 +120,9 @@ class FrictionTable(Part):
             )
         return self
 
-    def curve(self, speed: float, temperature_rise: float) -> FrictionCurve:
+    def friction_over_pressure_at_speed_and_heat(
+        self, speed: float, temperature_rise: float
+    ) -> FrictionCurve:
         """The coefficient as a function of pressure, at a speed [m/s] and a temperature rise [K].
 
         If the table has no pressures, the curve has one point, at the pressure 0.
@@ -135,7 +139,7 @@ class FrictionTable(Part):
         return FrictionCurve(pressure, grid.reshape(len(pressure)))
 
 
-def _kind_of_friction_data(data: object) -> str:
+def _tag_for_friction_number_or_table(data: object) -> str:
     """The tag of data of a friction coefficient: "friction table" or "friction number"."""
     return "friction table" if isinstance(data, dict | FrictionTable) else "friction number"
 
@@ -167,7 +171,7 @@ def _table_of_friction_array_or_function(data: object) -> object:
 
 FrictionOrTable = Annotated[
     Annotated[Friction, Tag("friction number")] | Annotated[FrictionTable, Tag("friction table")],
-    Discriminator(_kind_of_friction_data),
+    Discriminator(_tag_for_friction_number_or_table),
     BeforeValidator(_table_of_friction_array_or_function),
 ]
 """The type of the key `friction`: a friction coefficient, or a table of coefficients.
@@ -177,7 +181,7 @@ pressure.
 """
 
 
-def friction_curve_of_lining(
+def friction_over_pressure_of_lining(
     written: float | FrictionTable, speed: float, temperature_rise: float
 ) -> FrictionCurve:
     """The friction coefficient of a lining as a function of pressure; one point if constant.
@@ -189,11 +193,11 @@ def friction_curve_of_lining(
     temperature_rise : rise of the temperature at the face of the lining [K]
     """
     if isinstance(written, FrictionTable):
-        return written.curve(speed, temperature_rise)
+        return written.friction_over_pressure_at_speed_and_heat(speed, temperature_rise)
     return FrictionCurve(np.zeros(1), np.array([written]))
 
 
-def text_of_friction(curve: FrictionCurve) -> str:
+def friction_coefficient_as_text(curve: FrictionCurve) -> str:
     """A friction coefficient as a text such as "0.3", or "0.42 to 0.36 over the pressure"."""
     if len(curve.mu) == 1:
         return f"{curve.mu[0]:g}"
@@ -208,7 +212,7 @@ def keys_of_friction_tables(brake: "Brake") -> dict[str, FrictionTable]:
     return {key: table for key, table in written.items() if isinstance(table, FrictionTable)}
 
 
-def key_of_friction_over_pressure(brake: "Brake") -> str | None:
+def key_of_pressure_dependent_friction(brake: "Brake") -> str | None:
     """The first key by which friction depends on the pressure; None if it does not."""
     for key, table in keys_of_friction_tables(brake).items():
         if table.pressure:
@@ -216,23 +220,23 @@ def key_of_friction_over_pressure(brake: "Brake") -> str | None:
     return None
 
 
-def reason_if_friction_depends_on_pressure(brake: "Brake", what: str) -> str | None:
+def reason_against_pressure_dependent_friction(brake: "Brake", what: str) -> str | None:
     """Why a computation does not apply if friction depends on the pressure; None if it does not.
 
     `what` names the computation in the text.
     """
-    key = key_of_friction_over_pressure(brake)
+    key = key_of_pressure_dependent_friction(brake)
     return None if key is None else f"{key}: {what} takes no friction that depends on the pressure"
 
 
-def require_friction_without_pressure(brake: "Brake", what: str) -> None:
+def require_friction_independent_of_pressure(brake: "Brake", what: str) -> None:
     """Raise BadInput if friction depends on the pressure; `what` names the computation."""
-    reason = reason_if_friction_depends_on_pressure(brake, what)
+    reason = reason_against_pressure_dependent_friction(brake, what)
     if reason is not None:
         raise BadInput(reason)
 
 
-def check_speed_of_friction_tables(brake: "Brake", key: str, given: bool) -> None:
+def check_friction_tables_have_sliding_speed(brake: "Brake", key: str, given: bool) -> None:
     """Raise ValueError if a friction table lacks a sliding speed, or if no table uses the speed.
 
     `key` is the key of the speed in the brake file, and `given` whether the brake has it.

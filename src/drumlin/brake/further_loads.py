@@ -58,7 +58,7 @@ class LoadsOfBrake(NamedTuple):
     gravity: tuple[float, float] = (0.0, 0.0)
     square_of_speed: float = 0.0
 
-    def acceleration_at_point(self, point: Floats) -> Floats:
+    def gravity_and_rotation_force_per_mass_at_point(self, point: Floats) -> Floats:
         """Force (2,) per mass [m/s^2] of gravity and rotation on a mass at a point (2,) [m]."""
         return np.array(self.gravity) + self.square_of_speed * point
 
@@ -109,7 +109,7 @@ class Spring(Part):
     rate: Annotated[SpringRate, Field(ge=0)] = 0.0
 
     @model_validator(mode="after")
-    def _check_ends_differ(self) -> Self:
+    def _check_spring_ends_differ(self) -> Self:
         """Raise ValueError for a spring without length, or from a shoe to the same shoe."""
         if self.to == self.shoe:
             raise ValueError(f"to = {self.to!r}: must be another shoe; leave it out for the frame")
@@ -118,17 +118,17 @@ class Spring(Part):
         return self
 
     @property
-    def direction_from_point_to_end(self) -> Floats:
+    def unit_vector_along_spring_to_its_end(self) -> Floats:
         """Unit vector (2,) from the point to the end, the direction of a pull on `shoe`."""
         along = self.end.xy - self.point.xy
         return np.asarray(along / np.linalg.norm(along))
 
-    def force_on_shoe(self, name: str, pull: float) -> ForceAtPoint | None:
+    def spring_or_lever_force_on_shoe(self, name: str, pull: float) -> ForceAtPoint | None:
         """The spring's force on the shoe `name` by a pull [N]; None if it joins other shoes."""
         if name not in (self.shoe, self.to):
             return None
         sign, at = (1, self.point) if name == self.shoe else (-1, self.end)
-        return force_at_point(sign * pull * self.direction_from_point_to_end, at.xy)
+        return make_force_at_point(sign * pull * self.unit_vector_along_spring_to_its_end, at.xy)
 
 
 class Lever(ShoeForce):
@@ -150,48 +150,48 @@ class Lever(ShoeForce):
     end: Place
 
     @model_validator(mode="after")
-    def _check_strut_pushes(self) -> Self:
+    def _check_strut_of_lever_pushes(self) -> Self:
         """Raise ValueError for a lever on its own shoe, or one whose strut would have to pull."""
         if self.to == self.shoe:
             raise ValueError(f"to = {self.to!r}: must be another shoe")
         if math.dist(self.strut.xy, self.end.xy) == 0:
             raise ValueError("end: must not be the strut's point on the lever")
-        if not self.strut_force > 0:
+        if not self.pushing_force_of_strut > 0:
             raise ValueError("force: turns the lever away from its strut, which can only push")
         return self
 
     @property
-    def _direction_of_strut(self) -> Floats:
+    def _unit_vector_along_strut(self) -> Floats:
         """Unit vector (2,) from the lever along the strut to the shoe that the strut pushes."""
         along = self.end.xy - self.strut.xy
         return np.asarray(along / np.linalg.norm(along))
 
     @property
-    def strut_force(self) -> float:
+    def pushing_force_of_strut(self) -> float:
         """Force [N] by which the strut pushes; negative if it would have to pull.
 
         The moments of the cable and of the strut about the lever's pin balance. The force is nan if
         the strut points at the pin.
         """
-        arm, along = self.strut.xy - self.pivot.xy, self._direction_of_strut
+        arm, along = self.strut.xy - self.pivot.xy, self._unit_vector_along_strut
         per_newton = float(arm[0] * along[1] - arm[1] * along[0])
         about_pin = self.moment_of_force_about_point(self.pivot)
         return about_pin / per_newton if per_newton else math.nan
 
-    def force_on_shoe(self, name: str) -> ForceAtPoint | None:
+    def spring_or_lever_force_on_shoe(self, name: str) -> ForceAtPoint | None:
         """The force of lever or strut on the shoe `name`; None if they touch another shoe."""
-        strut = self.strut_force * self._direction_of_strut
+        strut = self.pushing_force_of_strut * self._unit_vector_along_strut
         if name == self.shoe:
-            return force_at_point(self.force_vector - strut, self.pivot.xy)
-        return force_at_point(strut, self.end.xy) if name == self.to else None
+            return make_force_at_point(self.force_vector - strut, self.pivot.xy)
+        return make_force_at_point(strut, self.end.xy) if name == self.to else None
 
 
-def force_at_point(force: Floats, point: Floats) -> ForceAtPoint:
+def make_force_at_point(force: Floats, point: Floats) -> ForceAtPoint:
     """Make a ForceAtPoint from the arrays of a force (2,) [N] and of its point (2,) [m]."""
     return ForceAtPoint((float(force[0]), float(force[1])), (float(point[0]), float(point[1])))
 
 
-def brake_with_spring_pulls(brake: Any, pulls: Sequence[float] | None = None) -> Any:
+def brake_with_loads_assigned_to_shoes(brake: Any, pulls: Sequence[float] | None = None) -> Any:
     """Return a copy of the brake that tells each shoe its springs, levers, weight and rotation.
 
     Parameters
@@ -204,7 +204,7 @@ def brake_with_spring_pulls(brake: Any, pulls: Sequence[float] | None = None) ->
     ValueError
         for a spring at a shoe that does not exist, or for a weight or a speed without masses
     """
-    _check_keys_of_brake_loads(brake)
+    _check_loads_have_known_shoes_and_masses(brake)
     if pulls is None:
         pulls = [spring.preload for spring in brake.springs]
     gravity = brake.gravity and brake.gravity.acceleration * np.array(
@@ -213,17 +213,17 @@ def brake_with_spring_pulls(brake: Any, pulls: Sequence[float] | None = None) ->
     shoes = []
     for shoe in brake.shoes:
         acting = [
-            spring.force_on_shoe(shoe.name, pull)
+            spring.spring_or_lever_force_on_shoe(shoe.name, pull)
             for spring, pull in zip(brake.springs, pulls, strict=True)
         ]
-        acting += [lever.force_on_shoe(shoe.name) for lever in brake.levers]
+        acting += [lever.spring_or_lever_force_on_shoe(shoe.name) for lever in brake.levers]
         loads = LoadsOfBrake(tuple(force for force in acting if force is not None))
         if shoe.mass is not None:
             loads = loads._replace(
                 gravity=(0.0, 0.0) if gravity is None else tuple(gravity.tolist()),
                 square_of_speed=(brake.shoe_speed or 0.0) ** 2,
             )
-        shoes.append(shoe.shoe_with_loads_of_brake(loads))
+        shoes.append(shoe.shoe_with_spring_lever_and_mass_loads(loads))
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
@@ -238,19 +238,19 @@ def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> A
         spring.model_copy(update={"preload": pull, "rate": 0.0})
         for spring, pull in zip(brake.springs, pulls, strict=True)
     )
-    return brake_with_spring_pulls(brake.model_copy(update={"springs": springs}))
+    return brake_with_loads_assigned_to_shoes(brake.model_copy(update={"springs": springs}))
 
 
-def brake_with_loads_at_actuation(brake: Any) -> Any:
+def brake_with_all_loads_moved_to_actuation(brake: Any) -> Any:
     """A copy of the brake in which all loads of a shoe act on the nodes that the actuation loads.
 
     This holds for finite elements. Elements in three dimensions can load no other nodes.
     """
-    shoes = tuple(shoe.shoe_with_loads_at_actuation() for shoe in brake.shoes)
+    shoes = tuple(shoe.shoe_with_all_loads_moved_to_actuation() for shoe in brake.shoes)
     return brake.model_copy(update={"shoes": shoes})
 
 
-def _check_keys_of_brake_loads(brake: Any) -> None:
+def _check_loads_have_known_shoes_and_masses(brake: Any) -> None:
     """Raise ValueError for a spring at an unknown shoe, or for gravity or speed without a mass."""
     names = [shoe.name for shoe in brake.shoes]
     for part, each in (("spring", brake.springs), ("lever", brake.levers)):
@@ -272,16 +272,16 @@ def _check_keys_of_brake_loads(brake: Any) -> None:
                 )
 
 
-def reason_if_shoe_has_further_loads(brake: Any, what: str) -> str | None:
+def reason_against_loads_besides_actuation(brake: Any, what: str) -> str | None:
     """Why a computation that takes actuation forces only does not apply; None if it applies.
 
     `what` names the computation in the text. The text also names the first key of another load.
     """
-    key = first_key_of_further_loads(brake)
+    key = first_key_of_loads_besides_actuation(brake)
     return None if key is None else f"{key}: {what} takes forces of the actuation only"
 
 
-def first_key_of_further_loads(brake: Any) -> str | None:
+def first_key_of_loads_besides_actuation(brake: Any) -> str | None:
     """The first key by which a brake has loads besides its actuation; None for no such load."""
     for i, shoe in enumerate(brake.shoes):
         if shoe.forces:
@@ -291,7 +291,7 @@ def first_key_of_further_loads(brake: Any) -> str | None:
     return next((key for key in ("gravity", "shoe_speed") if getattr(brake, key) is not None), None)
 
 
-def require_springs_of_constant_pull(brake: Any, what: str) -> None:
+def require_springs_with_constant_pull(brake: Any, what: str) -> None:
     """Raise BadInput if a spring of the brake has a rate; `what` names the computation."""
     for i, spring in enumerate(brake.springs):
         if spring.rate > 0:

@@ -53,7 +53,7 @@ class HeatedLayer(NamedTuple):
         material: AnyMaterial | None = self.part.material
         return material
 
-    def free_strains_at_depths(self, depth: Any) -> Any:
+    def free_thermal_strains_at_depths(self, depth: Any) -> Any:
         """Free strains (2, ...) along and through the layer at depths (...) [m] in the shoe."""
         rise = np.interp(depth, self.depths, temperature_rises_at_both_faces(self.part))
         material = self.material
@@ -119,7 +119,7 @@ def check_heated_drum_can_expand(drum: Drum) -> None:
         raise ValueError(
             f"drum.temperature_rise = {near:g} K: the growth of an orthotropic ring is not modelled"
         )
-    if _expansion_of_drum(drum) is None:
+    if _thermal_expansion_coefficient_of_drum(drum) is None:
         raise ValueError(
             f'drum.temperature_rise = {near:g} K: needs drum.expansion, such as "11e-6 1/K"'
         )
@@ -130,7 +130,7 @@ def _ring_material(ring: Ring | None) -> AnyMaterial | None:
     return None if ring is None else ring.material
 
 
-def _expansion_of_drum(drum: Drum) -> float | None:
+def _thermal_expansion_coefficient_of_drum(drum: Drum) -> float | None:
     """Thermal expansion of the drum [1/K]: its own value, or that of its ring's material."""
     material = _ring_material(drum.ring)
     if drum.expansion is None and material is not None:
@@ -156,7 +156,7 @@ def radial_growth_of_heated_drum(drum: Drum, sign: int) -> float:
     """
     if not is_part_heated(drum):
         return 0.0
-    alpha, R = _expansion_of_drum(drum), drum.radius
+    alpha, R = _thermal_expansion_coefficient_of_drum(drum), drum.radius
     near, far = temperature_rises_at_both_faces(drum)
     # `check_heated_drum_can_expand` has refused a heated drum without the coefficient.
     assert alpha is not None
@@ -179,7 +179,7 @@ def radial_growth_of_heated_drum(drum: Drum, sign: int) -> float:
     return float(C_1 * R + C_2 / R)
 
 
-def brake_with_heat_in_parts(brake: "Brake", keys: Collection[str]) -> "Brake":
+def brake_with_heat_only_in_given_parts(brake: "Brake", keys: Collection[str]) -> "Brake":
     """A copy of a brake in which only some parts keep their heat.
 
     All other parts are as warm as when they were made.
@@ -196,10 +196,15 @@ def brake_with_heat_in_parts(brake: "Brake", keys: Collection[str]) -> "Brake":
         parts = {}
         for layer in heated_layers_of_shoe(shoe):
             if layer.key not in keys:
-                # If the shoe has several linings, `copy_with` removes the heat of each.
+                # If the shoe has several linings, `copy_of_lining_with_changed_fields` removes the
+                # heat of each.
                 part = layer.part
                 is_lining = isinstance(part, Lining)
-                changed = part.copy_with(cold) if is_lining else part.model_copy(update=cold)
+                changed = (
+                    part.copy_of_lining_with_changed_fields(cold)
+                    if is_lining
+                    else part.model_copy(update=cold)
+                )
                 parts[layer.key] = changed
         shoes.append(shoe.model_copy(update=parts))
     changes: dict[str, Any] = {"shoes": tuple(shoes)}
@@ -221,7 +226,7 @@ def names_of_heated_parts(brake: "Brake") -> list[str]:
     ]
 
 
-def note_on_heat(brake: "Brake") -> str | None:
+def note_on_heated_parts_of_brake(brake: "Brake") -> str | None:
     """Note on the heated parts and the drum's growth, for results that include heat.
 
     It is None for a brake without heated parts.
@@ -236,7 +241,7 @@ def note_on_heat(brake: "Brake") -> str | None:
     return line
 
 
-def warning_on_heat_left_out(brake: "Brake") -> str | None:
+def warning_that_law_neglects_heat(brake: "Brake") -> str | None:
     """Warning that names the heated parts, for results of closed-form laws, which neglect heat.
 
     It is None for a brake without heated parts.

@@ -86,7 +86,7 @@ def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
         for shoe in ends:
             assert shoe.abutment is not None
             on_strut.add(shoe.name)
-            push = _unit_push(shoe.abutment.point, shoe.abutment.direction)
+            push = _force_of_one_newton_at_point(shoe.abutment.point, shoe.abutment.direction)
             sides.append(SideOfSupport(numbers[shoe.name], push))
         name = f"the strut from {link.source!r} to {link.to!r}"
         found.append(OneSidedSupport(name, tuple(sides), 0.0))
@@ -94,12 +94,12 @@ def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
         if not shoe.anchors:
             continue
         if shoe.abutment is not None and shoe.name not in on_strut:
-            push = _unit_push(shoe.abutment.point, shoe.abutment.direction)
+            push = _force_of_one_newton_at_point(shoe.abutment.point, shoe.abutment.direction)
             side = SideOfSupport(i, push)
             found.append(OneSidedSupport(f"the abutment of {shoe.name!r}", (side,), 0.0))
         for j, anchor in enumerate(shoe.anchors):
             number = f" {j + 1}" if len(shoe.anchors) > 1 else ""
-            side = SideOfSupport(i, _unit_push(anchor.point, anchor.direction))
+            side = SideOfSupport(i, _force_of_one_newton_at_point(anchor.point, anchor.direction))
             name = f"anchor{number} of {shoe.name!r}"
             found.append(OneSidedSupport(name, (side,), anchor.clearance))
     return tuple(found)
@@ -123,7 +123,7 @@ def groups_of_shoes_on_anchors(brake: Brake) -> list[tuple[int, ...]]:
     return groups
 
 
-def pushes_of_one_sided_supports_on_shoe(brake: Brake, name: str) -> list[Actuation]:
+def unit_forces_of_one_sided_supports_on_shoe(brake: Brake, name: str) -> list[Actuation]:
     """Forces of 1 N of the one-sided supports on the shoe `name`, in the supports' order."""
     found = []
     for support in one_sided_supports_of_brake(brake):
@@ -131,7 +131,7 @@ def pushes_of_one_sided_supports_on_shoe(brake: Brake, name: str) -> list[Actuat
     return found
 
 
-def _unit_push(point: Point, direction: float) -> Actuation:
+def _force_of_one_newton_at_point(point: Point, direction: float) -> Actuation:
     """A force of 1 N at a point in a direction [rad]."""
     return Actuation(force=1.0, direction=direction, point=point)
 
@@ -150,7 +150,7 @@ Bearing = tuple[bool, ...]
 """Whether each one-sided support bears on its shoes, in the order of the supports."""
 
 
-def possible_bearings(count: int, first: Bearing = ()) -> Iterator[Bearing]:
+def choices_of_supports_that_bear(count: int, first: Bearing = ()) -> Iterator[Bearing]:
     """Yield every choice of which of `count` supports bear, `first` before all others.
 
     Each choice comes once, so that a search among them ends.
@@ -162,7 +162,7 @@ def possible_bearings(count: int, first: Bearing = ()) -> Iterator[Bearing]:
             yield bearing
 
 
-def forces_of_supports_on_shoe(
+def forces_of_one_sided_supports_on_shoe(
     supports: Sequence[OneSidedSupport], forces: Floats, shoe: int
 ) -> tuple[SupportForce, ...]:
     """The forces of the supports on which a shoe bears or could bear.
@@ -179,13 +179,13 @@ def forces_of_supports_on_shoe(
     return tuple(found)
 
 
-def work_of_push_in_motions(shoe: Held, push: Actuation) -> Floats:
+def work_of_support_push_in_rigid_body_modes(shoe: Held, push: Actuation) -> Floats:
     """The work (k,) of a push on the rigid-body modes of a shoe.
 
     For a push of 1 N it is also the opening of the support that pushes, per unit of each mode.
     """
     return work_of_force_in_rigid_body_motions(
-        shoe.freedoms().motions, push.force_vector, push.point.xy
+        shoe.rigid_body_modes_of_support().motions, push.force_vector, push.point.xy
     )
 
 
@@ -204,7 +204,7 @@ class HeldMotions(NamedTuple):
     held: Floats
 
 
-def divide_motions_by_supports(opening: Floats, sizes: Floats) -> HeldMotions | None:
+def divide_motions_into_held_and_free(opening: Floats, sizes: Floats) -> HeldMotions | None:
     """Divide k rigid-body motions into c held by bearing supports and k - c that are left free.
 
     The result is None if a support is redundant: then c supports hold fewer than c motions.
@@ -226,7 +226,7 @@ def divide_motions_by_supports(opening: Floats, sizes: Floats) -> HeldMotions | 
     return HeldMotions(sizes[:, None] * right[count:].T, held)
 
 
-def are_motions_resisted(closing: Floats, scale: float) -> bool:
+def do_linings_resist_free_motions(closing: Floats, scale: float) -> bool:
     """Whether the linings resist every motion that the bearing supports leave free.
 
     A motion that closes no gap, such as a turn about the drum's centre, must be held by a support.
@@ -250,7 +250,7 @@ def require_no_shoe_on_anchors(brake: Brake, what: str) -> None:
             )
 
 
-def names_of_bearing_supports(supports: Sequence[OneSidedSupport], bearing: Bearing) -> str:
+def names_of_supports_that_bear(supports: Sequence[OneSidedSupport], bearing: Bearing) -> str:
     """The names of the supports that bear, as a text; "none" if no support bears."""
     names = [support.name for support, bears in zip(supports, bearing, strict=True) if bears]
     return ", ".join(names) or "none"

@@ -59,18 +59,18 @@ class Move(NamedTuple):
     point: Callable[[Point], Point]
 
 
-def move_around_drum(angle: float) -> Move:
+def rotation_about_drum_centre(angle: float) -> Move:
     """The motion of a shoe that turns about the drum's centre by an angle [rad]."""
     c, s = math.cos(angle), math.sin(angle)
     return Move(angle, angle, lambda p: Point(x=c * p.x - s * p.y, y=s * p.x + c * p.y))
 
 
-def move_along_plane(length: float) -> Move:
+def translation_along_plane(length: float) -> Move:
     """The motion of a shoe that moves along the plane by a length [m]."""
     return Move(0.0, length, lambda p: Point(x=p.x + length, y=p.y))
 
 
-def moved_part(part: Any, move: Move) -> Any:
+def copy_of_part_after_motion(part: Any, move: Move) -> Any:
     """A copy of a shoe or of a part of it, with all its places and directions moved.
 
     The offset of a misfit is a vector: it turns with a shoe on a drum, and is the same for each
@@ -89,13 +89,13 @@ def moved_part(part: Any, move: Move) -> Any:
         elif name in ROWS_ALONG_SURFACE and isinstance(value, tuple):
             changes[name] = tuple((place + move.along, size) for place, size in value)
         elif isinstance(value, Part):
-            changes[name] = moved_part(value, move)
+            changes[name] = copy_of_part_after_motion(value, move)
         elif isinstance(value, tuple) and all(isinstance(item, Part) for item in value):
-            changes[name] = tuple(moved_part(item, move) for item in value)
+            changes[name] = tuple(copy_of_part_after_motion(item, move) for item in value)
     return part.model_copy(update=changes)
 
 
-def data_with_repeated_shoes(
+def brake_data_with_patterned_shoes_repeated(
     data: object, kind: type[Any], move: Callable[[float], Move], info: ValidationInfo
 ) -> object:
     """Return the data of a brake with several shoes in place of each shoe with a pattern.
@@ -125,26 +125,26 @@ def data_with_repeated_shoes(
     springs = data.get("spring", ())
     for i, own in enumerate(shoes):
         repeats = isinstance(own, Mapping) and own.get("pattern") is not None
-        first = _valid_part_or_none(kind, own, info) if repeats else None
+        first = _brake_part_from_data_or_none(kind, own, info) if repeats else None
         if first is None:
             found.append(own)
             continue
-        copies = _repeated_shoes(f"shoe[{i}]", first, move)
+        copies = _copies_of_shoe_with_pattern(f"shoe[{i}]", first, move)
         found += copies
-        springs = _springs_of_repeated_shoe(springs, first, move, info)
+        springs = _springs_copied_with_repeated_shoe(springs, first, move, info)
         if first.pattern.linked:
             names = [shoe.name for shoe in copies]
             links += [{"from": a, "to": b} for a, b in pairwise(names)]
     changed: dict[str, Any] = {"shoe": found}
     given = data.get("link", ())
     if links and isinstance(given, list | tuple):
-        changed["link"] = _links_from_first_to_last([*given, *links])
+        changed["link"] = _links_in_order_of_pushing([*given, *links])
     if springs:
         changed["spring"] = springs
     return {**data, **changed}
 
 
-def _valid_part_or_none(kind: type[Any], data: object, info: ValidationInfo) -> Any:
+def _brake_part_from_data_or_none(kind: type[Any], data: object, info: ValidationInfo) -> Any:
     """The part that data describe; None for wrong data, whose error is reported later.
 
     Parameters
@@ -159,14 +159,14 @@ def _valid_part_or_none(kind: type[Any], data: object, info: ValidationInfo) -> 
         return None
 
 
-def _springs_of_repeated_shoe(
+def _springs_copied_with_repeated_shoe(
     springs: Any, first: Any, move: Callable[[float], Move], info: ValidationInfo
 ) -> Any:
     """The springs of a brake, with a copy for each copy of a shoe that a spring ties to the frame.
 
     Data that are no list of springs are not changed. A spring to another shoe is not repeated: it
     must name one of the copies. `first` is the shoe with the pattern, the other parameters are as
-    in `data_with_repeated_shoes`.
+    in `brake_data_with_patterned_shoes_repeated`.
     """
     if not isinstance(springs, list | tuple):
         return springs
@@ -174,17 +174,17 @@ def _springs_of_repeated_shoe(
     for own in springs:
         to_frame = isinstance(own, Mapping) and own.get("to") is None
         of_shoe = to_frame and own.get("shoe") == first.name
-        spring = _valid_part_or_none(Spring, own, info) if of_shoe else None
+        spring = _brake_part_from_data_or_none(Spring, own, info) if of_shoe else None
         if spring is None:
             found.append(own)
             continue
         for number in range(first.pattern.count):
-            moved = moved_part(spring, move(number * first.pattern.step))
+            moved = copy_of_part_after_motion(spring, move(number * first.pattern.step))
             found.append(moved.model_copy(update={"shoe": f"{first.name} {number + 1}"}))
     return found
 
 
-def _repeated_shoes(key: str, first: Any, move: Callable[[float], Move]) -> list[Any]:
+def _copies_of_shoe_with_pattern(key: str, first: Any, move: Callable[[float], Move]) -> list[Any]:
     """The copies of `first`, a shoe with a pattern; `key` is its key in messages.
 
     Raises ValueError for a mesh file in the brake's coordinates, which would not move with a shoe,
@@ -197,7 +197,7 @@ def _repeated_shoes(key: str, first: Any, move: Callable[[float], Move]) -> list
         raise ValueError(f"{key}.pattern.linked: each shoe bears on the next by an abutment")
     shoes = []
     for number in range(pattern.count):
-        shoe = moved_part(first, move(number * pattern.step))
+        shoe = copy_of_part_after_motion(first, move(number * pattern.step))
         changes = {"name": f"{first.name} {number + 1}", "pattern": None}
         if pattern.linked and number > 0:
             changes["actuation"] = type(first).model_fields["actuation"].default
@@ -208,7 +208,7 @@ def _repeated_shoes(key: str, first: Any, move: Callable[[float], Move]) -> list
     return shoes
 
 
-def _links_from_first_to_last(links: list[Any]) -> list[Any]:
+def _links_in_order_of_pushing(links: list[Any]) -> list[Any]:
     """Sort links so that every shoe is pushed by a link before it pushes another shoe.
 
     Links that are no tables, or that form a closed ring, come last in their given order.

@@ -25,8 +25,8 @@ from drumlin.brake.components import (
     Lining,
     Misfit,
 )
-from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive
-from drumlin.brake.drum_brake import DrumBrake, check_abutment_has_no_grip
+from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive_and_struts
+from drumlin.brake.drum_brake import DrumBrake, check_shoe_on_abutment_has_no_grip
 from drumlin.brake.fields import (
     AnyMaterial,
     Length,
@@ -43,16 +43,20 @@ from drumlin.brake.fields import (
     validator_of_table_with_growing_coordinates,
 )
 from drumlin.brake.file import (
-    make_validated_part,
+    make_validated_brake_part,
     parse_text_of_brake_file,
     read_data_of_brake_file,
 )
-from drumlin.brake.friction import FrictionOrTable, check_speed_of_friction_tables
-from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_spring_pulls
+from drumlin.brake.friction import FrictionOrTable, check_friction_tables_have_sliding_speed
+from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_loads_assigned_to_shoes
 from drumlin.brake.heat import check_heated_shoes_can_expand
 from drumlin.brake.off_circle import gap_of_pad_ground_to_circle
-from drumlin.brake.pattern import FlatPattern, data_with_repeated_shoes, move_along_plane
-from drumlin.brake.support import check_motions_close_gap_differently
+from drumlin.brake.pattern import (
+    FlatPattern,
+    brake_data_with_patterned_shoes_repeated,
+    translation_along_plane,
+)
+from drumlin.brake.support import check_rigid_body_modes_close_gap_differently
 from drumlin.brake.surface import PLANE
 from drumlin.brake.units import deg_text, mm_text
 
@@ -150,15 +154,15 @@ class FlatFrame(ShoeFrame):
     lining, and the height above the plane.
     """
 
-    def convert_to_brake_frame(self, vectors: Floats) -> Floats:
+    def convert_vectors_to_brake_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the shoe to the frame of the brake."""
         # If the lining lies towards -x from the pin, the frame of the shoe is mirrored.
         return np.asarray(vectors) * np.array([float(self.sense), 1.0])
 
-    def convert_to_shoe_frame(self, vectors: Floats) -> Floats:
+    def convert_vectors_to_shoe_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the brake to the frame of the shoe."""
         # Mirroring is its own inverse.
-        return self.convert_to_brake_frame(vectors)
+        return self.convert_vectors_to_brake_frame(vectors)
 
 
 class FlatShoe(Shoe):
@@ -195,7 +199,7 @@ class FlatShoe(Shoe):
         """Size [m] of the brake of this shoe; for a shoe without a brake its lining's length."""
         return self.lining.end - self.lining.start if self._size is None else self._size
 
-    def shoe_in_brake_of_size(self, size: float) -> Self:
+    def copy_of_shoe_for_brake_of_size(self, size: float) -> Self:
         """A copy of the shoe that belongs to a brake of this size [m]."""
         shoe = self.model_copy()
         shoe._size = size
@@ -208,30 +212,32 @@ class FlatShoe(Shoe):
         return FlatFrame(self.pin.x, sense, self.size)
 
     @property
-    def pin_in_shoe_frame(self) -> Floats:
+    def pin_position_in_shoe_frame(self) -> Floats:
         """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
         return np.array([0.0, self.pin.y])
 
     def convert_points_to_shoe_frame(self, xy: Floats) -> Floats:
         """Convert points (..., 2) [m] from the frame of the brake to the frame of the shoe."""
-        return self.frame.convert_to_shoe_frame(np.asarray(xy) - np.array([self.pin.x, 0.0]))
+        return self.frame.convert_vectors_to_shoe_frame(
+            np.asarray(xy) - np.array([self.pin.x, 0.0])
+        )
 
-    def points(self, xy: Floats) -> Floats:
+    def convert_points_to_brake_frame(self, xy: Floats) -> Floats:
         """Convert points (2, n) [m] from the frame of the shoe to the frame of the brake."""
         return np.array([self.pin.x + self.frame.sense * xy[0], xy[1]])
 
-    def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
+    def points_at_depth_and_coordinate_phi(self, depth: Floats, phi: Floats, size: float) -> Floats:
         """Points (2, ...) [m] at a height `depth` [m] above the plane and a coordinate phi.
 
         The points are in the frame of the shoe; `size` [m] is the length of phi = 1.
         """
         return np.stack(np.broadcast_arrays(size * phi, depth))
 
-    def off(self, xy: Floats, size: float) -> Floats:
+    def distance_from_friction_surface(self, xy: Floats, size: float) -> Floats:
         """Height [m] above the plane of points (2, ...) [m] that are in the frame of the shoe."""
         return np.asarray(xy[1])
 
-    def phi_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
+    def surface_coordinates_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
         """Coordinate phi of points (2, ...) [m] that are in the frame of the shoe.
 
         `size` [m] is the length of phi = 1.
@@ -242,16 +248,16 @@ class FlatShoe(Shoe):
         """Coordinate x [m] of a point, which is its coordinate along the plane."""
         return point.x
 
-    def back(self, size: float) -> float:
+    def length_along_shoe_back_per_unit_of_phi(self, size: float) -> float:
         """Length [m] along the back of the shoe's body per unit of phi."""
         return size
 
     @property
-    def closing(self) -> float:
+    def direction_in_which_lining_middle_closes_gap(self) -> float:
         """Direction [rad] in which a lining moves straight towards the plane: -90 deg."""
         return -math.pi / 2
 
-    def gap_due_to_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
+    def gap_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a face that is ground to a circle, at the coordinates x [m], same shape."""
         misfit = self.lining.misfit
         return gap_of_pad_ground_to_circle(misfit.radius, misfit.offset, theta - self.lining.middle)
@@ -317,9 +323,11 @@ class FlatBrake(Brake):
 
     @model_validator(mode="before")
     @classmethod
-    def _repeat_shoes_with_pattern(cls, data: object, info: ValidationInfo) -> object:
+    def _repeat_shoes_that_have_pattern(cls, data: object, info: ValidationInfo) -> object:
         """Return the data with several shoes in place of each shoe that has a pattern."""
-        return data_with_repeated_shoes(data, FlatShoe, move_along_plane, info)
+        return brake_data_with_patterned_shoes_repeated(
+            data, FlatShoe, translation_along_plane, info
+        )
 
     @model_validator(mode="after")
     def _check_shoes_and_set_drive_forces(self, info: ValidationInfo) -> Self:
@@ -328,26 +336,26 @@ class FlatBrake(Brake):
         Returns the brake with these forces. Raises ValueError if the parts do not fit together.
         """
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
-        check_speed_of_friction_tables(self, "plane.speed", self.plane.speed is not None)
-        self.check_friction_of_brake_scales_linings()
+        check_friction_tables_have_sliding_speed(self, "plane.speed", self.plane.speed is not None)
+        self.check_brake_has_friction_if_lining_has()
         # `unit_required` is set for data of a file, which need units, and not for a program's data.
         from_file = bool((info.context or {}).get("unit_required"))
-        shoes = shoes_with_forces_of_drive(self, file=from_file)
+        shoes = shoes_with_forces_of_drive_and_struts(self, file=from_file)
         # The length of the first lining is the size of the brake, which all its shoes must know.
         size = shoes[0].lining.end - shoes[0].lining.start
-        shoes = tuple(shoe.shoe_in_brake_of_size(size) for shoe in shoes)
+        shoes = tuple(shoe.copy_of_shoe_for_brake_of_size(size) for shoe in shoes)
         check_heated_shoes_can_expand(shoes)
         for i, shoe in enumerate(shoes):
-            check_abutment_has_no_grip(f"shoe[{i}]", shoe)
+            check_shoe_on_abutment_has_no_grip(f"shoe[{i}]", shoe)
             # Translations along y and turns close the gap to a plane, translations along x do not.
-            check_motions_close_gap_differently(f"shoe[{i}]", shoe, slice(1, 3))
+            check_rigid_body_modes_close_gap_differently(f"shoe[{i}]", shoe, slice(1, 3))
             if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
                 shown = f"shoe[{i}].guide.direction = {deg_text(shoe.guide.direction)}"
                 raise ValueError(f"{shown}: must lead to the plane, not along it")
-        return brake_with_spring_pulls(self.model_copy(update={"shoes": shoes}))
+        return brake_with_loads_assigned_to_shoes(self.model_copy(update={"shoes": shoes}))
 
 
-def make_brake_from_data(
+def make_drum_or_plane_brake_from_data(
     data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> Brake:
     """Make a brake from the nested data of a brake file.
@@ -361,7 +369,7 @@ def make_brake_from_data(
     unit_required : whether numbers without unit are refused; otherwise they count as SI
     base : folder from which relative paths of mesh files start
     """
-    return make_validated_part(
+    return make_validated_brake_part(
         Brake.brake_class_for_file_data(data), data, unit_required=unit_required, base=base
     )
 
@@ -393,12 +401,12 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
     path = Path(path)
     data = read_data_of_brake_file(path) if text is None else parse_text_of_brake_file(text, path)
     try:
-        return make_brake_from_data(data, unit_required=True, base=path.parent)
+        return make_drum_or_plane_brake_from_data(data, unit_required=True, base=path.parent)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 
 
-def read_brake_file_with_drum(path: Path, what: str, text: str | None = None) -> Brake:
+def read_brake_that_must_be_on_drum(path: Path, what: str, text: str | None = None) -> Brake:
     """Read a brake from a TOML file and require that it is a brake on a drum.
 
     `text` is the content of the file if it has been read already. Raises BadInput as `read_any`

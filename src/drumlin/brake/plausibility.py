@@ -79,7 +79,7 @@ Wheel cylinders have some 1 to 20 MPa, and brakes worked by vacuum 5e4 Pa.
 """
 
 
-def notes_on_values_that_can_hardly_be_meant(brake: Brake) -> tuple[str, ...]:
+def notes_on_implausible_brake_values(brake: Brake) -> tuple[str, ...]:
     """A line of text for each value of a brake that is probably a mistake, with the likely value.
 
     Each line begins with "note:" and names the key of the brake file.
@@ -91,17 +91,17 @@ def notes_on_values_that_can_hardly_be_meant(brake: Brake) -> tuple[str, ...]:
     # If the drum's radius itself is probably a mistake, no length is compared with it.
     on_drum = list(_notes_on_unusual_drum_radius(brake))
     lines += on_drum or _notes_on_far_points(brake, size)
-    for value in _quantities_of_part(brake, ""):
+    for value in _quantities_of_brake_part(brake, ""):
         lines += [] if on_drum else _notes_on_unusual_length(value, brake, size)
         lines += [
             *_notes_on_angle_of_many_turns(value),
             *_notes_on_unit_of_modulus_or_pressure(value),
         ]
         lines += _notes_on_temperature_or_expansion(value)
-    return tuple(f"note: {line}" for line in _notes_merged_over_shoes(lines))
+    return tuple(f"note: {line}" for line in _merge_equal_notes_on_several_shoes(lines))
 
 
-def _notes_merged_over_shoes(lines: list[str]) -> Iterator[str]:
+def _merge_equal_notes_on_several_shoes(lines: list[str]) -> Iterator[str]:
     """Yield one line, with a count, for lines that differ in the index of the shoe alone."""
     counts: dict[str, int] = {}
     firsts: dict[str, str] = {}
@@ -128,7 +128,7 @@ class _Quantity(NamedTuple):
         return self.key.rpartition(".")[2]
 
 
-def _quantities_of_part(part: Part, key: str) -> Iterator[_Quantity]:
+def _quantities_of_brake_part(part: Part, key: str) -> Iterator[_Quantity]:
     """Yield the quantities of a part and of the parts within it, without tables of quantities.
 
     `key` is the key of the part itself, "" for the brake.
@@ -136,17 +136,17 @@ def _quantities_of_part(part: Part, key: str) -> Iterator[_Quantity]:
     for name, field in type(part).model_fields.items():
         value, below = getattr(part, name), f"{key}.{field.alias or name}".removeprefix(".")
         if isinstance(value, Part):
-            yield from _quantities_of_part(value, below)
+            yield from _quantities_of_brake_part(value, below)
         elif isinstance(value, tuple):
             for i, each in enumerate(value):
                 if isinstance(each, Part):
-                    yield from _quantities_of_part(each, f"{below}[{i}]")
+                    yield from _quantities_of_brake_part(each, f"{below}[{i}]")
         elif isinstance(value, float):
-            yield _Quantity(below, part, _si_unit_of_field(type(part), name), value)
+            yield _Quantity(below, part, _si_unit_of_part_field(type(part), name), value)
 
 
 @functools.cache
-def _si_unit_of_field(kind: type[Part], name: str) -> str:
+def _si_unit_of_part_field(kind: type[Part], name: str) -> str:
     """The SI unit of a field of a class of parts; "" for a number without unit."""
     field = kind.model_fields[name]
     annotation: Any = field.annotation
@@ -185,9 +185,9 @@ def _notes_on_unusual_drum_radius(brake: Brake) -> Iterator[str]:
 def _notes_on_far_points(brake: Brake, size: float) -> Iterator[str]:
     """Yield a note for each point of a support or load far from the drum or the linings."""
     for key, point in _points_of_supports_and_loads(brake):
-        away = 0.0 if point is None else _distance_from_surface_centre(brake, point)
+        away = 0.0 if point is None else _distance_from_drum_centre_or_nearest_pad(brake, point)
         if away > FAR_AWAY * size:
-            words = _words_for_size(brake, size)
+            words = _text_of_brake_size_with_its_key(brake, size)
             meant = _text_of_length_in_other_unit(away, small=False)
             yield (
                 f"{key} is {away:.4g} m away, {away / size:.3g} times {words}; "
@@ -219,14 +219,14 @@ def _points_of_supports_and_loads(brake: Brake) -> Iterator[tuple[str, Point | N
             yield from ((f"{part}[{j}].{name}", getattr(joint, name)) for name in names)
 
 
-def _distance_from_surface_centre(brake: Brake, point: Point) -> float:
+def _distance_from_drum_centre_or_nearest_pad(brake: Brake, point: Point) -> float:
     """Distance [m] of a point from the drum's centre, or from the nearest pad's middle."""
     if not brake.surface.is_plane_and_not_drum:
         return point.radius
     return min(math.dist(point.xy, (shoe.lining.middle, 0.0)) for shoe in brake.shoes)
 
 
-def _words_for_size(brake: Brake, size: float) -> str:
+def _text_of_brake_size_with_its_key(brake: Brake, size: float) -> str:
     """Words for the brake's size with its value, such as "drum.radius = 150 mm"."""
     name = "the lining's length" if brake.surface.is_plane_and_not_drum else "drum.radius"
     return f"{name} = {mm_text(size)}"
@@ -248,7 +248,7 @@ def _notes_on_unusual_length(value: _Quantity, brake: Brake, size: float) -> Ite
     least = {"thickness": THIN, "width": NARROW, "grip": THIN, "diameter": NARROW}.get(value.name)
     if least is None or value.unit != "m":
         return
-    words = _words_for_size(brake, size)
+    words = _text_of_brake_size_with_its_key(brake, size)
     if value.value > FAR_AWAY * size:
         yield (
             f"{value.key} = {value.value:.4g} m is {value.value / size:.3g} times {words}; "
@@ -268,9 +268,13 @@ def _notes_on_angle_of_many_turns(value: _Quantity) -> Iterator[str]:
     """
     if value.unit == "rad" and value.key != "drum.angle":
         yield from _note_if_angle_has_many_turns(value.key, value.value)
-    if isinstance(value.part, Point) and value.name == "x" and value.part.written_angle is not None:
+    if (
+        isinstance(value.part, Point)
+        and value.name == "x"
+        and value.part.angle_in_file_if_beyond_one_turn is not None
+    ):
         yield from _note_if_angle_has_many_turns(
-            f"{value.key.removesuffix('.x')}.angle", value.part.written_angle
+            f"{value.key.removesuffix('.x')}.angle", value.part.angle_in_file_if_beyond_one_turn
         )
 
 
@@ -294,12 +298,12 @@ def _notes_on_unit_of_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
     if value.value < low:
         yield (
             f"{value.key} = {number_as_text(value.value, '.4g')} Pa (N/m^2) is low for {what}; "
-            f"did you mean {_modulus_text(value.value * 1e6)} (N/mm^2)?"
+            f"did you mean {_text_in_mpa(value.value * 1e6)} (N/mm^2)?"
         )
     elif value.value > high:
         yield (
-            f"{value.key} = {_modulus_text(value.value)} (N/mm^2) is high for {what}; "
-            f"did you mean N/m^2, which gives {_modulus_text(value.value * 1e-6)}?"
+            f"{value.key} = {_text_in_mpa(value.value)} (N/mm^2) is high for {what}; "
+            f"did you mean N/m^2, which gives {_text_in_mpa(value.value * 1e-6)}?"
         )
 
 
@@ -314,7 +318,7 @@ def _notes_on_temperature_or_expansion(value: _Quantity) -> Iterator[str]:
         )
 
 
-def _modulus_text(modulus: float) -> str:
+def _text_in_mpa(modulus: float) -> str:
     """A modulus or a pressure [Pa] as text in MPa."""
     return f"{number_as_text(modulus * 1e-6, '.4g')} MPa"
 
@@ -328,11 +332,11 @@ def _notes_on_too_stiff_linings(brake: Brake) -> Iterator[str]:
         if body is None or shoe.lining.material is None:
             continue
         E_lining, E_body = shoe.lining.material.E_through, body.E_along
-        moduli = f"E = {_modulus_text(E_lining)} beside {_modulus_text(E_body)}"
+        moduli = f"E = {_text_in_mpa(E_lining)} beside {_text_in_mpa(E_body)}"
         if E_lining <= E_body or E_lining > STIFFEST_PART or E_body < SOFTEST_BODY:
             continue
         key = f"shoe[{i}].lining.material is stiffer than shoe[{i}].body.material, {moduli}"
         if softest_metal <= E_body <= stiffest_metal:
-            yield f"{key}; did you mean {_modulus_text(E_lining * 1e-3)}?"
+            yield f"{key}; did you mean {_text_in_mpa(E_lining * 1e-3)}?"
         elif softest_metal <= E_lining <= stiffest_metal and E_body <= STIFFEST_USUAL_LINING:
             yield f"{key}; were the two exchanged?"

@@ -9,7 +9,7 @@ refuse a ring in the same words.
 from drumlin.brake.brake import Brake
 
 
-def reason_if_ring_support_is_not_plain(brake: Brake, model: str) -> str | None:
+def reason_if_ring_edge_is_not_fixed_or_free(brake: Brake, model: str) -> str | None:
     """Why a model that takes plain rings only does not apply to a brake; None if it applies.
 
     `model` is the name of the model in the text.

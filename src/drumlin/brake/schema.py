@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 
-from drumlin.base.written_numbers import pure_number_as_written
+from drumlin.base.written_numbers import number_without_unit_from_text
 from drumlin.brake import fields
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.key_meanings import KEYS_OF_BRAKE_FILE, add_meanings_of_keys
@@ -49,7 +49,7 @@ class UnitSchema(GenerateJsonSchema):
         found, function = super().function_before_schema(schema), schema["function"]["function"]
         if function is fields._point_from_polar_coordinates:
             return {"anyOf": [found, _POLAR]}
-        if function is pure_number_as_written:
+        if function is number_without_unit_from_text:
             return {"anyOf": [found, {"type": "string", "pattern": _PURE_NUMBER}]}
         if isinstance(function, partial):
             return _json_schema_of_texts_with_units(found, function.keywords.get("si"))
@@ -100,14 +100,18 @@ def _json_schema_of_texts_with_units(found: JsonSchemaValue, si: str | None) -> 
     }
 
 
-def schema_reduced_to_file_content(schema: Any) -> Any:
+def json_schema_without_entries_unfit_for_toml(schema: Any) -> Any:
     """Remove from a schema all entries that do not hold for TOML files, at every level.
 
     These are defaults in SI units, titles that pydantic makes of Python's names, and the value
     null, which TOML does not have.
     """
     if isinstance(schema, list):
-        return [schema_reduced_to_file_content(part) for part in schema if part != {"type": "null"}]
+        return [
+            json_schema_without_entries_unfit_for_toml(part)
+            for part in schema
+            if part != {"type": "null"}
+        ]
     if not isinstance(schema, dict):
         return schema
     found: dict[str, Any] = {}
@@ -119,10 +123,11 @@ def schema_reduced_to_file_content(schema: Any) -> Any:
         # The keys below these two entries are names of fields and classes, which are all kept.
         if key in {"properties", "$defs"}:
             found[key] = {
-                name: schema_reduced_to_file_content(part) for name, part in value.items()
+                name: json_schema_without_entries_unfit_for_toml(part)
+                for name, part in value.items()
             }
         else:
-            found[key] = schema_reduced_to_file_content(value)
+            found[key] = json_schema_without_entries_unfit_for_toml(value)
     # A choice that has one option left is replaced by this option.
     choices = found.get("anyOf", ())
     if len(choices) == 1:
@@ -148,7 +153,9 @@ def json_schema_of_brake_file() -> dict[str, Any]:
         "description": row["description"],
         **row["properties"]["parts"],
     }
-    found = json.loads(IN_FILES.sub(r'"\1\2\3"', json.dumps(schema_reduced_to_file_content(made))))
+    found = json.loads(
+        IN_FILES.sub(r'"\1\2\3"', json.dumps(json_schema_without_entries_unfit_for_toml(made)))
+    )
     return {
         "$schema": DIALECT,
         "title": "drumlin brake file",

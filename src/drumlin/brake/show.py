@@ -12,7 +12,7 @@ def title_line_of_brake(brake: "Brake") -> str:
     """A line of text with the title of a brake, its surface, its motion and its friction."""
     surface = brake.surface
     size = "" if surface.is_plane_and_not_drum else f"drum radius {brake.size * 1e3:.6g} mm, "
-    return f"{brake.title}: {size}{brake.motion}, {brake.friction_in_words}"
+    return f"{brake.title}: {size}{brake.motion}, {brake.friction_coefficients_as_text}"
 
 
 def rows_of_brake_table(brake: "Brake") -> list[tuple[str, ...]]:

@@ -37,7 +37,7 @@ from drumlin.brake.further_loads import (
     LoadsOfBrake,
     ShoeForce,
     ShoeMass,
-    force_at_point,
+    make_force_at_point,
 )
 
 MAIN_SUPPORTS = ("hinge", "abutment", "guide")
@@ -53,7 +53,8 @@ MOVES = {
 """How a shoe moves on each support, for error messages, by `Held.kind_of_support`."""
 
 UNHELD = 2
-"""Value of `sense` with which `Held.freedoms` lets the foot slide along and leave its abutment."""
+"""Value of `sense` with which `Held.rigid_body_modes_of_support` lets the foot slide along and
+leave its abutment."""
 
 STICKS = 1e-9
 """Relative excess of the friction at a sticking foot over its limit that counts as round-off.
@@ -115,17 +116,17 @@ class Freedoms(NamedTuple):
     names: tuple[str, ...]
 
     @property
-    def work_of_all_loads(self) -> Floats:
+    def work_of_all_loads_on_test_modes(self) -> Floats:
         """Work (k,) of the actuation and of all other loads on each test mode [N m or N]."""
         return self.work + self.further_work
 
 
-def motion_of_turn_about_point(point: Point) -> Floats:
+def rigid_body_motion_of_turn_about_point(point: Point) -> Floats:
     """Rigid-body motion (3,), dx, dy and turn, of a rotation by 1 rad about a point."""
     return np.array([point.y, -point.x, 1.0])
 
 
-def motion_of_slide_in_direction(angle: float) -> Floats:
+def rigid_body_motion_of_unit_translation(angle: float) -> Floats:
     """Rigid-body motion (3,), dx, dy and turn, of a unit translation in a direction [rad]."""
     return np.array([math.cos(angle), math.sin(angle), 0.0])
 
@@ -255,13 +256,13 @@ class Held(Part):
         actuation = self.actuation.model_copy(update={"force": force})
         return self.model_copy(update={"actuation": actuation})
 
-    def shoe_with_loads_of_brake(self, loads: LoadsOfBrake) -> Self:
+    def shoe_with_spring_lever_and_mass_loads(self, loads: LoadsOfBrake) -> Self:
         """A copy of the shoe under loads of springs, levers, gravity and rotation."""
         shoe = self.model_copy()
         shoe._loads_of_brake = loads
         return shoe
 
-    def shoe_with_loads_at_actuation(self) -> Self:
+    def shoe_with_all_loads_moved_to_actuation(self) -> Self:
         """A copy of the shoe on which finite elements let all loads act where its actuation acts.
 
         Only the resultant of the loads then matters, as on a rigid shoe.
@@ -271,7 +272,7 @@ class Held(Part):
         return shoe
 
     @property
-    def has_loads_at_actuation(self) -> bool:
+    def do_all_loads_act_at_actuation(self) -> bool:
         """Whether finite elements let all loads of the shoe act where its actuation acts."""
         return self._has_loads_at_actuation
 
@@ -281,83 +282,93 @@ class Held(Part):
         return self._loads_of_brake
 
     @property
-    def further_forces_at_points(self) -> tuple[ForceAtPoint, ...]:
+    def forces_at_points_besides_actuation(self) -> tuple[ForceAtPoint, ...]:
         """The plain forces, spring and lever forces on the shoe: no actuation, no force on mass."""
-        of_shoe = [force_at_point(each.force_vector, each.point.xy) for each in self.forces]
+        of_shoe = [make_force_at_point(each.force_vector, each.point.xy) for each in self.forces]
         return (*of_shoe, *self._loads_of_brake.forces)
 
     @property
-    def _force_on_mass(self) -> ForceAtPoint | None:
+    def _gravity_and_rotation_force_on_mass(self) -> ForceAtPoint | None:
         """The force of gravity and rotation at the centre of mass; None without a mass."""
         if self.mass is None:
             return None
         at = self.mass.point.xy
-        return force_at_point(self.mass.mass * self._loads_of_brake.acceleration_at_point(at), at)
+        return make_force_at_point(
+            self.mass.mass * self._loads_of_brake.gravity_and_rotation_force_per_mass_at_point(at),
+            at,
+        )
 
     @property
-    def has_further_loads(self) -> bool:
+    def has_loads_besides_actuation(self) -> bool:
         """Whether forces act on the shoe besides its actuation and its support."""
-        acting = (*self._loads_of_brake.forces, self._force_on_mass)
+        acting = (*self._loads_of_brake.forces, self._gravity_and_rotation_force_on_mass)
         return bool(self.forces) or any(each is not None and any(each.force) for each in acting)
 
     @property
-    def is_loaded(self) -> bool:
+    def is_any_load_on_shoe(self) -> bool:
         """Whether an actuation force or another load acts on the shoe."""
-        return self.actuation.force != 0 or self.has_further_loads
+        return self.actuation.force != 0 or self.has_loads_besides_actuation
 
     @property
-    def largest_load(self) -> float:
+    def largest_force_of_any_load(self) -> float:
         """Largest force [N] of the actuation, plain forces, springs, levers, and on the mass."""
         forces = [abs(each.force) for each in (self.actuation, *self.forces)]
-        of_brake = (*self._loads_of_brake.forces, self._force_on_mass)
+        of_brake = (*self._loads_of_brake.forces, self._gravity_and_rotation_force_on_mass)
         of_brake_sizes = [math.hypot(*each.force) for each in of_brake if each is not None]
         return max(*forces, *of_brake_sizes, 0.0)
 
     @property
-    def further_load(self) -> Floats:
+    def resultant_of_loads_besides_actuation(self) -> Floats:
         """Resultant (3,) of all loads besides the actuation: force x, y [N], moment [N m].
 
         The moment is about the origin of the brake.
         """
         total = np.zeros(3)
-        for each in (*self.further_forces_at_points, self._force_on_mass):
+        for each in (
+            *self.forces_at_points_besides_actuation,
+            self._gravity_and_rotation_force_on_mass,
+        ):
             if each is not None:
                 total += each.resultant
         return total
 
     @property
-    def force_of_all_loads(self) -> Floats:
+    def sum_of_forces_of_all_loads(self) -> Floats:
         """Sum (2,) [N] of the actuation force and of the forces of all other loads on the shoe."""
         actuation = self.actuation.force_vector
-        return actuation + self.further_load[:2] if self.has_further_loads else actuation
+        return (
+            actuation + self.resultant_of_loads_besides_actuation[:2]
+            if self.has_loads_besides_actuation
+            else actuation
+        )
 
-    def moment_of_further_loads_about_point(self, point: Point) -> float:
+    def moment_of_loads_besides_actuation_about_point(self, point: Point) -> float:
         """Moment [N m] of all loads but the actuation about a point; counter-clockwise positive."""
-        fx, fy, moment = self.further_load.tolist()
+        fx, fy, moment = self.resultant_of_loads_besides_actuation.tolist()
         return float(moment - (point.x * fy - point.y * fx))
 
     def moment_of_all_loads_about_point(self, point: Point) -> float:
         """Moment [N m] about a point of actuation and other loads; counter-clockwise positive."""
         moment = self.actuation.moment_of_force_about_point(point)
-        if self.has_further_loads:
-            moment += self.moment_of_further_loads_about_point(point)
+        if self.has_loads_besides_actuation:
+            moment += self.moment_of_loads_besides_actuation_about_point(point)
         return moment
 
     @property
-    def unit_vector_of_abutment_force_on_foot(self) -> Floats:
+    def unit_vector_of_smooth_abutment_force(self) -> Floats:
         """Unit vector (2,) of the force that an abutment without friction exerts on the foot."""
         assert self.abutment is not None
         return np.array([math.cos(self.abutment.direction), math.sin(self.abutment.direction)])
 
     @property
     def senses_of_abutment_friction_to_try(self) -> tuple[int, ...]:
-        """Senses of the abutment's friction to try in a solve, in this order; see `freedoms`.
+        """Senses of the abutment's friction to try in a solve, in this order.
 
         A support without friction has the sense 1 only.
         """
         return (1, -1, 0) if self.abutment is not None and self.abutment.friction > 0 else (1,)
 
-    def can_abutment_exert_reaction_on_foot(
+    def can_abutment_exert_reaction_on_shoe(
         self, reaction: Floats, sense: int, slide: float
     ) -> bool:
         """Whether an abutment can exert a given reaction on the foot.
@@ -369,12 +380,12 @@ class Held(Part):
         Parameters
         ----------
         reaction : (2,), force on the foot [N]
-        sense : assumed sense of the friction, as in `freedoms`
+        sense : assumed sense of the friction, as in `rigid_body_modes_of_support`
         slide : slide of the foot along the face, in any unit; only its sign counts
         """
         if self.abutment is None or self.anchors:
             return True
-        c, s = self.unit_vector_of_abutment_force_on_foot
+        c, s = self.unit_vector_of_smooth_abutment_force
         # These are the components of the reaction normal to the face and along the face.
         bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
         if bearing <= 0 or self.abutment.friction == 0:
@@ -384,7 +395,7 @@ class Held(Part):
             return abs(along) <= self.abutment.friction * bearing * (1 + STICKS)
         return sense * slide <= 0
 
-    def freedoms(self, sense: int = 1) -> Freedoms:
+    def rigid_body_modes_of_support(self, sense: int = 1) -> Freedoms:
         """The rigid-body modes of the shoe.
 
         Parameters
@@ -397,14 +408,19 @@ class Held(Part):
         """
         at = self.actuation.point.xy
         # Every shoe except a guided one turns about its pin. A lever or an abutment adds a mode.
-        motions, names = [motion_of_turn_about_point(self.pin)], ["turn"]
+        motions, names = [rigid_body_motion_of_turn_about_point(self.pin)], ["turn"]
         if self.guide is not None:
-            motions, names = [motion_of_slide_in_direction(self.guide.direction)], ["slide"]
+            motions, names = (
+                [rigid_body_motion_of_unit_translation(self.guide.direction)],
+                ["slide"],
+            )
         elif self.pivot is not None:
-            motions.append(motion_of_turn_about_point(self.pivot))
+            motions.append(rigid_body_motion_of_turn_about_point(self.pivot))
             names.append("tilt")
         elif self.anchors:
-            motions += [motion_of_slide_in_direction(angle) for angle in (0.0, math.pi / 2)]
+            motions += [
+                rigid_body_motion_of_unit_translation(angle) for angle in (0.0, math.pi / 2)
+            ]
             names += ["x", "y"]
         tests = list(motions)
         on_abutment = self.abutment is not None and not self.anchors
@@ -414,13 +430,13 @@ class Held(Part):
             # Friction rotates the test mode by the friction angle, so that it stays perpendicular
             # to the reaction.
             leaning = (sense != UNHELD) * sense * math.atan(self.abutment.friction)
-            motions.append(motion_of_slide_in_direction(along))
-            tests.append(motion_of_slide_in_direction(along + leaning))
+            motions.append(rigid_body_motion_of_unit_translation(along))
+            tests.append(rigid_body_motion_of_unit_translation(along + leaning))
             names.append("slide")
         # With UNHELD the foot also moves along the normal of the face.
         if on_abutment and sense == UNHELD:
             assert self.abutment is not None
-            motions.append(motion_of_slide_in_direction(self.abutment.direction))
+            motions.append(rigid_body_motion_of_unit_translation(self.abutment.direction))
             tests.append(motions[-1])
             names.append("off")
         moved, tested = np.array(motions), np.array(tests)
@@ -430,39 +446,49 @@ class Held(Part):
         # pivot: the actuation does no work.
         if self.pivot is not None:
             work[1] = tip[1] = 0.0
-        return Freedoms(moved, tested, work, tested @ self.further_load, tip, tuple(names))
+        return Freedoms(
+            moved,
+            tested,
+            work,
+            tested @ self.resultant_of_loads_besides_actuation,
+            tip,
+            tuple(names),
+        )
 
-    def changes(self, sense: int = 1) -> dict[str, tuple[SupportChange, ...]]:
+    def derivatives_of_rigid_body_modes_by_support(
+        self, sense: int = 1
+    ) -> dict[str, tuple[SupportChange, ...]]:
         """Exact derivatives of the rigid-body modes with respect to the data of the support.
 
         The result has a tuple by the key of each datum: for a point two derivatives, along x and y
         [per m], for a direction one [per rad], for a friction coefficient one. The modes depend
-        linearly on the points. `sense` is the sense of the friction, as in `freedoms`.
+        linearly on the points. `sense` is the sense of the friction, as in
+        `rigid_body_modes_of_support`.
         """
-        k = len(self.freedoms(sense).names)
+        k = len(self.rigid_body_modes_of_support(sense).names)
         if self.guide is not None:
             # The derivative of a unit vector by its angle is the vector turned by 90 deg.
-            turned = motion_of_slide_in_direction(self.guide.direction + math.pi / 2)
-            return {"guide.direction": (_same_change_of_motion_and_test_mode(k, 0, turned),)}
+            turned = rigid_body_motion_of_unit_translation(self.guide.direction + math.pi / 2)
+            return {"guide.direction": (_equal_derivatives_of_mode_and_test_mode(k, 0, turned),)}
         if self.abutment is None:
-            of_hinge = {"hinge": _changes_as_turning_point_moves(k, 0)}
+            of_hinge = {"hinge": _mode_derivatives_by_turning_point_position(k, 0)}
             if self.pivot is None:
                 return of_hinge
-            return {**of_hinge, "pivot": _changes_as_turning_point_moves(k, 1)}
-        found = {"abutment.point": _changes_as_turning_point_moves(k, 0)}
+            return {**of_hinge, "pivot": _mode_derivatives_by_turning_point_position(k, 1)}
+        found = {"abutment.point": _mode_derivatives_by_turning_point_position(k, 0)}
         # If the foot sticks, the modes do not depend on the direction of the face.
         if sense == 0:
             return found
         # The test mode is rotated by the friction angle, the motion stays along the face. The
         # derivative of each with respect to the face's direction is perpendicular to it.
         mu, along = self.abutment.friction, self.abutment.direction + math.pi / 2
-        tested = motion_of_slide_in_direction(along + sense * math.atan(mu) + math.pi / 2)
-        of_motion = motion_of_slide_in_direction(along + math.pi / 2)
-        change_of_motion = _changes_of_one_mode_alone(k, 1, of_motion)
-        change_of_test = _changes_of_one_mode_alone(k, 1, tested)
+        tested = rigid_body_motion_of_unit_translation(along + sense * math.atan(mu) + math.pi / 2)
+        of_motion = rigid_body_motion_of_unit_translation(along + math.pi / 2)
+        change_of_motion = _derivatives_of_one_rigid_body_mode(k, 1, of_motion)
+        change_of_test = _derivatives_of_one_rigid_body_mode(k, 1, tested)
         found["abutment.direction"] = (SupportChange(change_of_motion, change_of_test),)
         if mu > 0:
-            of_test = _changes_of_one_mode_alone(k, 1, sense * tested / (1 + mu**2))
+            of_test = _derivatives_of_one_rigid_body_mode(k, 1, sense * tested / (1 + mu**2))
             found["abutment.friction"] = (SupportChange(np.zeros((k, 3)), of_test),)
         return found
 
@@ -555,29 +581,29 @@ class Meshed(Held):
         return self
 
 
-def _changes_of_one_mode_alone(count: int, row: int, change: Floats) -> Floats:
+def _derivatives_of_one_rigid_body_mode(count: int, row: int, change: Floats) -> Floats:
     """Derivatives (count, 3) of `count` modes: `change` (3,) of mode `row`, 0 of the others."""
     found = np.zeros((count, 3))
     found[row] = change
     return found
 
 
-def _same_change_of_motion_and_test_mode(count: int, row: int, change: Floats) -> SupportChange:
+def _equal_derivatives_of_mode_and_test_mode(count: int, row: int, change: Floats) -> SupportChange:
     """The same derivative (3,) of the rigid-body mode and of the test mode `row` of `count`."""
     return SupportChange(
-        _changes_of_one_mode_alone(count, row, change),
-        _changes_of_one_mode_alone(count, row, change),
+        _derivatives_of_one_rigid_body_mode(count, row, change),
+        _derivatives_of_one_rigid_body_mode(count, row, change),
     )
 
 
-def _changes_as_turning_point_moves(count: int, row: int) -> tuple[SupportChange, ...]:
+def _mode_derivatives_by_turning_point_position(count: int, row: int) -> tuple[SupportChange, ...]:
     """Derivatives of mode `row` of `count`, a turn about a point, as the point moves in x and y."""
-    along_x = _same_change_of_motion_and_test_mode(count, row, np.array([0.0, -1.0, 0.0]))
-    along_y = _same_change_of_motion_and_test_mode(count, row, np.array([1.0, 0.0, 0.0]))
+    along_x = _equal_derivatives_of_mode_and_test_mode(count, row, np.array([0.0, -1.0, 0.0]))
+    along_y = _equal_derivatives_of_mode_and_test_mode(count, row, np.array([1.0, 0.0, 0.0]))
     return along_x, along_y
 
 
-def check_motions_close_gap_differently(key: str, shoe: Held, columns: slice) -> None:
+def check_rigid_body_modes_close_gap_differently(key: str, shoe: Held, columns: slice) -> None:
     """Raise ValueError if the two rigid-body modes of a shoe close its gap in the same way.
 
     A combination of the two modes would then leave the gap unchanged, so that contact could not
@@ -589,7 +615,7 @@ def check_motions_close_gap_differently(key: str, shoe: Held, columns: slice) ->
     shoe : the shoe
     columns : components of a motion that close the gap: dx and dy on a drum, dy and turn on a plane
     """
-    closing = shoe.freedoms().motions[:, columns]
+    closing = shoe.rigid_body_modes_of_support().motions[:, columns]
     # Two modes close the gap in the same way if these components are proportional.
     if len(closing) != 2:
         return

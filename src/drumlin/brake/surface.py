@@ -101,7 +101,7 @@ class FrictionSurface:
         """
         return None if self == other else f"its shoes press on a {self.word}, not on a {other.word}"
 
-    def along(self, q: Floats) -> Floats:
+    def unit_tangents_of_surface(self, q: Floats) -> Floats:
         """Unit tangents (2, ...) of the surface at the coordinates q, towards growing q."""
         if self.is_plane_and_not_drum:
             return np.array([np.ones(np.shape(q)), np.zeros(np.shape(q))])
@@ -127,7 +127,7 @@ class FrictionSurface:
             return np.array([-np.asarray(q), zero])
         return np.array([zero, zero + size])
 
-    def turns(self, twice: float) -> float:
+    def round_half_distance_to_whole_turns(self, twice: float) -> float:
         """Round the distance `twice`/2 between two coordinates q to whole turns; 0 on a plane.
 
         The result is in the unit of q, a multiple of 2 pi on a drum. For two linings `twice` is

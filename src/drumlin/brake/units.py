@@ -12,7 +12,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.texts import LONGEST_QUANTITY
 from drumlin.base.written_numbers import (
     NUMBER_PATTERN,
-    number_as_written,
+    number_from_text_as_people_write_it,
     text_with_plain_spaces_and_minus_signs,
 )
 
@@ -147,7 +147,7 @@ def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
     # The word is a degree in German and a gon in English. pint reads a capital G as giga.
     if si == "rad" and unit.casefold() == "grad":
         raise ValueError(f"{unit!r} may be degrees or gons; write 'deg' or 'gon'")
-    readings = _readings_of_unit(unit, si)
+    readings = _possible_meanings_of_unit_text(unit, si)
     # pint may know some readings and not others, which give None.
     found = [_si_factor_and_dimension_by_pint(reading) for reading in readings]
     needed = _si_factor_and_dimension_by_pint(si)
@@ -158,7 +158,8 @@ def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
     wanted = f"{QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}"
     if found[0] is None:
         raise ValueError(
-            f"unknown unit {unit!r}{_hint_about_capitals(unit, si)}; allowed: {wanted}"
+            f"unknown unit {unit!r}{_hint_about_wrong_capitals_in_unit(unit, si)}; allowed: "
+            f"{wanted}"
         )
     # A mass in place of a force is refused: the key or the unit may be wrong.
     weight = _si_factor_and_dimension_by_pint(re.sub(r"\bkg\b", "kgf", readings[0]))
@@ -178,7 +179,7 @@ def _si_factor_and_dimension_by_pint(unit: str) -> tuple[float, Any] | None:
     return float(factor), base
 
 
-def _readings_of_unit(unit: str, si: str) -> list[str]:
+def _possible_meanings_of_unit_text(unit: str, si: str) -> list[str]:
     """The texts, in the notation of pint, that a unit may stand for, the most likely one first.
 
     Of these readings at most one has the dimension of the SI unit `si`.
@@ -191,7 +192,7 @@ def _readings_of_unit(unit: str, si: str) -> list[str]:
     plain = re.sub(r"(?<![A-Za-z])(mm|cm|dm|m|in|ft)([2-4])(?!\w)", r"\1^\2", plain)
     # pint would take the square of Nm for N^2 m^2.
     squared = re.sub(r"N(mm|cm|m)(?= ?(?:\^|\*\*))", r"N \1", plain)
-    readings = [plain, squared, re.sub(r"[A-Za-z]+", _other_meaning_of_word, plain)]
+    readings = [plain, squared, re.sub(r"[A-Za-z]+", _second_meaning_of_unit_word, plain)]
     # In "mm^3/N m" both N and m are often meant to be in the denominator.
     above, line, below = plain.partition("/")
     if line and not set("/()") & set(below):
@@ -199,12 +200,12 @@ def _readings_of_unit(unit: str, si: str) -> list[str]:
     return list(dict.fromkeys(readings))
 
 
-def _other_meaning_of_word(match: re.Match[str]) -> str:
+def _second_meaning_of_unit_word(match: re.Match[str]) -> str:
     """The second meaning of a word of a unit, or the word itself if it has only one meaning."""
     return _OTHER_MEANINGS.get(match.group(), match.group())
 
 
-def _hint_about_capitals(unit: str, si: str) -> str:
+def _hint_about_wrong_capitals_in_unit(unit: str, si: str) -> str:
     """The hint "(did you mean ...?)" for a unit whose capital letters are wrong, or ""."""
     for known in COMMON.get(si, {}):
         if known.casefold() == unit.casefold():
@@ -248,17 +249,19 @@ def _quantity_text_in_si(text: str, si: str) -> float:
         raise ValueError(
             f"must be {name} in at most {LONGEST_QUANTITY} characters, such as {EXAMPLES[si]!r}"
         )
-    plain = _text_with_plain_signs(text)
+    plain = _quantity_text_with_keyboard_signs(text)
     # The text "3e8" would otherwise be the number 3 with the unit e8.
     if _NUMBER_WITHOUT_UNIT.fullmatch(plain):
         raise ValueError(f"has no unit; write {name} such as {EXAMPLES[si]!r}")
     match = _QUANTITY.fullmatch(plain)
     if match is None:
         raise ValueError(f"must be {name}: a number and its unit, such as {EXAMPLES[si]!r}")
-    return number_as_written(match.group(1)) * _si_factor_of_unit(match.group(2), si)
+    return number_from_text_as_people_write_it(match.group(1)) * _si_factor_of_unit(
+        match.group(2), si
+    )
 
 
-def _text_with_plain_signs(text: str) -> str:
+def _quantity_text_with_keyboard_signs(text: str) -> str:
     """The text of a quantity, with typographic signs replaced by those of a plain keyboard."""
     if text.isascii():
         return text
@@ -268,7 +271,7 @@ def _text_with_plain_signs(text: str) -> str:
     )
 
 
-def option_value_in_si(key: str, text: str, si: str) -> float:
+def command_option_text_in_si(key: str, text: str, si: str) -> float:
     """Convert the text of a command's option to a number in SI units.
 
     Raises BadInput for a text that is no such quantity; `key` is the option in the message.

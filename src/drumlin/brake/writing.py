@@ -45,10 +45,13 @@ def brake_file_text(brake: Part) -> str:
     brake: relative paths are valid from the current folder only. Raises BadInput for a path that is
     no UTF-8, because a brake file cannot name it.
     """
-    return "\n".join(_toml_lines_of_part(_brake_without_derived_forces(brake), "")).strip() + "\n"
+    return (
+        "\n".join(_toml_lines_of_part(_brake_without_forces_of_drive_and_struts(brake), "")).strip()
+        + "\n"
+    )
 
 
-def _brake_without_derived_forces(brake: Part) -> Part:
+def _brake_without_forces_of_drive_and_struts(brake: Part) -> Part:
     """The brake as its file describes it: without forces that follow from a drive or a strut.
 
     A brake file must not give these forces. A force that follows from a drive is set to nan.
@@ -68,7 +71,7 @@ def _brake_without_derived_forces(brake: Part) -> Part:
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def values_other_than_defaults(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
+def part_values_other_than_defaults(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
     """Yield key in the file, value and pydantic field of each value other than its default."""
     for name, field in type(part).model_fields.items():
         value = getattr(part, name)
@@ -88,7 +91,7 @@ def _toml_lines_of_part(part: Part, path: str) -> Iterator[str]:
     """
     # TOML requires that the keys of a table precede the tables within it.
     below = []
-    for key, given, field in values_other_than_defaults(part):
+    for key, given, field in part_values_other_than_defaults(part):
         value: Any = given.parts if isinstance(given, DrumLiningRow) else given
         parts = value if isinstance(value, tuple) else (value,)
         tables = [isinstance(item, Part) and not isinstance(item, INLINE) for item in parts]
@@ -154,7 +157,7 @@ def _toml_text_of_part_in_one_line(part: Part) -> str:
     """The text of a part in TOML in one line: { key = value, ... }."""
     pairs = [
         f"{key} = {_toml_text_of_value(value, field)}"
-        for key, value, field in values_other_than_defaults(part)
+        for key, value, field in part_values_other_than_defaults(part)
     ]
     return f"{{ {', '.join(pairs)} }}"
 

@@ -7,7 +7,11 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from drumlin.base.texts import error_as_text
-from drumlin.cli.terminal import Column, print_folded_line, print_table_fitted_to_terminal
+from drumlin.cli.terminal import (
+    Column,
+    print_line_folded_to_terminal_width,
+    print_table_fitted_to_terminal,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,31 +34,37 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
     """
     from drumlin.laws.rigid import UNUSED_KEYS
 
-    notes = _Notes.response_notes_sorted_by_printing_place(response)
-    print_folded_line(f"{brake.title}: {response.model}, {brake.motion}, {brake.friction_in_words}")
+    notes = _Notes.notes_of_response_by_place_in_printout(response)
+    print_line_folded_to_terminal_width(
+        f"{brake.title}: {response.model}, {brake.motion}, {brake.friction_coefficients_as_text}"
+    )
     for line in notes.apart:
-        print_folded_line(line)
+        print_line_folded_to_terminal_width(line)
     _print_torque_and_brake_factor(brake, response)
     _print_table_of_shoes(brake, response)
     # Warnings and estimated errors stand below the table, since the last lines stay on the screen.
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if energised:
-        print_folded_line(f"self-energising: {', '.join(energised)}")
+        print_line_folded_to_terminal_width(f"self-energising: {', '.join(energised)}")
     if response.self_locking is not None:
-        print_folded_line(response.self_locking.line())
+        print_line_folded_to_terminal_width(response.self_locking.line())
     for line in notes.warnings:
-        print_folded_line(line)
+        print_line_folded_to_terminal_width(line)
     for line in response.left_out:
         if line.startswith(UNUSED_KEYS):
-            print_folded_line(line)
+            print_line_folded_to_terminal_width(line)
     if response.error is not None:
-        print_folded_line(_estimated_errors_as_line(brake.surface.effect, response.error))
+        print_line_folded_to_terminal_width(
+            _estimated_errors_as_line(brake.surface.effect, response.error)
+        )
     if response.plane_stress_error is not None:
-        print_folded_line(_plane_stress_errors_as_line(brake.surface.effect, response))
+        print_line_folded_to_terminal_width(
+            _plane_stress_errors_as_line(brake.surface.effect, response)
+        )
     for line in notes.held:
-        print_folded_line(line)
+        print_line_folded_to_terminal_width(line)
     if verbose:
-        _print_verbose_details(response, notes.others)
+        _print_lines_of_verbose_answer(response, notes.others)
 
 
 class _Notes(NamedTuple):
@@ -74,7 +84,7 @@ class _Notes(NamedTuple):
     others: list[str]
 
     @classmethod
-    def response_notes_sorted_by_printing_place(cls, response: "Response") -> "_Notes":
+    def notes_of_response_by_place_in_printout(cls, response: "Response") -> "_Notes":
         """The notes of a response, sorted by the place of the printed answer where they stand.
 
         Some notes stand above the table, some below it, some at the end, and some are printed only
@@ -106,9 +116,9 @@ def _print_torque_and_brake_factor(brake: "Brake", response: "Response") -> None
     line = f"{surface.effect} {response.effect:.6g} {surface.effect_unit}"
     if factor is not None:
         line += f", brake factor {factor:.4g} = {surface.factor}, F the mean actuation force"
-    print_folded_line(line)
+    print_line_folded_to_terminal_width(line)
     if not response.converged:
-        print_folded_line("not converged")
+        print_line_folded_to_terminal_width("not converged")
 
 
 def _estimated_errors_as_line(effect: str, error: "Mapping[str, float]") -> str:
@@ -169,10 +179,12 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
         _columns_of_shoe_table(brake, response, at), SHOE_COLUMNS_LEFT_OUT_FIRST
     )
     if any(place is not None and place.zone for place in places):
-        print_folded_line("peak p: the largest, half a lining's thickness at each end left out")
+        print_line_folded_to_terminal_width(
+            "peak p: the largest, half a lining's thickness at each end left out"
+        )
     over_width = _peak_pressures_over_width_as_line(brake, response)
     if over_width:
-        print_folded_line(over_width)
+        print_line_folded_to_terminal_width(over_width)
 
 
 def _peak_pressures_over_width_as_line(brake: "Brake", response: "Response") -> str:
@@ -232,7 +244,7 @@ def _columns_of_shoe_table(
     return table
 
 
-def _print_verbose_details(response: "Response", notes: list[str]) -> None:
+def _print_lines_of_verbose_answer(response: "Response", notes: list[str]) -> None:
     """Print the lines that only --verbose shows.
 
     They give hinge reaction and figures of merit of each shoe, solution steps, balance of forces,
@@ -244,21 +256,23 @@ def _print_verbose_details(response: "Response", notes: list[str]) -> None:
     for shoe, merit in zip(response.shoes, response.merits, strict=True):
         x, y = shoe.hinge_reaction
         figures = _figures_of_merit_as_line(merit)
-        print_folded_line(f"shoe {shoe.name!r}: hinge reaction ({x:.6g}, {y:.6g}) N; {figures}")
+        print_line_folded_to_terminal_width(
+            f"shoe {shoe.name!r}: hinge reaction ({x:.6g}, {y:.6g}) N; {figures}"
+        )
     times = [f"{phase} {seconds * 1e3:.1f}" for phase, seconds in response.seconds.items()]
     if times:
         balance = response.balance
-        print_folded_line(
+        print_line_folded_to_terminal_width(
             f"{response.iterations} active-set steps; "
             f"balance: force {error_as_text(balance.force)}, "
             f"moment {error_as_text(balance.moment)}; ms: {', '.join(times)}"
         )
     for line in notes:
-        print_folded_line(line)
+        print_line_folded_to_terminal_width(line)
     # The last lines name effects that the model neglects.
     for line in response.left_out:
         if not line.startswith(UNUSED_KEYS):
-            print_folded_line(f"left out: {line}")
+            print_line_folded_to_terminal_width(f"left out: {line}")
 
 
 def _figures_of_merit_as_line(merit: "Merit | FlatMerit") -> str:

@@ -11,7 +11,7 @@ from drumlin.cli.outputs import export, mesh, view
 from drumlin.cli.solving import compare, hold, sensitivity, size, solve, wear
 from drumlin.cli.starting import init, schema
 from drumlin.cli.studying import study, sweep
-from drumlin.cli.terminal import print_folded_line
+from drumlin.cli.terminal import print_line_folded_to_terminal_width
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -23,7 +23,7 @@ app = typer.Typer(
 def _print_version_and_exit(asked: bool) -> None:
     """Print the version of drumlin and end the process, if --version is given (`asked`)."""
     if asked:
-        print_folded_line(f"drumlin {__version__}")
+        print_line_folded_to_terminal_width(f"drumlin {__version__}")
         raise typer.Exit
 
 

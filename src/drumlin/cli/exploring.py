@@ -6,7 +6,7 @@ import typer
 
 import drumlin
 from drumlin.cli.options import BrakeFile
-from drumlin.cli.terminal import print_folded_line, print_note_to_standard_error
+from drumlin.cli.terminal import print_line_folded_to_terminal_width, print_note_to_standard_error
 
 
 def explore(
@@ -26,7 +26,7 @@ def explore(
 
     def print_address_and_open_browser(address: str) -> None:
         """Print the page's address and open a browser there, once the server listens."""
-        print_folded_line(f"{brake.title}: {address}", at_once=True)
+        print_line_folded_to_terminal_width(f"{brake.title}: {address}", at_once=True)
         print_note_to_standard_error("Ctrl-C ends it")
         if browser:
             import webbrowser

@@ -14,10 +14,10 @@ from drumlin.cli.options import (
     BrakeFile,
     Elements,
     Penalty,
-    options_given_by_user,
+    command_options_given_by_user,
     penalty_as_number,
 )
-from drumlin.cli.terminal import print_folded_line, show_spinner_beside_words
+from drumlin.cli.terminal import print_line_folded_to_terminal_width, show_spinner_beside_words
 
 
 def cost(
@@ -42,13 +42,13 @@ def cost(
     from drumlin.verification.cost import time_and_memory_report_lines
 
     brake = drumlin.read_brake(brake_file)
-    options = options_given_by_user(elements=elements, penalty=penalty_as_number(penalty))
+    options = command_options_given_by_user(elements=elements, penalty=penalty_as_number(penalty))
     with show_spinner_beside_words("measuring"):
         lines = time_and_memory_report_lines(brake, model, by_size=by_size, **options)
         first = next(lines)
-    print_folded_line(first, at_once=True)
+    print_line_folded_to_terminal_width(first, at_once=True)
     for line in lines:
-        print_folded_line(line, at_once=True)
+        print_line_folded_to_terminal_width(line, at_once=True)
 
 
 def reference(
@@ -66,18 +66,18 @@ def reference(
     with show_spinner_beside_words("columns of high degree, then triangles"):
         found = drumlin.reference(brake_file, path)
     effect, unit = found.surface.effect, found.surface.effect_unit
-    print_folded_line(
+    print_line_folded_to_terminal_width(
         f"{effect} {found.torque.value:.10g} {unit}, "
         f"uncertainty {found.torque.uncertainty:.1g} {unit}"
     )
     for shoe in found.shoes:
-        print_folded_line(
+        print_line_folded_to_terminal_width(
             f"  shoe {shoe.name!r}: {effect} {shoe.torque.value:.10g} {unit}, "
             f"uncertainty {shoe.torque.uncertainty:.1g} {unit}; p uncertain by "
             f"{error_as_text(shoe.pressure_uncertainty)} of its peak away from the edges, "
             f"{error_as_text(shoe.distance)} in L2"
         )
-    print_folded_line(f"reference: {path}")
+    print_line_folded_to_terminal_width(f"reference: {path}")
 
 
 def check(
@@ -104,6 +104,6 @@ def check(
     """
     with show_spinner_beside_words("reading") as say:
         found = drumlin.check(brake_file, result, reference=known, tolerance=tolerance, say=say)
-    print_folded_line(f"reference: {found.reference}")
+    print_line_folded_to_terminal_width(f"reference: {found.reference}")
     for line in found.lines():
-        print_folded_line(line)
+        print_line_folded_to_terminal_width(line)

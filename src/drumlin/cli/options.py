@@ -136,14 +136,14 @@ Guided = Annotated[
 ReportFolder = Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")]
 
 
-def options_given_by_user(**options: Any) -> dict[str, Any]:
+def command_options_given_by_user(**options: Any) -> dict[str, Any]:
     """The options that the user has given: all options whose value is not None, by name.
 
     Raises BadInput for a number of elements out of range.
     """
-    from drumlin.models import options_that_user_has_given
+    from drumlin.models import model_options_given_by_user
 
-    return options_that_user_has_given(**options)
+    return model_options_given_by_user(**options)
 
 
 def penalty_as_number(penalty: str | None) -> float | None:

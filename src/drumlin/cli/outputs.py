@@ -8,8 +8,8 @@ import typer
 
 import drumlin
 from drumlin.base.errors import BadInput
-from drumlin.cli.options import BrakeFile, Elements, Kind, options_given_by_user
-from drumlin.cli.terminal import print_folded_line, show_spinner_beside_words
+from drumlin.cli.options import BrakeFile, Elements, Kind, command_options_given_by_user
+from drumlin.cli.terminal import print_line_folded_to_terminal_width, show_spinner_beside_words
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
@@ -35,10 +35,12 @@ def view(
     check_output_files_are_writable(picture)
     with show_spinner_beside_words("drawing"):
         save_figure(
-            draw_brake_with_meshes(brake, **options_given_by_user(elements=elements, kind=kind)),
+            draw_brake_with_meshes(
+                brake, **command_options_given_by_user(elements=elements, kind=kind)
+            ),
             picture,
         )
-    print_folded_line(f"picture: {picture}")
+    print_line_folded_to_terminal_width(f"picture: {picture}")
 
 
 def mesh(
@@ -66,7 +68,7 @@ def mesh(
 ) -> None:
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
     brake = drumlin.read_brake(brake_file)
-    options = options_given_by_user(elements=elements, kind=kind)
+    options = command_options_given_by_user(elements=elements, kind=kind)
     if not check:
         _write_mesh_files(brake, output or Path("meshes"), name or brake_file.stem, suffix, options)
         return
@@ -108,7 +110,9 @@ def _write_mesh_files(
         scene = make_prepared_model(brake, **options)
         for path, shoe, body in zip(paths, brake.shoes, scene.bodies, strict=True):
             write_shoe_mesh_to_file(path, body.mesh, shoe)
-            print_folded_line(f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns")
+            print_line_folded_to_terminal_width(
+                f"{path}: {body.mesh.nelements} elements, {body.unknowns} unknowns"
+            )
 
 
 def _draw_mesh_files_of_brake(brake: "Brake", brake_file: Path, output: Path | None) -> None:
@@ -136,8 +140,8 @@ def _draw_mesh_files_of_brake(brake: "Brake", brake_file: Path, output: Path | N
         save_figure(draw_checked_meshes(brake, checked), picture)
     for one in checked:
         for line in text_lines_about_mesh_to_be_solved(brake, one):
-            print_folded_line(line)
-    print_folded_line(f"picture: {picture}")
+            print_line_folded_to_terminal_width(line)
+    print_line_folded_to_terminal_width(f"picture: {picture}")
 
 
 def export(
@@ -154,7 +158,7 @@ def export(
 ) -> None:
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
     from drumlin.base.files import check_path_can_be_folder
-    from drumlin.brake.plane_brake import read_brake_file_with_drum
+    from drumlin.brake.plane_brake import read_brake_that_must_be_on_drum
     from drumlin.fem.solve import require_element_options_have_effect
     from drumlin.peers import calculix, solid_deck
 
@@ -165,8 +169,8 @@ def export(
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
     brake, options = (
-        read_brake_file_with_drum(brake_file, "export"),
-        options_given_by_user(elements=elements, kind=kind),
+        read_brake_that_must_be_on_drum(brake_file, "export"),
+        command_options_given_by_user(elements=elements, kind=kind),
     )
     require_element_options_have_effect(brake, **options)
     check_path_can_be_folder(output)
@@ -178,6 +182,8 @@ def export(
         )
         paths, apart = write(brake, output, brake_file.stem, **options)
     for path in paths:
-        print_folded_line(str(path))
+        print_line_folded_to_terminal_width(str(path))
     for name in apart:
-        print_folded_line(f"shoe {name!r}: no deck, its force does not turn it towards the drum")
+        print_line_folded_to_terminal_width(
+            f"shoe {name!r}: no deck, its force does not turn it towards the drum"
+        )

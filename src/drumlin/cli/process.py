@@ -20,8 +20,8 @@ from drumlin.base.errors import (
     BadInput,
     NoAnswer,
     Stopped,
+    call_function_and_return_exit_status,
     exception_for_unusable_file,
-    run_and_return_exit_status,
 )
 
 SHELL_COMPLETION_VARIABLE = "_DRUMLIN_COMPLETE"
@@ -39,7 +39,7 @@ again, which takes 3 % of the time of a solve.
 
 def main() -> NoReturn:
     """Run the command line of this process, and end the process with its exit status."""
-    sys.exit(run_and_return_exit_status(_prepare_process_and_run_command))
+    sys.exit(call_function_and_return_exit_status(_prepare_process_and_run_command))
 
 
 def _prepare_process_and_run_command() -> int:

@@ -16,7 +16,7 @@ from drumlin.cli.answer import print_response
 from drumlin.cli.options import BrakeFile, Elements, FiniteWidth, Kind, Penalty
 from drumlin.cli.terminal import (
     Column,
-    print_folded_line,
+    print_line_folded_to_terminal_width,
     print_note_to_standard_error,
     print_table_fitted_to_terminal,
     print_table_of_compared_models,
@@ -51,7 +51,7 @@ def solve(
 
     brakes = [drumlin.read_brake(brake_file) for brake_file in brake_files]
     check_output_files_are_writable(json_file, pressure, fields)
-    options = of.options_given_by_user(
+    options = of.command_options_given_by_user(
         elements=elements,
         kind=kind,
         penalty=of.penalty_as_number(penalty),
@@ -63,7 +63,7 @@ def solve(
         fields=fields,
     )
     _check_model_applies_and_takes_options(brakes, model, options)
-    _check_outputs_are_for_one_brake(brakes, {"--pressure": pressure, "--fields": fields})
+    _check_output_files_are_for_single_brake(brakes, {"--pressure": pressure, "--fields": fields})
     answers: list[_SolvedBrake] = []
     # --no-model-error concerns plane stress only. Other models have no such error, so that the
     # option is added after the check of the options.
@@ -113,7 +113,7 @@ def _check_model_applies_and_takes_options(
     check_options_belong_to_model(model, options)
 
 
-def _check_outputs_are_for_one_brake(
+def _check_output_files_are_for_single_brake(
     brakes: "list[Brake]", outputs: dict[str, Path | None]
 ) -> None:
     """Raise BadInput where a file for a single brake is asked for, but several brakes are given.
@@ -168,7 +168,7 @@ def _print_answer_and_write_pressures(
 
         write_text(pressure, pressure_curves_as_csv(answer.response, answer.brake.surface))
     if separated:
-        print_folded_line("")
+        print_line_folded_to_terminal_width("")
     print_response(answer.brake, answer.response, verbose=verbose)
 
 
@@ -204,7 +204,7 @@ def compare(
     brake = drumlin.read_brake(brake_file, text)
     folder = output or Path("reports") / brake_file.stem
     check_path_can_be_folder(folder)
-    options = of.options_given_by_user(
+    options = of.command_options_given_by_user(
         elements=elements,
         kind=kind,
         penalty=of.penalty_as_number(penalty),
@@ -213,11 +213,13 @@ def compare(
     )
     with show_spinner_beside_words("comparing the models"):
         result = compare_models_and_write_html_page(brake, text, folder, options)
-    print_folded_line(f"{brake.title}: {brake.motion}, {brake.friction_in_words}")
+    print_line_folded_to_terminal_width(
+        f"{brake.title}: {brake.motion}, {brake.friction_coefficients_as_text}"
+    )
     print_table_of_compared_models(result.table, result.columns)
     for line in result.notes:
-        print_folded_line(line)
-    print_folded_line(f"report: {result.page}")
+        print_line_folded_to_terminal_width(line)
+    print_line_folded_to_terminal_width(f"report: {result.page}")
 
 
 def hold(
@@ -250,7 +252,7 @@ def hold(
         write_json(json_file, run.as_dict())
     print_table_fitted_to_terminal(_table_columns_of_holding_states(run), [])
     for line in (*run.states[-1].notes, *run.lines()):
-        print_folded_line(line)
+        print_line_folded_to_terminal_width(line)
 
 
 def _table_columns_of_holding_states(run: "HoldingRun") -> dict[str, Column]:
@@ -292,9 +294,11 @@ def sensitivity(
         found = drumlin.sensitivity(brake, model, elements=elements, kind=kind, penalty=stiffness)
     if json_file is not None:
         write_json(json_file, found.as_dict())
-    print_folded_line(f"{brake.title}: {model}, {brake.motion}, {brake.friction_in_words}")
+    print_line_folded_to_terminal_width(
+        f"{brake.title}: {model}, {brake.motion}, {brake.friction_coefficients_as_text}"
+    )
     for line in sensitivity_as_text_lines(found, brake):
-        print_folded_line(line)
+        print_line_folded_to_terminal_width(line)
 
 
 def size(
@@ -323,7 +327,7 @@ def size(
     # An existing file is refused before the brakes are solved.
     if write is not None and write.exists():
         raise BadInput(f"--write = {str(write)!r}: exists already; brake files are not replaced")
-    options = of.options_given_by_user(
+    options = of.command_options_given_by_user(
         elements=elements,
         kind=kind,
         penalty=of.penalty_as_number(penalty),
@@ -349,7 +353,7 @@ def size(
     if write is not None:
         drumlin.write_brake(found.brake, write)
     for line in found.lines():
-        print_folded_line(line)
+        print_line_folded_to_terminal_width(line)
     print_response(found.brake, found.response)
 
 
@@ -394,4 +398,4 @@ def wear(
     if json_file is not None:
         write_json(json_file, run.as_dict())
     for line in run.lines():
-        print_folded_line(line)
+        print_line_folded_to_terminal_width(line)

@@ -11,7 +11,11 @@ import typer
 
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import did_you_mean_hint
-from drumlin.cli.terminal import print_folded_line, print_names_beside_texts, print_text_unchanged
+from drumlin.cli.terminal import (
+    print_line_folded_to_terminal_width,
+    print_names_beside_texts,
+    print_text_unchanged,
+)
 
 
 def init(
@@ -40,7 +44,7 @@ def init(
         print_text_unchanged(text_of_example(name))
     else:
         for path in write_example_with_its_files(name, output):
-            print_folded_line(f"written: {path}")
+            print_line_folded_to_terminal_width(f"written: {path}")
 
 
 def schema(

@@ -8,7 +8,7 @@ import typer
 from drumlin.base.errors import NoAnswer
 from drumlin.cli.terminal import (
     Column,
-    print_folded_line,
+    print_line_folded_to_terminal_width,
     print_names_beside_texts,
     print_note_to_standard_error,
     print_table_fitted_to_terminal,
@@ -43,7 +43,7 @@ def study(
 
     with show_spinner_beside_words(f"study {name}") as say:
         page = run_study_and_write_report(name, output, short=short, say=say)
-    print_folded_line(f"report: {page}")
+    print_line_folded_to_terminal_width(f"report: {page}")
 
 
 def sweep(
@@ -97,7 +97,7 @@ def _print_outcome_of_sweep(table: "SweepTable", table_file: Path) -> None:
     Raises NoAnswer where every case has failed.
     """
     for line in table.lines_of_outcome():
-        print_folded_line(line)
+        print_line_folded_to_terminal_width(line)
     failed = table.failures.total()
     if failed < len(table):
         head, *rows = table.cells_of_statistics()
@@ -105,6 +105,6 @@ def _print_outcome_of_sweep(table: "SweepTable", table_file: Path) -> None:
         for title, *texts in zip(head, *rows, strict=True):
             columns[title] = Column(title or "result", title, texts, left=not title)
         print_table_fitted_to_terminal(columns, STATISTICS_LEFT_OUT_FIRST)
-    print_folded_line(f"table: {table_file}")
+    print_line_folded_to_terminal_width(f"table: {table_file}")
     if failed == len(table):
         raise NoAnswer("sweep: no case has an answer; the table says why")

@@ -45,7 +45,7 @@ A longer line is cut: a text that comes from the user's file may have any length
 """
 
 
-def print_folded_line(line: str, *, at_once: bool = False) -> None:
+def print_line_folded_to_terminal_width(line: str, *, at_once: bool = False) -> None:
     """Print a line to standard output, folded between words to the width of the terminal.
 
     Characters that cannot be printed, as in the name of a file, are escaped. `at_once` is whether
@@ -66,7 +66,7 @@ def print_names_beside_texts(texts: Mapping[str, str]) -> None:
     """Print each name of `texts` with its text beside it, the texts below each other."""
     wide = max(map(len, texts))
     for name, text in texts.items():
-        print_folded_line(f"{name:{wide}}  {text}")
+        print_line_folded_to_terminal_width(f"{name:{wide}}  {text}")
 
 
 def print_text_unchanged(text: str) -> None:
@@ -225,7 +225,9 @@ def print_table_fitted_to_terminal(
     with _turn_output_faults_into_drumlin_errors():
         print("\n".join(_lines_of_printed_table(shown.values())))
     if cut:
-        print_folded_line(f"not shown here, the terminal is too narrow: {', '.join(cut)}")
+        print_line_folded_to_terminal_width(
+            f"not shown here, the terminal is too narrow: {', '.join(cut)}"
+        )
 
 
 def _lines_of_printed_table(columns: Collection[Column]) -> list[str]:

@@ -33,7 +33,7 @@ from drumlin.contact.equations import (
     ContactProblem,
     ContactSetEquations,
     ScaledContactSystem,
-    can_contact_resist_all_rigid_body_modes,
+    do_contact_equations_resist_all_rigid_modes,
     is_bordered_system_cheaper_than_new_factors,
     scale_contact_problem,
 )
@@ -220,7 +220,7 @@ def solve_contact_by_block_pivoting(
         # the nodes whose gaps the actuation closes first are added.
         if not _can_contact_set_resist_rigid_body_modes(problem, active):
             active = active | _find_nodes_that_touch_first(system.scaled_contact_problem)
-        equations = _factorise_contact_set(system, active, base)
+        equations = _factorise_equations_of_contact_set(system, active, base)
         if not isinstance(equations, BorderedEquations):
             base = equations
         trial = _solve_on_trial_contact_set(system, equations, active)
@@ -238,7 +238,7 @@ def solve_contact_by_block_pivoting(
     raise ContactSetNotConverged(step)
 
 
-def _factorise_contact_set(
+def _factorise_equations_of_contact_set(
     system: ScaledContactSystem, active: Bools, base: ContactSetEquations | None
 ) -> ContactSetEquations | BorderedEquations:
     """Factorise the equations of a contact set (n,), and return them.
@@ -293,7 +293,7 @@ def _refine_contact_solution_once(
         y=x[n:],
         active=active,
         steps=steps,
-        stable=can_contact_resist_all_rigid_body_modes(equations, system),
+        stable=do_contact_equations_resist_all_rigid_modes(equations, system),
         system=system,
         pressure_change=partial(_pressure_change_by_gap_change, equations, system),
     )
@@ -502,10 +502,10 @@ def guess_contact_set_from_coarse_problem(problem: ContactProblem) -> Bools:
         coarse = solve_contact_by_block_pivoting(contact_problem_on_every_other_node(problem)).p > 0
     except NoAnswer:
         return active
-    return contact_set_on_all_nodes(coarse, count)
+    return extend_contact_set_to_all_nodes(coarse, count)
 
 
-def contact_set_on_all_nodes(coarse: Bools, count: int) -> Bools:
+def extend_contact_set_to_all_nodes(coarse: Bools, count: int) -> Bools:
     """Extend a contact set on every other node to a contact set (count,) on all nodes.
 
     A node of the coarse set also adds its two neighbours, which are no nodes of the coarse problem.
@@ -611,7 +611,7 @@ def _find_nodes_that_touch_first(
     n = len(q)
     touching, p = np.zeros(n, dtype=bool), np.zeros(n)
     # If a shoe pushes another shoe, its pressures p are needed for the load on the other shoe.
-    for modes in _sort_shoes_modes_by_load_path(
+    for modes in _sort_shoe_modes_in_order_of_pushing(
         _group_modes_that_move_the_same_nodes(B != 0), B != 0, C != 0
     ):
         load = h[modes] - C[modes] @ p
@@ -647,7 +647,7 @@ def _rigid_body_motion_until_each_node_touches(
     return reach
 
 
-def _sort_shoes_modes_by_load_path(
+def _sort_shoe_modes_in_order_of_pushing(
     mode_groups: list[list[int]], moves: Bools, bears: Bools
 ) -> list[list[int]]:
     """Sort the sets of modes, one set for each shoe, in the order in which shoes push each other.

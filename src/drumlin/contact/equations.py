@@ -260,7 +260,7 @@ class BorderedEquations(ContactSetEquations):
         return np.concatenate([solution, border[released:]])
 
 
-def can_contact_resist_all_rigid_body_modes(
+def do_contact_equations_resist_all_rigid_modes(
     equations: ContactSetEquations, system: ScaledContactSystem
 ) -> bool:
     """Whether the contact on a contact set resists every rigid-body mode of the shoes.

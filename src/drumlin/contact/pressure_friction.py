@@ -57,7 +57,7 @@ FrictionAtPressures = Callable[[Floats], NodalFriction]
 """A function from nodal pressures (n,) to the friction at the nodes."""
 
 
-def solve_contact_with_friction_over_pressure(
+def solve_contact_with_pressure_dependent_friction(
     problem: FrictionDependentProblem, friction: FrictionAtPressures, start: Contact, base: Floats
 ) -> Contact:
     """Solve a contact problem whose friction depends on the pressure, and return its solution.
@@ -78,12 +78,16 @@ def solve_contact_with_friction_over_pressure(
     while reached < 1:
         target = min(reached + part, 1.0)
 
-        def scaled_friction(p: Floats, share: float = target) -> NodalFriction:
+        def friction_with_scaled_pressure_dependence(
+            p: Floats, share: float = target
+        ) -> NodalFriction:
             """The friction with a part of its dependence on pressure."""
             whole = friction(p)
             return NodalFriction(base + share * (whole.coefficient - base), share * whole.slope)
 
-        after = _newton_solution_or_none(problem, scaled_friction, found)
+        after = _stable_contact_by_newton_or_none(
+            problem, friction_with_scaled_pressure_dependence, found
+        )
         if after is not None:
             found, reached = after, target
             continue
@@ -96,7 +100,7 @@ def solve_contact_with_friction_over_pressure(
     return found
 
 
-def _newton_solution_or_none(
+def _stable_contact_by_newton_or_none(
     problem: FrictionDependentProblem, friction: FrictionAtPressures, start: Contact
 ) -> Contact | None:
     """The stable solution that Newton's method finds from a first one; None if it finds none."""
@@ -104,7 +108,7 @@ def _newton_solution_or_none(
     for _ in range(MOST_STEPS_TO_FRICTION):
         try:
             after = solve_contact_problem(
-                _problem_with_tangent_of_friction(problem, friction(found.p), found.p),
+                _contact_problem_with_friction_tangent(problem, friction(found.p), found.p),
                 found.active,
             )
         except NoAnswer:
@@ -116,7 +120,7 @@ def _newton_solution_or_none(
     return None
 
 
-def _problem_with_tangent_of_friction(
+def _contact_problem_with_friction_tangent(
     problem: FrictionDependentProblem, friction: NodalFriction, p: Floats
 ) -> ContactProblem:
     """The contact problem in which tau(p) = mu(p) p is replaced by its tangent at pressures p."""

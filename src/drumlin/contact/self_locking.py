@@ -29,7 +29,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.contact.active_set import (
     Contact,
     contact_problem_on_every_other_node,
-    contact_set_on_all_nodes,
+    extend_contact_set_to_all_nodes,
     interpolate_pressures_to_all_nodes,
     restrict_array_to_every_other_node,
     solve_contact_by_block_pivoting,
@@ -105,7 +105,7 @@ class FrictionDependentProblem(NamedTuple):
     C_per_friction: Floats
 
     @classmethod
-    def friction_dependent_problem_from_two_frictions(
+    def linear_function_of_friction_from_two_problems(
         cls, frictionless: ContactProblem, other: ContactProblem, friction: float = 1.0
     ) -> "FrictionDependentProblem":
         """Make the linear function of mu from the problems at mu = 0 and at another friction."""
@@ -155,7 +155,7 @@ class FrictionBeyondLimit(NoAnswer):
         self.limit = limit
 
 
-def find_friction_limit_of_contact(
+def find_largest_friction_with_equilibrium(
     problem: FrictionDependentProblem,
     largest_friction: float = LARGEST_SOUGHT_FRICTION,
     known_answer: tuple[float, Contact] | None = None,
@@ -180,7 +180,7 @@ def find_friction_limit_of_contact(
     NoAnswer
         if there is no solution at mu = 0
     """
-    areas = _node_areas_or_ones(problem.frictionless, areas)
+    areas = _contact_node_areas_or_ones(problem.frictionless, areas)
     mu, found = (
         (0.0, _solve_contact_without_friction(problem.frictionless))
         if known_answer is None
@@ -226,12 +226,12 @@ def contact_continued_to_friction(
     areas : areas (n,) of the nodes [m^2]
     """
     after = _find_stable_contact_or_none(problem, friction, before.active)
-    if after is None or not _is_contact_continued_at_higher_friction(after, before, areas):
+    if after is None or not _does_solution_continue_at_higher_friction(after, before, areas):
         return None
     return after
 
 
-def is_contact_certain_up_to_friction(
+def is_equilibrium_certain_up_to_friction(
     problem_at: Callable[[float], ContactProblem],
     before: Contact,
     friction: float,
@@ -257,7 +257,7 @@ def is_contact_certain_up_to_friction(
     return bool(found.stable) and _is_growth_of_contact_force_small(found, before, areas)
 
 
-def _is_contact_continued_at_higher_friction(
+def _does_solution_continue_at_higher_friction(
     after: Contact, before: Contact, areas: Floats
 ) -> bool:
     """Whether a solution continues the solution at the last, smaller friction coefficient.
@@ -355,11 +355,11 @@ def solve_contact_reached_from_zero_friction(
     if friction == 0:
         return _solve_contact_without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
-    areas = _node_areas_or_ones(problem, areas)
+    areas = _contact_node_areas_or_ones(problem, areas)
     # First the contact is solved directly. With many nodes the direct solution starts from the
     # contact set of the coarse problem, on every other node, and is checked by it.
     if len(problem.q) > COARSE_PATH_ABOVE_NODES:
-        like = _solve_and_check_by_coarse_solution(
+        like = _solve_contact_and_check_on_every_other_node(
             problem, problem_at(0.0), friction, start, areas, rigid_law_limit
         )
         if like is not None:
@@ -408,10 +408,10 @@ def _follow_contact_up_to_friction(
         problem_at, 0.5 * friction, half, areas
     ):
         known = (0.5 * friction, half)
-    problem = FrictionDependentProblem.friction_dependent_problem_from_two_frictions(
+    problem = FrictionDependentProblem.linear_function_of_friction_from_two_problems(
         problem_at(0.0), problem_at(1.0)
     )
-    return find_friction_limit_of_contact(problem, friction, known, areas)
+    return find_largest_friction_with_equilibrium(problem, friction, known, areas)
 
 
 def _solve_contact_directly_at_friction(
@@ -461,7 +461,7 @@ def self_locking_error_text(
     )
 
 
-def _solve_and_check_by_coarse_solution(
+def _solve_contact_and_check_on_every_other_node(
     problem: ContactProblem,
     frictionless: ContactProblem,
     friction: float,
@@ -485,7 +485,7 @@ def _solve_and_check_by_coarse_solution(
     the solution on all nodes; None if it differs from the coarse solution, is unstable or does not
     converge
     """
-    coarse = FrictionDependentProblem.friction_dependent_problem_from_two_frictions(
+    coarse = FrictionDependentProblem.linear_function_of_friction_from_two_problems(
         contact_problem_on_every_other_node(frictionless),
         contact_problem_on_every_other_node(problem),
         friction,
@@ -499,7 +499,9 @@ def _solve_and_check_by_coarse_solution(
             rigid_law_limit=rigid_law_limit,
             brake_words="",
         )
-        first = contact_set_on_all_nodes(like.p > 0, len(problem.q)) if start is None else start
+        first = (
+            extend_contact_set_to_all_nodes(like.p > 0, len(problem.q)) if start is None else start
+        )
         found = solve_contact_by_block_pivoting(problem, first)
     except NoAnswer:
         return None
@@ -541,7 +543,7 @@ def _is_growth_of_contact_force_small(found: Contact, before: Contact, areas: Fl
     return before.stable and force <= (1 + LARGEST_FORCE_GROWTH) * force_before
 
 
-def _node_areas_or_ones(problem: ContactProblem, areas: Floats | None) -> Floats:
+def _contact_node_areas_or_ones(problem: ContactProblem, areas: Floats | None) -> Floats:
     """The areas (n,) of the nodes, or 1 for each node if `areas` is None."""
     return np.ones(len(problem.q)) if areas is None else areas
 

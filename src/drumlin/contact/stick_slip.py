@@ -126,12 +126,12 @@ class Increment:
     steps: int
 
     @property
-    def history_for_next_increment(self) -> SlipHistory:
+    def tractions_and_slips_for_next_increment(self) -> SlipHistory:
         """The tractions and slips from which the next increment starts."""
         return SlipHistory(self.t, self.s)
 
 
-def solve_load_increment(
+def solve_stick_slip_load_increment(
     problem: FrictionalProblem, mu: float | Floats, history: SlipHistory, start: Ints
 ) -> Increment:
     """Solve one load increment of contact that sticks and slips, and return its solution.
@@ -277,7 +277,7 @@ class _StateEquations:
         z[n + self.pressed_nodes] += self.traction_per_pressure * basic[:m]
         return _IncrementSolution(z, v, y)
 
-    def margins_before_nodes_change_state(self, solution: _IncrementSolution) -> Floats:
+    def distances_of_nodes_from_stick_slip_change(self, solution: _IncrementSolution) -> Floats:
         """Return the distances (2, n) of each node from its two possible changes of state.
 
         The distances are the gap of an open node, the margins mu p - t and mu p + t of a sticking
@@ -299,9 +299,9 @@ NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPE
 """The next state of a contact node (4, 2), by its present state and the violated condition.
 
 Each state has two conditions. Their order is that of
-`_StateEquations.margins_before_nodes_change_state`. An open node that closes becomes FORWARD or
-BACKWARD by the sign of its slip. The table has FORWARD alone, and the code that uses the table
-corrects it.
+`_StateEquations.distances_of_nodes_from_stick_slip_change`. An open node that closes becomes
+FORWARD or BACKWARD by the sign of its slip. The table has FORWARD alone, and the code that uses the
+table corrects it.
 """
 
 
@@ -319,8 +319,10 @@ def _find_stick_and_slip_by_single_changes(
     for step in range(1, MOST_STATE_CHANGES * len(start) + 1):
         equations = _StateEquations(system, state)
         point = equations.solve_increment_under_loads(system.q, system.h)
-        round_off = STATE_ROUND_OFF * _round_off_scales_of_margins(system, equations, point)
-        outside = equations.margins_before_nodes_change_state(point) < -round_off
+        round_off = STATE_ROUND_OFF * _sizes_that_scale_round_off_of_distances(
+            system, equations, point
+        )
+        outside = equations.distances_of_nodes_from_stick_slip_change(point) < -round_off
         wrong = int(np.count_nonzero(outside))
         if not wrong:
             return _SettledStates(state, point, step)
@@ -341,8 +343,10 @@ def _find_stick_and_slip_by_newton(system: _FrictionalSystem, start: Ints) -> _S
     for step in range(1, MOST_STATE_NEWTON_STEPS + 1):
         equations = _StateEquations(system, state)
         point = equations.solve_increment_under_loads(system.q, system.h)
-        round_off = STATE_ROUND_OFF * _round_off_scales_of_margins(system, equations, point)
-        outside = equations.margins_before_nodes_change_state(point) < -round_off
+        round_off = STATE_ROUND_OFF * _sizes_that_scale_round_off_of_distances(
+            system, equations, point
+        )
+        outside = equations.distances_of_nodes_from_stick_slip_change(point) < -round_off
         wrong = int(np.count_nonzero(outside))
         if not wrong:
             return _SettledStates(state, point, step)
@@ -380,7 +384,7 @@ def _next_stick_and_slip_states(
     return wanted
 
 
-def _round_off_scales_of_margins(
+def _sizes_that_scale_round_off_of_distances(
     system: _FrictionalSystem, equations: _StateEquations, solution: _IncrementSolution
 ) -> Floats:
     """The sizes (2, n) to which the round-off of each node's two margins is relative.
@@ -462,19 +466,19 @@ def _follow_stick_slip_states_to_true_load(
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
     equations = _StateEquations(system, state)
-    e, f = _added_loads_that_make_states_hold(system, equations, from_wide_gaps)
+    e, f = _added_loads_that_make_stick_slip_states_valid(system, equations, from_wide_gaps)
     for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
         # In the present states the solution is point + r slope. The distances of the nodes from a
         # change of state are value + r change.
         point = equations.solve_increment_under_loads(system.q, system.h)
         slope = equations.solve_increment_under_loads(e, f)
-        value = equations.margins_before_nodes_change_state(point)
-        change = equations.margins_before_nodes_change_state(slope)
+        value = equations.distances_of_nodes_from_stick_slip_change(point)
+        change = equations.distances_of_nodes_from_stick_slip_change(slope)
         # The node that has changed last is exactly at a limit of its new state, and its distance
         # from this limit must grow. This tells whether r grows or falls.
         if node >= 0:
             direction = float(np.sign(change[edge, node]))
-        met = _next_change_between_stick_and_slip(value, change, r, direction)
+        met = _next_stick_slip_state_change_on_path(value, change, r, direction)
         node, edge = met.node, met.edge
         if direction < 0 and met.load_change >= r:
             return _SettledStates(state, point, passed)
@@ -497,7 +501,7 @@ def _follow_stick_slip_states_to_true_load(
     )
 
 
-def _next_change_between_stick_and_slip(
+def _next_stick_slip_state_change_on_path(
     value: Floats, change: Floats, r: float, direction: float
 ) -> _StateChange:
     """Return the change of state that comes next on a path of solutions.
@@ -516,7 +520,7 @@ def _next_change_between_stick_and_slip(
     return _StateChange(node, edge, reach[edge, node])
 
 
-def _added_loads_that_make_states_hold(
+def _added_loads_that_make_stick_slip_states_valid(
     system: _FrictionalSystem, equations: _StateEquations, from_wide_gaps: bool
 ) -> tuple[Floats, Floats]:
     """Return loads to add to q (2n,) and h (k,) under which the present states are a solution.
@@ -524,7 +528,7 @@ def _added_loads_that_make_states_hold(
     With `from_wide_gaps` the added loads also widen the gaps of all open nodes.
     """
     point, state = equations.solve_increment_under_loads(system.q, system.h), equations.state
-    margin = _margins_enlarged_until_positive(system, equations, point, from_wide_gaps)
+    margin = _distances_from_state_change_made_positive(system, equations, point, from_wide_gaps)
     (p, t), (w, slip) = np.split(point.z, 2), np.split(point.v, 2)
     opened, sticks = state == OPEN, state == STICK
     slips = (state == FORWARD) | (state == BACKWARD)
@@ -559,7 +563,7 @@ class _StateDistances(NamedTuple):
     enlarged: Bools
 
 
-def _margins_enlarged_until_positive(
+def _distances_from_state_change_made_positive(
     system: _FrictionalSystem,
     equations: _StateEquations,
     solution: _IncrementSolution,
@@ -573,8 +577,10 @@ def _margins_enlarged_until_positive(
     state = equations.state
     n = len(state)
     uneven = 1 + np.arange(2 * n).reshape(2, n) * GOLDEN_RATIO % 1
-    slack = SMALLEST_EXTRA_GAP * _round_off_scales_of_margins(system, equations, solution)
-    margin = equations.margins_before_nodes_change_state(solution)
+    slack = SMALLEST_EXTRA_GAP * _sizes_that_scale_round_off_of_distances(
+        system, equations, solution
+    )
+    margin = equations.distances_of_nodes_from_stick_slip_change(solution)
     lifted = margin <= 0
     if from_wide_gaps:
         lifted[0] |= state == OPEN
@@ -617,7 +623,9 @@ def _solve_with_scaled_lu_factors(factors: _ScaledFactors, right: Floats) -> Flo
     return factors.column_scales * solution
 
 
-def stick_and_slip_arcs(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[float, float], ...]]:
+def sticking_and_slipping_arcs_of_lining(
+    nodes: Floats, state: Ints
+) -> dict[str, tuple[tuple[float, float], ...]]:
     """Return the arcs of a lining that stick and that slip, under the keys "stick" and "slip".
 
     Each arc is given by its start and its end [rad]. An arc covers neighbouring nodes in one state;
@@ -626,12 +634,16 @@ def stick_and_slip_arcs(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[flo
     """
     edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
     return {
-        "stick": _intervals_of_true_values(edges, state == STICK),
-        "slip": _intervals_of_true_values(edges, (state == FORWARD) | (state == BACKWARD)),
+        "stick": _start_and_end_of_runs_of_true_values(edges, state == STICK),
+        "slip": _start_and_end_of_runs_of_true_values(
+            edges, (state == FORWARD) | (state == BACKWARD)
+        ),
     }
 
 
-def _intervals_of_true_values(edges: Floats, where: Bools) -> tuple[tuple[float, float], ...]:
+def _start_and_end_of_runs_of_true_values(
+    edges: Floats, where: Bools
+) -> tuple[tuple[float, float], ...]:
     """Return the start and the end of each run of true values.
 
     The value i lies between edges[i] and edges[i + 1].

@@ -12,15 +12,15 @@ from typing import Any, NamedTuple
 from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
-from drumlin.brake.friction import require_friction_without_pressure
-from drumlin.explore.knobs import KnobSetting, brake_at_knob_setting, knobs_for_brake
+from drumlin.brake.friction import require_friction_independent_of_pressure
+from drumlin.explore.knobs import KnobSetting, brake_at_slider_setting, sliders_for_brake
 from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import brake_without_loads_and_clearances
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.laws import LAWS, self_locking_friction_of_hinged_shoe
 from drumlin.lining_wear.archard import WearLaw, WearState, interpolate_wear_state_at_distance
 from drumlin.lining_wear.linings import WearSetup, wear_setup_by_finite_elements
@@ -169,8 +169,8 @@ class Explorer:
 
     def __init__(self, brake: Brake) -> None:
         model_with_name_that_applies_to_brake("fem", brake)
-        require_friction_without_pressure(brake, "explore")
-        self.brake, self.knobs = brake, knobs_for_brake(brake)
+        require_friction_independent_of_pressure(brake, "explore")
+        self.brake, self.knobs = brake, sliders_for_brake(brake)
         self._scene = LatestValueCache()
         self._worn = LatestValueCache()
         self._limits = LatestValueCache()
@@ -181,7 +181,7 @@ class Explorer:
         answer = ExploredAnswer(setting, law_name=setting.law)
         # The answer is completed step by step. The steps before a failure stay in it.
         try:
-            brake = brake_at_knob_setting(self.brake, self.knobs, setting)
+            brake = brake_at_slider_setting(self.brake, self.knobs, setting)
             answer = replace(answer, brake=brake)
             # Wear changes the shape of the linings; it is not computed on a plane.
             scene = self.prepared_model_of_brake(brake, setting.model)
@@ -211,7 +211,9 @@ class Explorer:
             """Prepare the model with a friction coefficient of 1; it serves friction 0, too."""
             rough = vary(brake, {"friction": 1.0})
             if model == "solid":
-                return prepare_brake_with_widths(rough, WIDTH_EXPLORE_LEVEL, WIDTH_EXPLORE_DEGREE)
+                return prepare_model_with_shoe_widths(
+                    rough, WIDTH_EXPLORE_LEVEL, WIDTH_EXPLORE_DEGREE
+                )
             if any(shoe.mesh for shoe in rough.shoes):
                 return make_prepared_model(rough)
             return make_prepared_model(rough, EXPLORE_LEVEL)
@@ -243,14 +245,14 @@ class Explorer:
                 )
         return _WornBrake(brake_with_worn_linings(run.setup, state), 1e3 * wear)
 
-    def locking_friction_of_groups(self, brake: Brake, model: str = "fem") -> LockingFriction:
+    def self_locking_friction_of_groups(self, brake: Brake, model: str = "fem") -> LockingFriction:
         """The friction coefficient at which each group of shoes locks itself, by finite elements.
 
         Shoes that do not lock up to HIGHEST_FRICTION have no entry. The result is empty where no
         shoe touches the drum. `model` is "fem" for plane stress and "solid" for solid shoes.
         """
 
-        def find_locking_friction() -> LockingFriction:
+        def find_self_locking_friction_with_unit_friction() -> LockingFriction:
             """Find the limits of self-locking, with a friction coefficient of 1 in the brake."""
             rough = brake.brake_with_scaled_friction(1.0)
             try:
@@ -262,12 +264,14 @@ class Explorer:
             return {members: limit.friction for members, limit in found.items()}
 
         known: LockingFriction = self._limits.get(
-            (_brake_with_unit_friction(brake), model), find_locking_friction
+            (_brake_with_unit_friction(brake), model), find_self_locking_friction_with_unit_friction
         )
         return known
 
-    def locking_friction_if_known(self, brake: Brake, model: str = "fem") -> LockingFriction | None:
-        """The result of `locking_friction_of_groups` if it has been computed already; else None.
+    def self_locking_friction_if_already_computed(
+        self, brake: Brake, model: str = "fem"
+    ) -> LockingFriction | None:
+        """The result of `self_locking_friction_of_groups` if it is known already; else None.
 
         The computation takes 30 to 100 ms.
         """
@@ -334,7 +338,7 @@ def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> Explored
             limits = []
             for shoe in brake.shoes:
                 own = self_locking_friction_of_hinged_shoe(brake, shoe, LAWS[name])
-                limits.append(brake.friction_at_friction_of_shoe(shoe, own))
+                limits.append(brake.brake_friction_that_gives_shoe_friction(shoe, own))
             answer = replace(answer, law_locking=min(limits))
         return replace(answer, law=model_with_name_that_applies_to_brake(name, brake).solve(brake))
     except DrumlinError as error:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from drumlin.base.round_numbers import round_numbers_about
+from drumlin.base.round_numbers import four_round_numbers_around_value
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Lining
 
@@ -73,7 +73,9 @@ class Knob(NamedTuple):
 
 def nearest_1_2_5_power_of_ten(value: float) -> float:
     """The number nearest to `value` (in ratio) that is 1, 2 or 5 times a power of ten."""
-    return min(round_numbers_about(value), key=lambda number: abs(math.log(value / number)))
+    return min(
+        four_round_numbers_around_value(value), key=lambda number: abs(math.log(value / number))
+    )
 
 
 def linings_by_brake_file_key(brake: Brake) -> dict[str, Lining]:

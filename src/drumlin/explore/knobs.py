@@ -11,7 +11,7 @@ from urllib.parse import urlencode
 
 import numpy as np
 
-from drumlin.base.round_numbers import round_numbers_about
+from drumlin.base.round_numbers import four_round_numbers_around_value
 from drumlin.base.texts import printable_single_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake, Shoe
@@ -27,7 +27,7 @@ from drumlin.explore.knob import (
     text_of_angle_in_degrees,
 )
 from drumlin.fem.width.functions import has_parts_of_different_widths
-from drumlin.fem.width.prepare import reason_against_width_model
+from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT
 from drumlin.models import applicable_models
 
@@ -83,7 +83,7 @@ class KnobSetting:
         """The value of a slider in its unit; the brake file's value if the slider is not moved."""
         return self.values.get(knob.name, knob.start)
 
-    def setting_with_knob_moved(self, knob: Knob, value: float) -> "KnobSetting":
+    def setting_with_slider_moved(self, knob: Knob, value: float) -> "KnobSetting":
         """A copy of the setting with one slider moved to a value [unit of the slider]."""
         values = dict(self.values)
         values.pop(knob.name, None)
@@ -103,24 +103,24 @@ def names_of_models_besides_fem(brake: Brake) -> tuple[str, ...]:
     return tuple(model.name for model in applicable_models(brake) if model.name != "fem")
 
 
-def element_models_of_page(brake: Brake) -> tuple[str, ...]:
+def finite_element_models_offered_by_page(brake: Brake) -> tuple[str, ...]:
     """The names of the models of finite elements that the page offers for a brake.
 
     Solid shoes are among them if all parts of each shoe have the same width. Shoes whose parts
     differ in width take seconds to solve, and the page would lag behind its sliders.
     """
-    refused = reason_against_width_model(brake) is not None
+    refused = reason_why_width_model_does_not_apply(brake) is not None
     if refused or any(has_parts_of_different_widths(shoe) for shoe in brake.shoes):
         return ("fem",)
     return ("fem", "solid")
 
 
-def setting_at_brake_file_values(brake: Brake) -> KnobSetting:
+def slider_setting_at_brake_file_values(brake: Brake) -> KnobSetting:
     """The setting with all sliders at the brake file's values and the first law that applies."""
     return KnobSetting(brake.direction, next(iter(names_of_models_besides_fem(brake)), None))
 
 
-def knobs_for_brake(brake: Brake) -> tuple[Knob, ...]:
+def sliders_for_brake(brake: Brake) -> tuple[Knob, ...]:
     """The sliders for a brake, in the order of the page.
 
     Where forces or moduli differ between the shoes, the slider shows the largest value, and the
@@ -132,32 +132,32 @@ def knobs_for_brake(brake: Brake) -> tuple[Knob, ...]:
     fine = nearest_1_2_5_power_of_ten(R * 1e-5)
     is_flat = brake.surface.is_plane_and_not_drum
     knobs = [
-        _friction_coefficient_knob(brake),
-        _actuation_force_knob(brake),
-        _line_of_action_shift_knob(brake, R),
-        _line_of_action_angle_knob(brake),
-        _lining_clearance_knob(brake, fine),
+        _friction_coefficient_slider(brake),
+        _actuation_force_slider(brake),
+        _line_of_action_shift_slider(brake, R),
+        _line_of_action_angle_slider(brake),
+        _lining_clearance_slider(brake, fine),
         # On a plane there are no sliders of misfit and wear: a flat lining has no radius, and the
         # page computes no wear.
-        None if is_flat else _lining_radius_misfit_knob(brake, fine),
+        None if is_flat else _lining_radius_misfit_slider(brake, fine),
         None if is_flat else _wear_knob(brake),
-        _youngs_modulus_knob(brake, "lining", "lining modulus", "MPa", 1e6),
-        _youngs_modulus_knob(brake, "shoe", "shoe modulus", "GPa", 1e9),
+        _youngs_modulus_slider(brake, "lining", "lining modulus", "MPa", 1e6),
+        _youngs_modulus_slider(brake, "shoe", "shoe modulus", "GPa", 1e9),
         *geometry_knobs_for_brake(brake),
     ]
     return tuple(knob for knob in knobs if knob is not None)
 
 
-def _friction_coefficient_knob(brake: Brake) -> Knob:
+def _friction_coefficient_slider(brake: Brake) -> Knob:
     """The slider of the friction coefficient between lining and drum."""
-    own = brake.key_of_first_own_friction() is not None
+    own = brake.key_of_first_lining_with_own_friction() is not None
 
     def changes_of_all_frictions_in_proportion(value: float) -> Changes:
         """New friction of the brake, `value`; linings' own frictions change in proportion."""
         changes: dict[str, Any] = {"friction": value}
         for i, shoe in enumerate(brake.shoes):
             if shoe.lining.friction is not None:
-                ratio = brake.relative_friction_of_shoe(shoe)
+                ratio = brake.shoe_friction_over_brake_friction(shoe)
                 changes[f"shoe[{i}].lining.friction"] = ratio * value
         return changes
 
@@ -173,17 +173,17 @@ def _friction_coefficient_knob(brake: Brake) -> Knob:
     )
 
 
-def _actuation_force_knob(brake: Brake) -> Knob | None:
+def _actuation_force_slider(brake: Brake) -> Knob | None:
     """The slider of the actuation, a force, pressure or torque; None where all forces are 0."""
     if brake.actuation is not None:
-        return _cylinder_or_cam_knob(brake.actuation)
+        return _cylinder_or_cam_slider(brake.actuation)
     forces = [shoe.actuation.force for shoe in brake.shoes]
     largest = max(forces, key=abs)
     if largest == 0:
         return None
     low, high = sorted([0.0, 3 * largest * 1e-3])
 
-    def actuation_forces_at_knob_value(value: float) -> Changes:
+    def actuation_forces_at_slider_value(value: float) -> Changes:
         """New forces on all shoes, in the brake file's proportion; the largest is `value` [kN]."""
         made: Changes = {}
         for i, force in enumerate(forces):
@@ -196,11 +196,11 @@ def _actuation_force_knob(brake: Brake) -> Knob | None:
         label = "largest force"
     step = nearest_1_2_5_power_of_ten(abs(largest) * 1e-5)
     return Knob(
-        "force", label, "kN", low, high, step, largest * 1e-3, actuation_forces_at_knob_value
+        "force", label, "kN", low, high, step, largest * 1e-3, actuation_forces_at_slider_value
     )
 
 
-def _cylinder_or_cam_knob(drive: Drive) -> Knob:
+def _cylinder_or_cam_slider(drive: Drive) -> Knob:
     """The slider of an actuation of all shoes: pressure of a cylinder, force or torque of a cam."""
     # A brake file gives one of the keys pressure, force and torque, or the pressure of a chamber.
     if drive.chamber is not None:
@@ -213,9 +213,9 @@ def _cylinder_or_cam_knob(drive: Drive) -> Knob:
     start = value / factor
     # A brake with an actuation must push its shoes, so that a slider of pressure begins slightly
     # above the pressure at which the shoes are not pushed.
-    low, high = sorted([lower_end_of_knob_relative_to_brake_file(drive, key) * start, 3 * start])
+    low, high = sorted([lower_slider_end_over_brake_file_value(drive, key) * start, 3 * start])
 
-    def new_pressure_force_or_torque(value: float) -> Changes:
+    def new_drive_pressure_force_or_torque(value: float) -> Changes:
         """New pressure of the cylinder, or force or torque of the cam; `value` in slider's unit."""
         return {f"actuation.{key}": value * factor}
 
@@ -227,11 +227,11 @@ def _cylinder_or_cam_knob(drive: Drive) -> Knob:
         high,
         nearest_1_2_5_power_of_ten(abs(start) * 1e-2),
         start,
-        new_pressure_force_or_torque,
+        new_drive_pressure_force_or_torque,
     )
 
 
-def lower_end_of_knob_relative_to_brake_file(drive: Drive, key: str) -> float:
+def lower_slider_end_over_brake_file_value(drive: Drive, key: str) -> float:
     """The lower end of an actuation's slider, as a fraction of the brake file's value.
 
     A cylinder pushes above its threshold pressure, and a chamber above the pressure that its return
@@ -245,7 +245,7 @@ def lower_end_of_knob_relative_to_brake_file(drive: Drive, key: str) -> float:
     return 0.0
 
 
-def _line_of_action_shift_knob(brake: Brake, R: float) -> Knob:
+def _line_of_action_shift_slider(brake: Brake, R: float) -> Knob:
     """The slider that moves the lines of action of all forces away from the hinges, in mm.
 
     R [mm] is the drum's radius, on a plane the length of the first lining.
@@ -278,7 +278,7 @@ def _new_points_of_shifted_forces(brake: Brake, by: float) -> Changes:
     return changes
 
 
-def _line_of_action_angle_knob(brake: Brake) -> Knob:
+def _line_of_action_angle_slider(brake: Brake) -> Knob:
     """The slider that turns the lines of action of all forces, in degrees."""
     return Knob(
         name="turn",
@@ -301,7 +301,7 @@ def _new_directions_of_turned_forces(brake: Brake, by: float) -> Changes:
     return changes
 
 
-def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
+def _lining_clearance_slider(brake: Brake, step: float) -> Knob:
     """The slider of the clearance between linings and drum, with a smallest change `step` [mm].
 
     Where the shoes have different clearances, or tables of clearance, the slider's value is added
@@ -312,7 +312,7 @@ def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
     same = len(set(given)) == 1 and isinstance(given[0], float | int)
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
 
-    def lining_clearances_at_knob_value(value: float) -> Changes:
+    def lining_clearances_at_slider_value(value: float) -> Changes:
         """New clearances of all linings for the slider at `value` [mm]; all change equally."""
         more = (value - start) * 1e-3
         made: Changes = {}
@@ -328,11 +328,11 @@ def _lining_clearance_knob(brake: Brake, step: float) -> Knob:
     reach = max(100 * step, 2 * abs(start))
     label = "gap between lining and drum" if same else "gap, added to the file's"
     return Knob(
-        "clearance", label, "mm", -reach, 2 * reach, step, start, lining_clearances_at_knob_value
+        "clearance", label, "mm", -reach, 2 * reach, step, start, lining_clearances_at_slider_value
     )
 
 
-def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
+def _lining_radius_misfit_slider(brake: Brake, step: float) -> Knob:
     """The slider of the misfit: radius of the linings minus radius of the drum [mm].
 
     Where the linings have different radii, the slider's value is added to all of them. `step` [mm]
@@ -347,7 +347,7 @@ def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
     same = len(set(given)) == 1
     start = given[0] * 1e3 if same else 0.0
 
-    def lining_radii_at_knob_value(value: float) -> Changes:
+    def lining_radii_at_slider_value(value: float) -> Changes:
         """New radii of all linings for the slider at `value` [mm]; all change equally."""
         more = (value - start) * 1e-3
         made: Changes = {}
@@ -357,7 +357,7 @@ def _lining_radius_misfit_knob(brake: Brake, step: float) -> Knob:
 
     reach = max(200 * step, 2 * abs(start))
     label = "lining radius minus drum radius" + ("" if same else ", added to the file's")
-    return Knob("misfit", label, "mm", -reach, reach, step, start, lining_radii_at_knob_value)
+    return Knob("misfit", label, "mm", -reach, reach, step, start, lining_radii_at_slider_value)
 
 
 def _wear_knob(brake: Brake) -> Knob | None:
@@ -374,7 +374,7 @@ def _wear_knob(brake: Brake) -> Knob | None:
     if not units:
         return None
     least = LARGEST_WEAR * max(units)
-    high = next(number for number in round_numbers_about(least) if number >= least)
+    high = next(number for number in four_round_numbers_around_value(least) if number >= least)
     return Knob(
         name="wear",
         label="distance slid since new",
@@ -387,7 +387,7 @@ def _wear_knob(brake: Brake) -> Knob | None:
     )
 
 
-def _youngs_modulus_knob(
+def _youngs_modulus_slider(
     brake: Brake, part: str, label: str, unit: str, factor: float
 ) -> Knob | None:
     """The slider of Young's modulus of linings or shoes; None where the file has no modulus.
@@ -406,14 +406,14 @@ def _youngs_modulus_knob(
     # The dictionary holds the modulus of each shoe that has one, by the position of the shoe.
     moduli: dict[int, float] = {}
     for i, shoe in enumerate(brake.shoes):
-        modulus = _modulus_shown_by_knob(shoe, part)
+        modulus = _modulus_shown_by_slider(shoe, part)
         if modulus is not None:
             moduli[i] = modulus
     if not moduli:
         return None
     largest = max(moduli.values())
 
-    def elastic_moduli_at_knob_value(value: float) -> Changes:
+    def elastic_moduli_at_slider_value(value: float) -> Changes:
         """Changes that scale the moduli of all linings or shoes, so that the largest is `value`.
 
         `value` has the unit of the slider.
@@ -421,7 +421,7 @@ def _youngs_modulus_knob(
         times = value * factor / largest
         made: Changes = {}
         for i in moduli:
-            made |= _scaled_moduli_by_brake_key(brake.shoes[i], i, part, times)
+            made |= _scaled_part_moduli_by_brake_key(brake.shoes[i], i, part, times)
         return made
 
     start = largest / factor
@@ -434,12 +434,12 @@ def _youngs_modulus_knob(
         start * 100,
         0.01,
         start,
-        elastic_moduli_at_knob_value,
+        elastic_moduli_at_slider_value,
         log=True,
     )
 
 
-def _modulus_shown_by_knob(shoe: Shoe, part: str) -> float | None:
+def _modulus_shown_by_slider(shoe: Shoe, part: str) -> float | None:
     """The modulus [Pa] that the slider shows: through a lining's thickness or along a shoe's body.
 
     Of the moduli of an orthotropic material, this modulus influences the contact pressure most. The
@@ -452,7 +452,7 @@ def _modulus_shown_by_knob(shoe: Shoe, part: str) -> float | None:
     return shoe.body.material.E_along
 
 
-def _scaled_moduli_by_brake_key(shoe: Shoe, i: int, part: str, times: float) -> Changes:
+def _scaled_part_moduli_by_brake_key(shoe: Shoe, i: int, part: str, times: float) -> Changes:
     """New values, by key of the brake file, of a part's moduli and bending stiffness.
 
     Each value is the value of the brake file multiplied by one factor.
@@ -484,7 +484,7 @@ def _scaled_moduli_by_brake_key(shoe: Shoe, i: int, part: str, times: float) -> 
     return changes
 
 
-def brake_at_knob_setting(brake: Brake, knobs: Sequence[Knob], setting: KnobSetting) -> Brake:
+def brake_at_slider_setting(brake: Brake, knobs: Sequence[Knob], setting: KnobSetting) -> Brake:
     """The brake with the values of a setting, without wear.
 
     Raises BadInput where the parts of the changed brake do not fit together.
@@ -498,12 +498,12 @@ def brake_at_knob_setting(brake: Brake, knobs: Sequence[Knob], setting: KnobSett
     return vary(brake, rounded_numbers(changes)) if changes else brake
 
 
-def link_query_of_setting(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
+def link_query_of_slider_setting(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
     """The query of the page's address ("friction=0.3&law=sine") for a setting.
 
     The query names each slider and each choice that differs from the brake file.
     """
-    start = setting_at_brake_file_values(brake)
+    start = slider_setting_at_brake_file_values(brake)
     query = {}
     for knob in knobs:
         if knob.name in setting.values:
@@ -517,7 +517,7 @@ def link_query_of_setting(knobs: Sequence[Knob], brake: Brake, setting: KnobSett
     return urlencode(query)
 
 
-def setting_from_link_query(
+def slider_setting_from_link_query(
     knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]
 ) -> tuple[KnobSetting, tuple[str, ...]]:
     """The setting that a link names, and a line of text for each refused part of the link.
@@ -527,19 +527,19 @@ def setting_from_link_query(
     """
     # Begin at the brake file's values. Each entry of the link moves a slider, or chooses the sense
     # of motion, the law or the model.
-    setting, lines = setting_at_brake_file_values(brake), list[str]()
+    setting, lines = slider_setting_at_brake_file_values(brake), list[str]()
     knob_of = {knob.name: knob for knob in knobs}
     words = {
         motion_key_of_brake_file(brake): brake.directions,
         "law": names_of_models_besides_fem(brake),
-        "model": element_models_of_page(brake),
+        "model": finite_element_models_offered_by_page(brake),
     }
     for name, text in query.items():
         if name in knob_of:
-            setting, line = _setting_with_knob_moved_by_text(knob_of[name], text, setting)
+            setting, line = _setting_with_slider_moved_by_link_text(knob_of[name], text, setting)
             lines += [line] if line else []
         elif name in words and text in words[name]:
-            setting = _setting_with_law_model_or_motion_of_link(name, text, setting)
+            setting = _setting_with_law_model_or_motion_from_link(name, text, setting)
         elif name in words:
             allowed = ", ".join(words[name]) or "none"
             lines.append(
@@ -553,7 +553,7 @@ def setting_from_link_query(
     return setting, tuple(lines)
 
 
-def _setting_with_law_model_or_motion_of_link(
+def _setting_with_law_model_or_motion_from_link(
     name: str, text: str, setting: KnobSetting
 ) -> KnobSetting:
     """A copy of the setting with the law, the model or the sense of motion that a link names.
@@ -565,7 +565,7 @@ def _setting_with_law_model_or_motion_of_link(
     return replace(setting, model=text) if name == "model" else replace(setting, sense=text)
 
 
-def _setting_with_knob_moved_by_text(
+def _setting_with_slider_moved_by_link_text(
     knob: Knob, text: str, setting: KnobSetting
 ) -> tuple[KnobSetting, str]:
     """A copy of the setting with a slider moved to the value `text` of a link, and a message.
@@ -586,4 +586,6 @@ def _setting_with_knob_moved_by_text(
         f"link: {knob.name} = {value:g}: moved to {inside:g}; "
         f"allowed: {knob.low:g} to {knob.high:g} {knob.unit}"
     )
-    return setting.setting_with_knob_moved(knob, inside), "" if inside == value else moved.rstrip()
+    return setting.setting_with_slider_moved(
+        knob, inside
+    ), "" if inside == value else moved.rstrip()

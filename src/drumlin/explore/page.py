@@ -16,7 +16,7 @@ import jinja2
 import numpy as np
 
 from drumlin.base.errors import BadInput
-from drumlin.base.round_numbers import round_numbers_about
+from drumlin.base.round_numbers import four_round_numbers_around_value
 from drumlin.base.texts import printable_single_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
@@ -33,11 +33,11 @@ from drumlin.explore.knob import (
 from drumlin.explore.knobs import (
     LONGEST_LINK,
     KnobSetting,
-    element_models_of_page,
-    link_query_of_setting,
+    finite_element_models_offered_by_page,
+    link_query_of_slider_setting,
     motion_key_of_brake_file,
     names_of_models_besides_fem,
-    setting_from_link_query,
+    slider_setting_from_link_query,
 )
 from drumlin.explore.picture import (
     PLACE_STEP,
@@ -112,7 +112,7 @@ def http_reply_to_requested_address(explorer: Explorer, address: str, name: str)
     beginning of the name of a file that the browser saves.
     """
     path, query = path_and_query_of_address(address)
-    setting, lines = setting_from_link_query(explorer.knobs, explorer.brake, query)
+    setting, lines = slider_setting_from_link_query(explorer.knobs, explorer.brake, query)
     make = PAGE_PATHS.get(path)
     if make is None:
         return Reply(404, HTML, f"no such page; there are {', '.join(PAGE_PATHS)}")
@@ -149,11 +149,14 @@ def _reply_with_html_page(request: _Request) -> Reply:
     text = _jinja_template_of_html_page().render(
         title=brake.title,
         lines=request.lines,
-        knobs=list(map(partial(_slider_data_of_knob, setting), request.explorer.knobs)),
+        knobs=list(map(partial(_slider_data_for_html_page, setting), request.explorer.knobs)),
         motion=motion_key_of_brake_file(brake),
         senses=brake.directions,
         laws=laws,
-        models={name: TITLES_OF_ELEMENT_MODELS[name] for name in element_models_of_page(brake)},
+        models={
+            name: TITLES_OF_ELEMENT_MODELS[name]
+            for name in finite_element_models_offered_by_page(brake)
+        },
         setting=setting,
         colors=colors,
         fixed={
@@ -179,7 +182,7 @@ def _values_of_axis_ticks(low: float, high: float, unit: str) -> list[float]:
     if unit == "deg":
         steps = np.array([5, 10, 15, 30, 45, 60, 90])
     else:
-        steps = np.array(round_numbers_about((high - low) / MAX_TICK_INTERVALS))
+        steps = np.array(four_round_numbers_around_value((high - low) / MAX_TICK_INTERVALS))
     # The ticks have the finest step at which the numbers beside them do not overlap.
     step = steps[np.argmax((high - low) / steps <= MAX_TICK_INTERVALS)]
     ticks = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
@@ -196,13 +199,13 @@ def _jinja_template_of_html_page() -> jinja2.Template:
     return environment.get_template("page.html")
 
 
-def _slider_data_of_knob(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
+def _slider_data_for_html_page(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
     """The data from which the page makes a slider.
 
     A slider that changes its value by factors is logarithmic.
     """
 
-    def place_of_knob_value_on_slider(value: float) -> float:
+    def place_of_value_on_slider(value: float) -> float:
         """The place of a value on the slider: the value itself or its decimal logarithm."""
         return math.log10(value) if knob.log else value
 
@@ -213,11 +216,11 @@ def _slider_data_of_knob(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
         "value": value,
         "file": knob.start,
         "changed": knob.name in setting.values,
-        "low": place_of_knob_value_on_slider(knob.low),
-        "high": place_of_knob_value_on_slider(knob.high),
+        "low": place_of_value_on_slider(knob.low),
+        "high": place_of_value_on_slider(knob.high),
         "step": knob.step,
-        "start": place_of_knob_value_on_slider(knob.start),
-        "place": place_of_knob_value_on_slider(value),
+        "start": place_of_value_on_slider(knob.start),
+        "place": place_of_value_on_slider(value),
         "log": knob.log,
     }
 
@@ -230,7 +233,9 @@ def _reply_with_picture_data(request: _Request) -> Reply:
     # The limit of self-locking takes time to find: the picture shows it if it is known already.
     known = None
     if answer.brake is not None:
-        known = explorer.locking_friction_if_known(answer.brake, answer.setting.model)
+        known = explorer.self_locking_friction_if_already_computed(
+            answer.brake, answer.setting.model
+        )
     whole_numbers = partial(pressure_curve_as_whole_numbers, scale=picture.scale)
     arcs = np.rint(np.array(picture.arcs) / PLACE_STEP).astype(int)
     # The texts of the reply are finished HTML, its curves are whole numbers.
@@ -271,13 +276,13 @@ def _reply_with_self_locking_limit_and_errors(request: _Request) -> Reply:
     answer = explorer.fem_and_law_answer_at_slider_setting(request.setting)
     locking = None
     if answer.brake is not None:
-        locking = explorer.locking_friction_of_groups(answer.brake, answer.setting.model)
+        locking = explorer.self_locking_friction_of_groups(answer.brake, answer.setting.model)
     data = {
         "locking": self_locking_as_html(answer, locking),
         "error": error_of_finite_elements_as_html(
             answer, explorer.difference_from_accurate_answer(answer), asked=True
         ),
-        "link": link_query_of_setting(explorer.knobs, explorer.brake, request.setting),
+        "link": link_query_of_slider_setting(explorer.knobs, explorer.brake, request.setting),
     }
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
@@ -289,7 +294,7 @@ def _reply_with_brake_file(request: _Request) -> Reply:
     if answer.brake is None or answer.failure:
         return Reply(422, HTML, escape(answer.failure))
     # A comment at the top of the file names the link of the page from which the file comes.
-    link = link_query_of_setting(explorer.knobs, explorer.brake, request.setting)
+    link = link_query_of_slider_setting(explorer.knobs, explorer.brake, request.setting)
     head = f"# {printable_single_line(name)}, explored: {link or 'as it is'}\n"
     if answer.distance:
         head += "# Its clearances are tables of what wear has left.\n"

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.round_numbers import round_numbers_about
+from drumlin.base.round_numbers import four_round_numbers_around_value
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
@@ -178,7 +178,7 @@ def highest_pressure_of_scale(peak: float) -> float:
     """
     if not peak > 0:
         return 1.0
-    return next(number for number in round_numbers_about(peak) if number >= peak)
+    return next(number for number in four_round_numbers_around_value(peak) if number >= peak)
 
 
 def _pressure_curves_of_touching_shoes(
@@ -536,7 +536,12 @@ def _outline_of_shoe_layer(
     places = np.concatenate([there, there[::-1], there[:1]])
     front, back = depths
     at = np.repeat([front, back, front], [len(there), len(there), 1])
-    return shoe.points(shoe.at(at, shoe.frame.phi(places), size)) * PAGE_MM
+    return (
+        shoe.convert_points_to_brake_frame(
+            shoe.points_at_depth_and_coordinate_phi(at, shoe.frame.phi(places), size)
+        )
+        * PAGE_MM
+    )
 
 
 def _outline_of_straight_beam(shoe: Shoe, R: float) -> Floats:

@@ -1,10 +1,10 @@
 """Former name of the module drumlin.fem.preparation.prepare; old imports work, with a warning."""
 
-from drumlin.base.moved import getattr_of_moved_module
+from drumlin.base.moved import make_getattr_function_of_moved_module
 
 RENAMED_IN_ASSEMBLY = {"prepare": "make_prepared_model"}
 """The present name of each renamed function, by its old name."""
 
-__getattr__ = getattr_of_moved_module(
+__getattr__ = make_getattr_function_of_moved_module(
     __name__, "drumlin.fem.preparation.prepare", RENAMED_IN_ASSEMBLY
 )

@@ -1,6 +1,6 @@
 """Former name of the module drumlin.fem.equilibrium.group; old imports work, with a warning."""
 
-from drumlin.base.moved import getattr_of_moved_module
+from drumlin.base.moved import make_getattr_function_of_moved_module
 
 RENAMED_IN_GROUP = {
     "groups_of": "divide_pressed_shoes_into_groups",
@@ -10,4 +10,6 @@ RENAMED_IN_GROUP = {
 }
 """The present name of each renamed function, by its old name."""
 
-__getattr__ = getattr_of_moved_module(__name__, "drumlin.fem.equilibrium.group", RENAMED_IN_GROUP)
+__getattr__ = make_getattr_function_of_moved_module(
+    __name__, "drumlin.fem.equilibrium.group", RENAMED_IN_GROUP
+)

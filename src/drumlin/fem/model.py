@@ -17,27 +17,27 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, LostDigits, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
-from drumlin.brake.heat import note_on_heat
+from drumlin.brake.heat import note_on_heated_parts_of_brake
 from drumlin.brake.one_sided import SupportForce
 from drumlin.brake.units import mm_text
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
-from drumlin.fem.equilibrium.pressure_friction import solve_group_with_its_friction
+from drumlin.fem.equilibrium.pressure_friction import solve_shoe_group_with_lining_friction
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
 from drumlin.fem.equilibrium.springs import (
-    approach_of_spring_points_by_shoe,
+    displacement_of_spring_points_along_pulls,
+    find_spring_pulls_that_fit_shoe_motions,
     notes_on_spring_pulls,
-    settle_spring_pulls,
 )
 from drumlin.fem.mesh.from_file import notes_on_mesh_file
 from drumlin.fem.preparation.bodies import (
-    force_of_load_factors,
-    load_factors_under_actuation_force,
-    moment_of_further_loads_about_pin,
+    load_column_factors_under_all_loads,
+    moment_of_loads_besides_actuation_about_pin,
+    sum_of_forces_with_load_column_factors,
     support_reaction_of_shoe,
 )
-from drumlin.fem.preparation.cache import shape_key_of_shoe
-from drumlin.fem.preparation.load_places import has_loads_at_their_places
+from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
+from drumlin.fem.preparation.load_places import has_load_columns_of_forces_and_mass
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
 from drumlin.laws.rigid import notes_on_cam_force_of_unlike_linings
 from drumlin.response.balance import (
@@ -155,10 +155,10 @@ def solve_prepared_model(
     """
     require_positive_penalty(penalty)
     if brake is not scene.brake:
-        _check_brake_matches_model(scene, brake)
+        _check_brake_matches_prepared_model(scene, brake)
     if not any(spring.rate for spring in brake.springs):
         return _solve_under_known_spring_pulls(scene, brake, penalty, start)[0]
-    response, pulls = settle_spring_pulls(
+    response, pulls = find_spring_pulls_that_fit_shoe_motions(
         brake, lambda under: _solve_under_known_spring_pulls(scene, under, penalty, start)
     )
     notes = (*response.notes, *notes_on_spring_pulls(brake, pulls))
@@ -180,7 +180,7 @@ def _solve_under_known_spring_pulls(
             answers |= _solve_group_of_coupled_shoes(group, start)
         # The shoes that belong to no group are not pressed on the drum.
         for i in set(range(len(brake.shoes))) - set(answers):
-            answers[i] = _result_of_unpressed_shoe(brake.shoes[i])
+            answers[i] = _result_of_shoe_not_pressed_on_drum(brake.shoes[i])
     in_order = [answers[i] for i in sorted(answers)]
     approach = np.zeros(len(brake.springs))
     for answer in in_order:
@@ -198,17 +198,19 @@ def _solve_under_known_spring_pulls(
             *(answer.note for answer in in_order),
             *notes_on_forces_of_supports([answer.response for answer in in_order]),
             *_notes_on_supports_of_shoe_bodies(brake),
-            *_notes_on_loads_away_from_their_places(scene, brake),
+            *_notes_on_loads_moved_to_actuation_point(scene, brake),
             *notes_on_cam_force_of_unlike_linings(brake),
-            *filter(None, [note_on_heat(brake)]),
+            *filter(None, [note_on_heated_parts_of_brake(brake)]),
         ),
     )
     return response, approach
 
 
-def _check_brake_matches_model(scene: PreparedModel, brake: Brake) -> None:
+def _check_brake_matches_prepared_model(scene: PreparedModel, brake: Brake) -> None:
     """Raise BadInput if the bodies of a brake differ from those of a prepared model."""
-    if [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes] != scene.cache_keys_of_shoe_shapes:
+    if [
+        cache_key_of_shoe_shape(brake, shoe) for shoe in brake.shoes
+    ] != scene.cache_keys_of_shoe_shapes:
         raise BadInput(
             "the brake differs from the prepared scene in more than "
             "friction, rotation, sizes of loads, clearance"
@@ -236,7 +238,7 @@ def _warnings_on_overlap_of_mesh_and_drum(scene: PreparedModel, brake: Brake) ->
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:
             continue
-        deep = -float(shoe.off(body.line.xy, brake.size).min())
+        deep = -float(shoe.distance_from_friction_surface(body.line.xy, brake.size).min())
         if deep > LARGEST_SILENT_OVERLAP * shoe.lining.thickness:
             yield (
                 f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to "
@@ -257,7 +259,7 @@ def _notes_on_mesh_files(
             yield from notes_on_mesh_file(shoe, body.of_file, response)
 
 
-def _notes_on_loads_away_from_their_places(scene: PreparedModel, brake: Brake) -> Iterator[str]:
+def _notes_on_loads_moved_to_actuation_point(scene: PreparedModel, brake: Brake) -> Iterator[str]:
     """Yield a note that names elastic shoes whose further loads act at the point of actuation.
 
     Further loads are springs, weight and further forces. They act as one resultant at the point of
@@ -267,8 +269,8 @@ def _notes_on_loads_away_from_their_places(scene: PreparedModel, brake: Brake) -
         repr(shoe.name)
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True)
         if shoe.body is not None
-        and shoe.has_further_loads
-        and not has_loads_at_their_places(body.unit_load_vectors_by_name)
+        and shoe.has_loads_besides_actuation
+        and not has_load_columns_of_forces_and_mass(body.load_matrix_columns_by_load_name)
     ]
     if names:
         yield (
@@ -286,25 +288,27 @@ def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
     shoes_of: dict[str, list[str]] = {}
     for shoe in brake.shoes:
         if shoe.mesh is None and isinstance(shoe.body, Bar):
-            shoes_of.setdefault(_body_support_as_text(shoe, shoe.body, brake.size), []).append(
-                shoe.name
-            )
+            shoes_of.setdefault(
+                _support_of_elastic_shoe_body_as_text(shoe, shoe.body, brake.size), []
+            ).append(shoe.name)
     if shoes_of:
         parts = [f"{', '.join(names)}: {text}" for text, names in shoes_of.items()]
         yield "held: " + "; ".join(parts)
 
 
-def _body_support_as_text(shoe: Shoe, bar: Bar, size: float) -> str:
+def _support_of_elastic_shoe_body_as_text(shoe: Shoe, bar: Bar, size: float) -> str:
     """The text that says how its support holds the elastic body of a shoe."""
-    grip = shoe.grip(size)
+    grip = shoe.interval_of_body_back_held_by_support(size)
     if grip is not None:
         # The support grips a length of the body's back. If the back is shorter than this length in
         # the brake file, all of it is gripped.
-        length = (grip[1] - grip[0]) * shoe.back(size)
+        length = (grip[1] - grip[0]) * shoe.length_along_shoe_back_per_unit_of_phi(size)
         return (
             f"its {shoe.kind_of_support} grips {mm_text(round(length, 4))} of the back of its body"
         )
-    away = math.dist(shoe.middle_of_body_end_face(size), shoe.pin_in_shoe_frame)
+    away = math.dist(
+        shoe.middle_of_supported_end_face_of_shoe_body(size), shoe.pin_position_in_shoe_frame
+    )
     joined = "" if away < 0.5 * bar.depth else ", joined by a rigid arm"
     holder = "pin" if shoe.kind_of_support == "hinge" else "foot"
     return (
@@ -380,12 +384,12 @@ class _ShoeSolution(NamedTuple):
     refined: bool
 
 
-def _result_of_unpressed_shoe(shoe: Shoe) -> _ShoeResult:
+def _result_of_shoe_not_pressed_on_drum(shoe: Shoe) -> _ShoeResult:
     """The result for a shoe whose force does not press it on the drum."""
     word = shoe.surface.word
     note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {word}"
     return _ShoeResult(
-        response_of_shoe_without_contact(shoe, -shoe.force_of_all_loads),
+        response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads),
         Balance(0.0, 0.0),
         0,
         note,
@@ -404,11 +408,11 @@ def _solve_group_of_coupled_shoes(
     if start is not None:
         parts = [_mark_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))]
         first = np.concatenate(parts)
-    settled = solve_group_with_its_friction(group, first)
-    solution = _group_solution_by_substructures(*settled)
+    settled = solve_shoe_group_with_lining_friction(group, first)
+    solution = _group_solution_under_brake_forces(*settled)
     answers = _results_of_shoes_in_solved_group(solution)
     # A group in which struts or a cam give the forces is never refined.
-    if settled.group.force_sharing_by_struts_and_cam is not None:
+    if settled.group.strut_and_cam_force_problem is not None:
         if not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
             balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
             raise LostDigits(
@@ -466,7 +470,7 @@ def _shoe_results_without_long_double(
     return noted
 
 
-def _group_solution_by_substructures(group: ShoeGroup, contact: Contact) -> _GroupSolution:
+def _group_solution_under_brake_forces(group: ShoeGroup, contact: Contact) -> _GroupSolution:
     """The solution of a group under the brake's forces, from its contact per newton of force."""
     size = group.largest_actuation_force
     coordinates = group.rigid_body_coordinates_of_each_shoe(contact)
@@ -512,7 +516,7 @@ def _shoe_results_after_refinement(
     """
     group, size = solution.group, solution.group.largest_actuation_force
     try:
-        refined = refine_group_solution(group, contact.active)
+        refined = solve_full_system_of_group_by_refinement(group, contact.active)
     except NoAnswer as error:
         raise LostDigits(
             f"{group.names_of_shoes}: lost digits, {TOO_FAR_REASON}; refined: {error}"
@@ -561,7 +565,7 @@ def _largest_imbalance_of_shoes(answers: dict[int, _ShoeResult]) -> float:
     return math.inf if math.isnan(largest) else largest
 
 
-def refine_group_solution(
+def solve_full_system_of_group_by_refinement(
     group: ShoeGroup, active: Bools, order: str = "COLAMD"
 ) -> "RefinedSolution":
     """Solve the full (not condensed) system of a group of shoes by iterative refinement.
@@ -580,15 +584,17 @@ def refine_group_solution(
     # The module loads scipy.sparse, which takes time, and few brakes need a refinement.
     from drumlin.fem.error_control.refinement import (  # noqa: PLC0415
         assemble_full_system_of_group,
-        solve_full_system_by_refinement,
+        solve_full_system_by_iterative_refinement,
     )
 
-    refined = solve_full_system_by_refinement(assemble_full_system_of_group(group), active, order)
+    refined = solve_full_system_by_iterative_refinement(
+        assemble_full_system_of_group(group), active, order
+    )
     if refined.correction < LARGEST_CONVERGED_CORRECTION:
         return refined
     # The form without displacements relative to the rigid motion may converge better, if a soft
     # shoe turns behind a lining that the drum holds.
-    other = solve_full_system_by_refinement(
+    other = solve_full_system_by_iterative_refinement(
         assemble_full_system_of_group(group, relative_to_rigid_motion=False), active, order
     )
     return min(refined, other, key=lambda each: each.correction)
@@ -625,7 +631,7 @@ def _result_of_one_shoe_in_solved_group(solution: _ShoeSolution, steps: int) -> 
     """
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     if (
-        group.force_sharing_by_struts_and_cam is not None
+        group.strut_and_cam_force_problem is not None
         and solution.force < LARGEST_FORCE_THAT_DOES_NOT_PUSH * group.largest_actuation_force
     ):
         raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL_TEXT}")
@@ -646,14 +652,14 @@ def _motion_of_shoe_along_spring_pulls(solution: _ShoeSolution) -> Floats:
     brake, shoe, body = group.brake, group.shoes[k], group.substructures_of_shoes[k]
     if not any(spring.rate for spring in brake.springs):
         return np.zeros(len(brake.springs))
-    load = load_factors_under_actuation_force(body, shoe, solution.force)
+    load = load_column_factors_under_all_loads(body, shoe, solution.force)
     elastic = body.load_motion_by_load @ load - body.closure_by_load.T @ p
     if body.load_motion_by_friction is not None:
-        drag = brake.signed_friction_per_pressure_in_shoe_frame(shoe)
-        dragging = group.dragging_pressures_of_shoe(k, p)
+        drag = brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
+        dragging = group.friction_stress_over_coefficient_of_shoe(k, p)
         elastic = elastic + drag * (body.load_motion_by_friction @ dragging)
     pin_motion = group.rigid_body_modes_of_shoes[k].pin_motion @ solution.coordinates
-    return approach_of_spring_points_by_shoe(brake, shoe, body, elastic, pin_motion)
+    return displacement_of_spring_points_along_pulls(brake, shoe, body, elastic, pin_motion)
 
 
 class _ForcesOnShoe(NamedTuple):
@@ -685,13 +691,13 @@ def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _Force
     """Compute the forces on a shoe from its pressures and its actuation force."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, body = group.shoes[k], group.substructures_of_shoes[k]
-    load = load_factors_under_actuation_force(body, shoe, solution.force)
+    load = load_column_factors_under_all_loads(body, shoe, solution.force)
     moment = abs(solution.force) * group.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
-    if shoe.has_further_loads:
-        moment += moment_of_further_loads_about_pin(shoe)
-    push = force_of_load_factors(body, shoe, load)
-    drag = group.brake.signed_friction_per_pressure_in_shoe_frame(shoe)
-    dragging = group.dragging_pressures_of_shoe(k, p)
+    if shoe.has_loads_besides_actuation:
+        moment += moment_of_loads_besides_actuation_about_pin(shoe)
+    push = sum_of_forces_with_load_column_factors(body, shoe, load)
+    drag = group.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
+    dragging = group.friction_stress_over_coefficient_of_shoe(k, p)
     normal, dragged = body.resultants_of_contact_node_forces
     normal, dragged = normal @ p, dragged @ dragging
     contact = drag * dragged - normal
@@ -701,7 +707,9 @@ def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _Force
         # After a refinement the pressure is more accurate than the reaction computed from the
         # condensed body. The reaction is therefore set to balance all other forces, and only the
         # moments or the virtual work are left to check.
-        about_pin = contact[2] + moment - planar_cross_product(shoe.pin_in_shoe_frame, contact[:2])
+        about_pin = (
+            contact[2] + moment - planar_cross_product(shoe.pin_position_in_shoe_frame, contact[:2])
+        )
         reaction = -np.append(contact[:2] + push, about_pin)
     else:
         reaction = support_reaction_of_shoe(body, p, dragging, drag, load)
@@ -716,8 +724,11 @@ def _resultant_of_support_forces_at_pin(shoe: Shoe, supports: Sequence[SupportFo
     """
     total = np.zeros(3)
     for support in supports:
-        force = shoe.frame.convert_to_shoe_frame(support.push.force_vector)
-        at = shoe.convert_points_to_shoe_frame(support.push.point.xy) - shoe.pin_in_shoe_frame
+        force = shoe.frame.convert_vectors_to_shoe_frame(support.push.force_vector)
+        at = (
+            shoe.convert_points_to_shoe_frame(support.push.point.xy)
+            - shoe.pin_position_in_shoe_frame
+        )
         total += [*force, float(planar_cross_product(at, force))]
     return total
 
@@ -725,7 +736,7 @@ def _resultant_of_support_forces_at_pin(shoe: Shoe, supports: Sequence[SupportFo
 def _force_and_moment_imbalance_of_shoe(solution: _ShoeSolution, acting: _ForcesOnShoe) -> Balance:
     """The imbalance of the forces and of the moments on a shoe, relative to the largest of them."""
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
-    pin = shoe.pin_in_shoe_frame
+    pin = shoe.pin_position_in_shoe_frame
     # The actuation's moment about the drum's centre is its moment about the pin plus the moment of
     # its force moved to the pin. Both terms are listed, because their sum and all other moments
     # vanish if mu = 0 and the actuation aims at the centre; no moment would then set the scale.
@@ -739,7 +750,9 @@ def _force_and_moment_imbalance_of_shoe(solution: _ShoeSolution, acting: _Forces
         length = group.brake.scale_factor * (shoe.lining.end - shoe.lining.start)
         moments += [
             acting.guide_moment,
-            *moments_that_scale_imbalance_on_guide(max(solution.force, shoe.largest_load), length),
+            *moments_that_scale_imbalance_on_guide(
+                max(solution.force, shoe.largest_force_of_any_load), length
+            ),
         ]
     elif shoe.anchors:
         moments.append(acting.guide_moment)
@@ -760,11 +773,14 @@ def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     coupling, modes = group.substructures_of_shoes[k].coupling, group.rigid_body_modes_of_shoes[k]
-    drag = group.brake.signed_friction_per_pressure_in_shoe_frame(group.shoes[k])
-    nodal = drag * (coupling.T.T @ group.dragging_pressures_of_shoe(k, p)) - coupling.N.T @ p
+    drag = group.brake.signed_friction_stress_over_pressure_in_shoe_frame(group.shoes[k])
+    nodal = (
+        drag * (coupling.T.T @ group.friction_stress_over_coefficient_of_shoe(k, p))
+        - coupling.N.T @ p
+    )
     by_actuation = abs(solution.force) * modes.actuation_work + modes.further_work
     for support in solution.support_forces:
-        by_actuation += group.work_of_push_on_modes(k, support.push)
+        by_actuation += group.work_of_support_push_on_shoe_modes(k, support.push)
     by_contact = nodal[:, None] * modes.test_modes
     residual = np.abs(by_contact.sum(axis=0) + by_actuation)
     scale = np.maximum(np.abs(by_actuation), np.abs(by_contact).sum(axis=0))
@@ -801,7 +817,7 @@ def _note_on_accuracy_of_shoe_contact(solution: _ShoeSolution, errors: _Arithmet
     shoe, lever = group.shoes[k], group.substructures_of_shoes[k].coupling.lever
     contact = "exact contact, no penetration"
     if not math.isinf(group.penalty):
-        lever = lever * group.friction_ratios_at_nodes_of_shoe(k)
+        lever = lever * group.node_friction_over_shoe_friction(k)
         pressed = float(lever @ p)
         softer = float(lever @ solution.pressure_errors[0]) / pressed if pressed else 0.0
         penetration = p.max() / group.contact_stiffness_per_area_of_shoes[k]
@@ -837,10 +853,10 @@ def _response_of_shoe_in_brake_frame(
     frame, line, drag = (
         shoe.frame,
         body.line,
-        brake.signed_friction_per_pressure_in_shoe_frame(shoe),
+        brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
     )
-    phi, on_lining = line.nodes_over_all_linings
-    dragging = group.dragging_pressures_of_shoe(k, p)
+    phi, on_lining = line.node_angles_with_mask_of_linings
+    dragging = group.friction_stress_over_coefficient_of_shoe(k, p)
     mean = np.zeros(len(phi))
     mean[on_lining] = line.angles_and_mean_pressures(p)[1]
     stress = None
@@ -855,16 +871,17 @@ def _response_of_shoe_in_brake_frame(
         mean,
         order=line.interpolation_degree_along_contact_line,
         on_lining=on_lining,
-        peak=line.inner_part_for_pressure_peak.peak(mean),
+        peak=line.lining_part_where_pressure_peak_is_sought.peak_pressure_outside_end_zones(mean),
         torque=abs(drag) * float(body.coupling.lever @ dragging),
         normal_force=math.hypot(*acting.resultant_of_pressure[:2]),
         self_energising=_is_shoe_self_energising(solution),
-        hinge_reaction=frame.convert_to_brake_frame(acting.support_force),
+        hinge_reaction=frame.convert_vectors_to_brake_frame(acting.support_force),
         turn=frame.sense * float(modes.pin_motion[2] @ solution.coordinates),
-        force=None if group.force_sharing_by_struts_and_cam is None else solution.force,
+        force=None if group.strut_and_cam_force_problem is None else solution.force,
         pivot_reaction=None
         if shoe.pivot is None
-        else -frame.convert_to_brake_frame(acting.force_of_drum[:2]) - shoe.further_load[:2],
+        else -frame.convert_vectors_to_brake_frame(acting.force_of_drum[:2])
+        - shoe.resultant_of_loads_besides_actuation[:2],
         reaction_moment=frame.sense * acting.guide_moment,
         supports=solution.support_forces,
         motion=None if shoe.kind_of_support == "hinge" else tuple(pin_motion.tolist()),
@@ -881,8 +898,11 @@ def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
     For a shoe on anchors the work is taken in the computed motion of the shoe instead.
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
-    drag = group.brake.signed_friction_per_pressure_in_shoe_frame(group.shoes[k])
-    closures, dragging = group.gap_closures_of_test_modes[k], group.dragging_pressures_of_shoe(k, p)
+    drag = group.brake.signed_friction_stress_over_pressure_in_shoe_frame(group.shoes[k])
+    closures, dragging = (
+        group.gap_closures_of_test_modes[k],
+        group.friction_stress_over_coefficient_of_shoe(k, p),
+    )
     if group.shoes[k].anchors:
         work = [
             float(acting @ part @ solution.coordinates)
@@ -893,7 +913,7 @@ def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
     rubbed = float(closures.tangential[:, 0] @ dragging)
     modes = group.rigid_body_modes_of_shoes[k]
     pushing = modes.actuation_work[0]
-    if group.shoes[k].has_further_loads:
+    if group.shoes[k].has_loads_besides_actuation:
         pushing = abs(solution.force) * pushing + modes.further_work[0]
     sense = math.copysign(1.0, pushing)
     return sense * drag * rubbed > NEITHER * abs(closed)
@@ -947,19 +967,19 @@ def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -
         solution.pressure_errors,
     )
     shoe, body = group.shoes[k], group.substructures_of_shoes[k]
-    ratios = group.friction_ratios_at_nodes_of_shoe(k)
+    ratios = group.node_friction_over_shoe_friction(k)
     area, lever = body.coupling.areas_of_contact_nodes, body.coupling.lever * ratios
     weight = _node_areas_outside_edge_zones(shoe, body.line.phi, area)
     if weight @ p < 0.5 * (area @ p):
         weight = area
     # The reaction changes by the changed pressures alone, while the actuation stays.
-    no_load = np.zeros((body.unit_load_vectors_by_name.number_of_load_columns, 1))
+    no_load = np.zeros((body.load_matrix_columns_by_load_name.number_of_load_columns, 1))
     dragging = (changes * ratios).T
     reactions = support_reaction_of_shoe(
         body,
         changes.T,
         dragging,
-        group.brake.signed_friction_per_pressure_in_shoe_frame(shoe),
+        group.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
         no_load,
     )
     top = float(p[weight > 0].max(initial=0.0))

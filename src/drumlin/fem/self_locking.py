@@ -1,6 +1,6 @@
 """Former name of the module drumlin.fem.analysis.self_locking; old imports work, with a warning."""
 
-from drumlin.base.moved import getattr_of_moved_module
+from drumlin.base.moved import make_getattr_function_of_moved_module
 
 RENAMED_IN_SELF_LOCKING = {
     "limits": "self_locking_friction_of_shoe_groups",
@@ -8,6 +8,6 @@ RENAMED_IN_SELF_LOCKING = {
 }
 """The present name of each renamed function, by its old name."""
 
-__getattr__ = getattr_of_moved_module(
+__getattr__ = make_getattr_function_of_moved_module(
     __name__, "drumlin.fem.analysis.self_locking", RENAMED_IN_SELF_LOCKING
 )

@@ -1,6 +1,6 @@
 """Former name of the module drumlin.fem.analysis.sensitivity; old imports work, with a warning."""
 
-from drumlin.base.moved import getattr_of_moved_module
+from drumlin.base.moved import make_getattr_function_of_moved_module
 
 RENAMED_IN_SENSITIVITY = {
     "sensitivity": "compute_torque_sensitivity",
@@ -10,6 +10,6 @@ RENAMED_IN_SENSITIVITY = {
 }
 """The present name of each renamed function, by its old name."""
 
-__getattr__ = getattr_of_moved_module(
+__getattr__ = make_getattr_function_of_moved_module(
     __name__, "drumlin.fem.analysis.sensitivity", RENAMED_IN_SENSITIVITY
 )

@@ -5,12 +5,12 @@ from pathlib import Path
 from drumlin.base.errors import BadInput
 from drumlin.base.files import require_name_of_fields_file
 from drumlin.brake.brake import Brake
-from drumlin.brake.further_loads import brake_with_loads_at_actuation
+from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
 from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_between_zero_and_one
 from drumlin.fem.model import PENALTY, require_positive_penalty
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE, solve_and_keep_brake_with_widths
-from drumlin.fem.width.prepare import reason_against_width_model
+from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE, solve_brake_with_widths_and_keep_model
+from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response
 
@@ -64,13 +64,13 @@ def solve(
                 f"--tolerance = {tolerance:g}: chooses the degree across the width; leave out "
                 f"--across = {across}"
             )
-    reason = reason_against_width_model(brake)
+    reason = reason_why_width_model_does_not_apply(brake)
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
     # The solve begins with plane stress. All loads act at the point of actuation, as they do in the
     # model of the width.
-    solved = solve_and_keep_brake_with_widths(
-        brake_with_loads_at_actuation(brake),
+    solved = solve_brake_with_widths_and_keep_model(
+        brake_with_all_loads_moved_to_actuation(brake),
         Tolerance(asked, asked),
         must=tolerance is not None,
         across=across,
@@ -80,8 +80,8 @@ def solve(
     if fields is not None:
         # The modules of the fields take time to import, and are needed only for a file of fields.
         from drumlin.fem.analysis.fields import write_fields_to_vtu_file  # noqa: PLC0415
-        from drumlin.fem.analysis.solid_fields import recover_fields_in_solid_shoes  # noqa: PLC0415
+        from drumlin.fem.analysis.solid_fields import recover_stresses_in_all_solid_shoes  # noqa: PLC0415
 
-        recovered = recover_fields_in_solid_shoes(solved.scene, brake, solved.response)
+        recovered = recover_stresses_in_all_solid_shoes(solved.scene, brake, solved.response)
         write_fields_to_vtu_file(fields, recovered)
     return response_with_figures_of_merit(brake, solved.response)

@@ -12,8 +12,8 @@ from functools import partial
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake
-from drumlin.brake.friction import key_of_friction_over_pressure
-from drumlin.brake.further_loads import brake_with_spring_pulls
+from drumlin.brake.friction import key_of_pressure_dependent_friction
+from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
 from drumlin.fem.equilibrium.locking import distance_of_friction_from_self_locking
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
@@ -24,7 +24,7 @@ from drumlin.fem.error_control.adapt import (
 from drumlin.fem.error_control.degrees import (
     MESH_LEVELS,
     prepared_model_of_mesh_files,
-    solve_meshes_of_files,
+    solve_brake_on_mesh_files,
 )
 from drumlin.fem.error_control.first_level import solve_on_first_level
 from drumlin.fem.error_control.levels import LEVELS, SolvedLevel
@@ -36,7 +36,7 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
 from drumlin.fem.width.correction import (
     correct_response_for_shoe_widths,
-    require_brake_that_width_model_applies_to,
+    require_that_width_model_applies_to_brake,
 )
 from drumlin.fem.width.error import estimate_error_of_plane_stress
 from drumlin.response.balance import (
@@ -106,7 +106,7 @@ def solve(
     _require_tolerance_without_elements(tolerance, elements, kind)
     brake.check_shoes_can_be_meshed()
     if finite_width:
-        require_brake_that_width_model_applies_to(brake)
+        require_that_width_model_applies_to_brake(brake)
     scene, response = _solved_model_in_plane_stress(
         brake, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
     )
@@ -120,11 +120,11 @@ def solve(
             )
     elif not brake.surface.is_plane_and_not_drum:
         response = _response_with_note_on_curve_balance(brake, response)
-    if self_locking and key_of_friction_over_pressure(brake) is None:
+    if self_locking and key_of_pressure_dependent_friction(brake) is None:
         # If the limit of the elastic brake is not found, the response is returned without it.
         with add_elapsed_time(seconds, "self-locking"), suppress(NoAnswer):
             # While the friction grows, the springs keep the pulls that they have in the response.
-            under = brake_with_spring_pulls(brake, response.spring_pulls or None)
+            under = brake_with_loads_assigned_to_shoes(brake, response.spring_pulls or None)
             found = distance_of_friction_from_self_locking(scene, under, penalty)
             response = replace(response, self_locking=found)
     if model_error and not finite_width:
@@ -185,11 +185,11 @@ def _solved_model_in_plane_stress(
     if tolerance is not None:
         require_tolerance_between_zero_and_one(tolerance)
     if elements is None and kind is None and any(shoe.mesh for shoe in brake.shoes):
-        return solve_meshes_of_files(brake, answer, tolerance, cache)
+        return solve_brake_on_mesh_files(brake, answer, tolerance, cache)
     if tolerance is not None:
         asked = Tolerance(tolerance, tolerance)
         return solve_brake_to_tolerance(brake, asked, answer, cache=cache)
-    if _is_solved_on_finer_and_finer_levels(brake, elements, kind):
+    if _is_brake_solved_on_hp_element_levels(brake, elements, kind):
         return solve_brake_to_tolerance(brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache)
     model = prepared_model_with_finest_elements(brake, elements=elements, kind=kind, cache=cache)
     return SolvedLevel(model, answer(model, brake))
@@ -221,10 +221,10 @@ def prepared_model_with_finest_elements(
     require_element_options_have_effect(brake, elements=elements, kind=kind)
     if elements is None and kind is None and any(shoe.mesh for shoe in brake.shoes):
         try:
-            return solve_meshes_of_files(brake, solve_prepared_model, None, cache).scene
+            return solve_brake_on_mesh_files(brake, solve_prepared_model, None, cache).scene
         except NoAnswer:
             return prepared_model_of_mesh_files(brake, MESH_LEVELS[1], cache=cache)
-    if not _is_solved_on_finer_and_finer_levels(brake, elements, kind):
+    if not _is_brake_solved_on_hp_element_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return make_prepared_model(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
     # The model is that of the last level on which a solution was found.
@@ -258,7 +258,7 @@ def require_element_options_have_effect(
             )
 
 
-def _is_solved_on_finer_and_finer_levels(
+def _is_brake_solved_on_hp_element_levels(
     brake: Brake, elements: int | None, kind: str | None
 ) -> bool:
     """Whether a brake is solved on finer and finer hp elements, and not on one mesh."""

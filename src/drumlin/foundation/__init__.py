@@ -6,7 +6,7 @@ or a ring that bends.
 
 from typing import TYPE_CHECKING
 
-from drumlin.base.moved import getattr_of_renamed_functions
+from drumlin.base.moved import make_getattr_function_for_renamed_functions
 from drumlin.foundation.model import (
     LIFTS,
     RING_SECTIONS,
@@ -25,7 +25,7 @@ __all__ = [
 
 if not TYPE_CHECKING:
     # Users' programs may still import these functions by their former names.
-    __getattr__ = getattr_of_renamed_functions(
+    __getattr__ = make_getattr_function_for_renamed_functions(
         __name__,
         {
             "solve": "solve_brake_by_foundation_model",

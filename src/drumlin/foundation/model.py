@@ -31,11 +31,11 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.friction import reason_if_friction_depends_on_pressure
-from drumlin.brake.further_loads import reason_if_shoe_has_further_loads
+from drumlin.brake.friction import reason_against_pressure_dependent_friction
+from drumlin.brake.further_loads import reason_against_loads_besides_actuation
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
-from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
+from drumlin.brake.ring_support import reason_if_ring_edge_is_not_fixed_or_free
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import ContactProblem
@@ -61,7 +61,7 @@ from drumlin.response.response import (
     response_of_pressed_elastic_shoe,
     response_of_shoe_without_contact,
 )
-from drumlin.response.resultants import Resultant, nodes_with_slots
+from drumlin.response.resultants import Resultant, polynomial_nodes_on_linings_and_slots
 
 RING_SECTIONS = 360
 """Number of divisions of each shoe's beam if the user gives none."""
@@ -109,7 +109,9 @@ EFFECTS_OF_AN_ELASTIC_RING = frozenset({"thick-ring", "all-modes", "own-pressure
 
 def reason_against_foundation_model(brake: Brake) -> str | None:
     """The reason why the foundation model does not apply to a brake; None if it applies."""
-    refusal = brake.surface.reason_why_not_on_surface(DRUM) or brake.shares
+    refusal = (
+        brake.surface.reason_why_not_on_surface(DRUM) or brake.reason_why_cam_or_strut_sets_forces
+    )
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
@@ -117,11 +119,11 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
             return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'
     model = "the foundation model"
     return (
-        reason_if_shoe_has_further_loads(brake, model)
+        reason_against_loads_besides_actuation(brake, model)
         or reason_if_any_part_is_orthotropic(brake, model)
         or reason_if_any_shoe_is_heated(brake, model)
-        or reason_if_friction_depends_on_pressure(brake, model)
-        or reason_if_ring_support_is_not_plain(brake, model)
+        or reason_against_pressure_dependent_friction(brake, model)
+        or reason_if_ring_edge_is_not_fixed_or_free(brake, model)
     )
 
 
@@ -144,7 +146,7 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
             lacking["wedge"] = "needs shoe.body.thickness"
     if brake.ring is not None and brake.ring.section is None:
         lacking["thick-ring"] = "needs drum.ring.thickness, width and material"
-    own_friction = brake.key_of_first_own_friction()
+    own_friction = brake.key_of_first_lining_with_own_friction()
     if own_friction is not None:
         lacking["ring-friction"] = f"takes one friction for all shoes, not {own_friction}"
     for name in sorted(names & set(lacking)):
@@ -443,7 +445,7 @@ def _solve_contact_of_shoe_group(
     limits = []
     for i in group:
         own = self_locking_friction_of_hinged_shoe(brake, brake.shoes[i])
-        limits.append(brake.friction_at_friction_of_shoe(brake.shoes[i], own))
+        limits.append(brake.brake_friction_that_gives_shoe_friction(brake.shoes[i], own))
     law = min(limits)
     try:
         found = self_locking.solve_contact_reached_from_zero_friction(
@@ -454,11 +456,12 @@ def _solve_contact_of_shoe_group(
             brake_words="on the foundation",
         )
     except NoAnswer as error:
-        raise NoAnswer(f"{brake.names(group)}: {error}") from error
+        raise NoAnswer(f"{brake.names_of_shoes_with_indices(group)}: {error}") from error
     turn = float(np.abs(found.y).max())
     if turn > LARGEST_SHOE_TURN:
         raise NoAnswer(
-            f"{brake.names(group)}: it would have to turn by {math.degrees(turn):.3g} deg; "
+            f"{brake.names_of_shoes_with_indices(group)}: it would have to turn by "
+            f"{math.degrees(turn):.3g} deg; "
             f"small displacements hold up to {math.degrees(LARGEST_SHOE_TURN):.3g} deg"
         )
     return found
@@ -489,7 +492,9 @@ def response_of_post_brake_shoe(
     # Friction is self-energising if its moment about the hinge opposes that of the normal forces.
     helping = float(-p.drag * (p.dragged[0] @ N))
     # `place` also has nodes in the slots between linings, where the pressure is zero.
-    place, on_lining = nodes_with_slots(p.values_of_each_lining_by_growing_angle(theta), 1)
+    place, on_lining = polynomial_nodes_on_linings_and_slots(
+        p.values_of_each_lining_by_growing_angle(theta), 1
+    )
     p_at_place = np.zeros(len(place))
     p_at_place[on_lining] = pressure[:: p.axis.sense]
     z_at_place = np.interp(place, theta[:: p.axis.sense], z[:: p.axis.sense])
@@ -518,7 +523,7 @@ def _resultant_of_sector_forces(brake: Brake, shoe: Shoe, theta: Floats, N: Floa
     The normal forces act at the angles `theta` (n,) [rad] around the drum.
     """
     normal = np.array([N @ np.cos(theta), N @ np.sin(theta)])
-    drag = brake.signed_friction_per_pressure(shoe)
+    drag = brake.signed_friction_stress_over_pressure(shoe)
     return Resultant(
         normal=normal,
         friction=drag * np.array([-normal[1], normal[0]]),

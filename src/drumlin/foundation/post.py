@@ -112,29 +112,29 @@ def divide_shoe_into_stations_and_sectors(
         brake, shoe, axis, theta, wedge=wedge, plane_stress=plane_stress
     )
     c, s = np.cos(theta), np.sin(theta)
-    offset = body.neutral_axis_offset_at_distances(x)
+    offset = body.neutral_axis_offset_at_distances_from_hinge(x)
     arm_x, arm_y = _levers_of_sectors_about_stations(
         x, under, angles, offset[:, None] + (axis.distance - R * c)
     )
-    along, towards = axis.components_along_and_across_beam(shoe.actuation.force_vector)
+    along, towards = axis.vector_components_along_and_across_beam(shoe.actuation.force_vector)
     pressed = arm_x * c + arm_y * s
     return SectionedShoe(
         axis=axis,
         x=x,
         step=_weights_of_beam_stations(x),
-        EI=body.bending_stiffness_at_distances(x),
+        EI=body.bending_stiffness_at_distances_from_hinge(x),
         under=under,
         theta=theta,
         sector=sector,
         k=lining.width * R * sector / soft,
-        gap=clearance.unloaded_gap_of_shoe(
+        gap=clearance.gap_between_unloaded_lining_and_surface(
             brake, shoe, brake_angles_from_beam_angles(axis, shoe, theta)
         ),
         pressed=pressed,
         dragged=arm_y * c - arm_x * s,
         loaded=(axis.length - x) * towards - offset * along,
         closing=pressed if tilt else arm_x * c,
-        drag=brake.signed_friction_per_pressure(shoe) * axis.sense,
+        drag=brake.signed_friction_stress_over_pressure(shoe) * axis.sense,
         further_linings=tuple(np.cumsum(list(map(len, angles)))[:-1].tolist()),
     )
 

@@ -9,7 +9,7 @@ has the formulas of the double-shoe brake block of Simscape Driveline.
 
 from typing import TYPE_CHECKING
 
-from drumlin.base.moved import getattr_of_renamed_functions
+from drumlin.base.moved import make_getattr_function_for_renamed_functions
 from drumlin.laws.hinged import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 from drumlin.laws.naming import solve_brake_by_its_rigid_shoe_law
 from drumlin.laws.shapes import LAWS, Law, Layout
@@ -25,7 +25,7 @@ __all__ = [
 
 if not TYPE_CHECKING:
     # Programs of users may still import these functions by the names that they had.
-    __getattr__ = getattr_of_renamed_functions(
+    __getattr__ = make_getattr_function_for_renamed_functions(
         __name__,
         {
             "sine": "solve_brake_by_sine_law",

@@ -29,14 +29,14 @@ from drumlin.brake.one_sided import (
     HeldMotions,
     OneSidedSupport,
     SupportForce,
-    are_motions_resisted,
-    divide_motions_by_supports,
-    forces_of_supports_on_shoe,
+    choices_of_supports_that_bear,
+    divide_motions_into_held_and_free,
+    do_linings_resist_free_motions,
+    forces_of_one_sided_supports_on_shoe,
     groups_of_shoes_on_anchors,
-    names_of_bearing_supports,
+    names_of_supports_that_bear,
     one_sided_supports_of_brake,
-    possible_bearings,
-    work_of_push_in_motions,
+    work_of_support_push_in_rigid_body_modes,
 )
 from drumlin.brake.support import Freedoms
 from drumlin.laws.face import Arcs, Face, friction_surface_of_shoe
@@ -44,8 +44,8 @@ from drumlin.laws.shoe_contact import (
     MOST_CONTACT_STEPS,
     RigidShoeContact,
     arcs_of_positive_pressure_on_linings,
+    are_contact_arcs_equal,
     equilibrium_matrices_of_rigid_shoe,
-    is_same_set_of_arcs,
     smallest_singular_friction,
 )
 
@@ -104,10 +104,10 @@ class SolvedShoesOnAnchors(NamedTuple):
     mu_lock: float
 
 
-def _shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesOnAnchors:
+def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesOnAnchors:
     """Collect the shoes at the positions `members` of a brake, with their one-sided supports."""
     shoes = [brake.shoes[i] for i in members]
-    freedoms = tuple(shoe.freedoms() for shoe in shoes)
+    freedoms = tuple(shoe.rigid_body_modes_of_support() for shoe in shoes)
     supports = tuple(
         support
         for support in one_sided_supports_of_brake(brake)
@@ -117,7 +117,9 @@ def _shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesOnAnchors
     for j, support in enumerate(supports):
         for side in support.sides:
             k = members.index(side.shoe)
-            opening[j, 3 * k : 3 * k + 3] = work_of_push_in_motions(shoes[k], side.push)
+            opening[j, 3 * k : 3 * k + 3] = work_of_support_push_in_rigid_body_modes(
+                shoes[k], side.push
+            )
     # If any lining has no stated stiffness, all linings are taken as equally stiff.
     stiffness = np.ones(len(shoes))
     linings = [shoe.lining for shoe in shoes]
@@ -145,7 +147,9 @@ class _Matrices(NamedTuple):
     friction: Floats
 
 
-def _matrices_on_arcs(brake: Brake, on: _ShoesOnAnchors, arcs: list[Arcs]) -> _Matrices:
+def _equilibrium_matrices_of_shoes_on_arcs(
+    brake: Brake, on: _ShoesOnAnchors, arcs: list[Arcs]
+) -> _Matrices:
     """The matrices N and F of shoes whose linings touch on given arcs."""
     found = []
     for k, i in enumerate(on.members):
@@ -153,28 +157,28 @@ def _matrices_on_arcs(brake: Brake, on: _ShoesOnAnchors, arcs: list[Arcs]) -> _M
         normal_work, friction_work = equilibrium_matrices_of_rigid_shoe(
             on.faces[k], on.freedoms[k], width, arcs[k]
         )
-        relative = brake.relative_friction_of_shoe(brake.shoes[i])
+        relative = brake.shoe_friction_over_brake_friction(brake.shoes[i])
         found.append((normal_work, relative * friction_work))
     normal, friction = zip(*found, strict=True)
     return _Matrices(block_diag(*normal), block_diag(*friction))
 
 
-def _motions_held_and_free(on: _ShoesOnAnchors, bearing: Bearing) -> HeldMotions | None:
+def _rigid_body_motions_held_and_free(on: _ShoesOnAnchors, bearing: Bearing) -> HeldMotions | None:
     """The motions that bearing supports prevent and leave free; None if the shoes stay loose.
 
     Shoes are loose if a free motion closes no gap, so that no pressure resists it. Redundant
     supports give None as well.
     """
-    motions = divide_motions_by_supports(on.opening[np.array(bearing, dtype=bool)], on.sizes)
+    motions = divide_motions_into_held_and_free(on.opening[np.array(bearing, dtype=bool)], on.sizes)
     if motions is None:
         return None
     shapes = [
-        face.gap_closing_by_motions(free.motions).T
+        face.gap_closing_factors_of_rigid_body_motions(free.motions).T
         for face, free in zip(on.faces, on.freedoms, strict=True)
     ]
     closing = block_diag(*shapes)
     scale = float(np.linalg.norm(closing * on.sizes, axis=0).max())
-    return motions if are_motions_resisted(closing @ motions.free, scale) else None
+    return motions if do_linings_resist_free_motions(closing @ motions.free, scale) else None
 
 
 class _SettledContact(NamedTuple):
@@ -206,12 +210,12 @@ def _equilibrium_in_free_motions(
     arcs: list[Arcs] = [lining.arcs for lining in linings]
     before: list[list[Arcs]] = []
     shapes = [
-        face.gap_closing_by_motions(modes.motions)
+        face.gap_closing_factors_of_rigid_body_motions(modes.motions)
         for face, modes in zip(on.faces, on.freedoms, strict=True)
     ]
     drag = brake.friction * brake.sign_of_motion
     for _ in range(MOST_CONTACT_STEPS):
-        matrices = _matrices_on_arcs(brake, on, arcs)
+        matrices = _equilibrium_matrices_of_shoes_on_arcs(brake, on, arcs)
         K = matrices.normal - drag * matrices.friction
         try:
             y = free @ np.linalg.solve(free.T @ K @ free, free.T @ work)
@@ -222,11 +226,11 @@ def _equilibrium_in_free_motions(
             arcs_of_positive_pressure_on_linings(face, each, lining.arcs)
             for face, each, lining in zip(on.faces, c, linings, strict=True)
         ]
-        if all(map(is_same_set_of_arcs, after, arcs)):
+        if all(map(are_contact_arcs_equal, after, arcs)):
             return _SettledContact(matrices, y, c, arcs)
         # A shoe without an arc in contact lifts off. If arcs of an earlier iteration come back, the
         # iteration would go round in a circle.
-        back = any(all(map(is_same_set_of_arcs, after, each)) for each in before)
+        back = any(all(map(are_contact_arcs_equal, after, each)) for each in before)
         if back or not all(after):
             break
         before.append(arcs)
@@ -234,7 +238,7 @@ def _equilibrium_in_free_motions(
     return None
 
 
-def _solve_on_bearing_supports(
+def _solve_rigid_shoes_on_given_supports(
     brake: Brake, on: _ShoesOnAnchors, bearing: Bearing
 ) -> SolvedShoesOnAnchors | None:
     """The equilibrium of shoes on a given set of bearing supports; None if this set is wrong.
@@ -242,7 +246,7 @@ def _solve_on_bearing_supports(
     It is wrong if there is no equilibrium or the shoes lock, if a bearing support would pull, or if
     another support would overlap its shoe.
     """
-    motions = _motions_held_and_free(on, bearing)
+    motions = _rigid_body_motions_held_and_free(on, bearing)
     if motions is None:
         return None
     work = np.concatenate([modes.work + modes.further_work for modes in on.freedoms])
@@ -257,7 +261,9 @@ def _solve_on_bearing_supports(
     forces[np.array(bearing, dtype=bool)] = motions.held.T @ (
         (normal - brake.friction * brake.sign_of_motion * friction) @ y - work
     )
-    if brake.friction >= mu_lock or not _is_bearing_as_assumed(on, bearing, y, forces):
+    if brake.friction >= mu_lock or not _do_supports_of_rigid_shoes_bear_as_assumed(
+        on, bearing, y, forces
+    ):
         return None
     contacts = {}
     for k, i in enumerate(on.members):
@@ -268,7 +274,7 @@ def _solve_on_bearing_supports(
     return SolvedShoesOnAnchors(on, bearing, contacts, forces, mu_lock)
 
 
-def _is_bearing_as_assumed(
+def _do_supports_of_rigid_shoes_bear_as_assumed(
     on: _ShoesOnAnchors, bearing: Bearing, y: Floats, forces: Floats
 ) -> bool:
     """Whether no bearing support pulls its shoe, and no other support overlaps its shoe.
@@ -296,10 +302,10 @@ def _equilibria_of_shoes_on_anchors(
 
     Sets of bearing supports that lead to the same forces give only one equilibrium.
     """
-    on = _shoes_on_anchors(brake, members)
+    on = _collect_shoes_on_anchors(brake, members)
     found: list[Floats] = []
-    for bearing in possible_bearings(len(on.supports)):
-        solved = _solve_on_bearing_supports(brake, on, bearing)
+    for bearing in choices_of_supports_that_bear(len(on.supports)):
+        solved = _solve_rigid_shoes_on_given_supports(brake, on, bearing)
         if solved is None:
             continue
         size = max(float(np.abs(solved.forces).max()), math.ulp(1.0))
@@ -315,8 +321,8 @@ def _first_equilibrium_of_shoes_on_anchors(
     first = next(_equilibria_of_shoes_on_anchors(brake, members), None)
     if first is not None:
         return first
-    names = brake.names(members)
-    limit = _locking_friction_of_group_of_shoes(brake, members)
+    names = brake.names_of_shoes_with_indices(members)
+    limit = _locking_friction_of_anchored_shoe_group(brake, members)
     if brake.friction >= limit:
         raise NoAnswer(
             f"{names}: self-locking, friction {brake.friction:g} is not below mu_lock = "
@@ -325,7 +331,7 @@ def _first_equilibrium_of_shoes_on_anchors(
     raise NoAnswer(f"{names}: {NOT_HELD_TEXT}")
 
 
-def _locking_friction_of_group_of_shoes(brake: Brake, members: tuple[int, ...]) -> float:
+def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, ...]) -> float:
     """The friction coefficient at which shoes on anchors lock; inf if they never do.
 
     The supports are those that bear at the brake's friction. If there is no equilibrium at this
@@ -343,7 +349,7 @@ def _locking_friction_of_group_of_shoes(brake: Brake, members: tuple[int, ...]) 
     return math.inf
 
 
-def _members_of_group_with_shoe(brake: Brake, index: int) -> tuple[int, ...]:
+def _indices_of_shoes_solved_with_shoe(brake: Brake, index: int) -> tuple[int, ...]:
     """The positions of all shoes whose equilibria are solved together with shoe `index`."""
     return next(group for group in groups_of_shoes_on_anchors(brake) if index in group)
 
@@ -354,7 +360,7 @@ def contact_of_shoe_on_anchors(brake: Brake, index: int) -> RigidShoeContact:
     Raises NoAnswer if the shoe locks itself, or if no set of its supports holds it.
     """
     return _first_equilibrium_of_shoes_on_anchors(
-        brake, _members_of_group_with_shoe(brake, index)
+        brake, _indices_of_shoes_solved_with_shoe(brake, index)
     ).contacts[brake.shoes[index].name]
 
 
@@ -364,11 +370,13 @@ def locking_friction_of_shoes_on_anchors(brake: Brake, index: int) -> float:
     The friction coefficients of all linings are scaled in proportion until the shoe locks. The
     result is the coefficient of this shoe's lining.
     """
-    limit = _locking_friction_of_group_of_shoes(brake, _members_of_group_with_shoe(brake, index))
-    return limit * brake.relative_friction_of_shoe(brake.shoes[index])
+    limit = _locking_friction_of_anchored_shoe_group(
+        brake, _indices_of_shoes_solved_with_shoe(brake, index)
+    )
+    return limit * brake.shoe_friction_over_brake_friction(brake.shoes[index])
 
 
-def bearing_supports_of_rigid_shoes(brake: Brake, members: tuple[int, ...]) -> Bearing:
+def which_supports_of_rigid_shoes_bear(brake: Brake, members: tuple[int, ...]) -> Bearing:
     """Which one-sided supports of some shoes bear by the rigid-shoe law, in the order of the brake.
 
     The result is () if the shoes have no equilibrium. `members` are the positions of the shoes in
@@ -418,15 +426,16 @@ def solve_shoes_on_anchors(brake: Brake) -> AnchoredAnswer:
         first = found[0]
         contacts |= first.contacts
         for i in members:
-            supports[brake.shoes[i].name] = forces_of_supports_on_shoe(
+            supports[brake.shoes[i].name] = forces_of_one_sided_supports_on_shoe(
                 first.shoes.supports, first.forces, i
             )
         if len(found) > 1:
             choices = "; ".join(
-                names_of_bearing_supports(each.shoes.supports, each.bearing) for each in found
+                names_of_supports_that_bear(each.shoes.supports, each.bearing) for each in found
             )
             warnings.append(
-                f"warning: {brake.names(members)}: more than one equilibrium by the rigid-shoe "
+                f"warning: {brake.names_of_shoes_with_indices(members)}: more than one "
+                "equilibrium by the rigid-shoe "
                 f"law, on the supports {choices}; the law takes the first"
             )
     return AnchoredAnswer(contacts, supports, tuple(warnings))

@@ -36,14 +36,14 @@ class DrumFace(NamedTuple):
     radius: float
     sign: int
 
-    def gap_closing_by_motions(self, motions: Floats) -> Floats:
+    def gap_closing_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
         """Factors (k, 2) of cos and sin in the closing of the gap [m] by k rigid-body motions.
 
         A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
         """
         return self.sign * motions[:, :2]
 
-    def slide_by_rigid_shoe_motions(self, motions: Floats) -> Floats:
+    def slide_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
         """Factors (k, 3) of cos, sin and 1 in the slide [m] along the drum by k rigid-body motions.
 
         A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
@@ -89,7 +89,7 @@ class DrumFace(NamedTuple):
                 found.append((a, b))
         return tuple(found)
 
-    def peak(self, c: Floats, arcs: Arcs) -> float:
+    def peak_pressure_on_arcs(self, c: Floats, arcs: Arcs) -> float:
         """Largest value [Pa] of the pressure c[0] cos + c[1] sin on the arcs."""
         top = math.atan2(c[1], c[0])
         # The pressure is largest where c[0] cos + c[1] sin has its maximum or, if no arc contains
@@ -149,11 +149,11 @@ class PlaneFace(NamedTuple):
     same meaning as in `DrumFace`.
     """
 
-    def gap_closing_by_motions(self, motions: Floats) -> Floats:
+    def gap_closing_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
         """Factors (k, 2) of 1 and x in the closing of the gap [m] by rigid-body motions (k, 3)."""
         return -motions[:, 1:]
 
-    def slide_by_rigid_shoe_motions(self, motions: Floats) -> Floats:
+    def slide_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
         """Factors (k, 3) of 1, x and 0 in the slide [m] along +x by rigid-body motions (k, 3)."""
         return np.column_stack([motions[:, 0], np.zeros((len(motions), 2))])
 
@@ -186,7 +186,7 @@ class PlaneFace(NamedTuple):
             return ((start, end),)
         return ()
 
-    def peak(self, c: Floats, arcs: Arcs) -> float:
+    def peak_pressure_on_arcs(self, c: Floats, arcs: Arcs) -> float:
         """Largest value [Pa] of the pressure c[0] + c[1] x on the arcs."""
         # A linear pressure is largest at an end of an arc.
         return float(max(c @ [1.0, x] for x in chain.from_iterable(arcs)))

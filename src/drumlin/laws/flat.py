@@ -95,7 +95,7 @@ class FlatLaw:
     load: Callable[[FlatLayout], FlatLoad]
     pressure: Callable[[Floats, FlatLayout], Floats]
 
-    def resisting_moment_per_amplitude(self, mu: Values, pad: FlatLayout) -> Floats:
+    def actuation_moment_over_pressure_amplitude(self, mu: Values, pad: FlatLayout) -> Floats:
         """Actuation moment divided by w p_0: Load.x + s' mu h Load.total [m^2].
 
         This is the moment of pressure and friction about the hinge that the actuation must balance,
@@ -117,7 +117,7 @@ class FlatLaw:
         mu : friction coefficient
         pad : lengths of the shoe
         """
-        resistance = self.resisting_moment_per_amplitude(mu, pad)
+        resistance = self.actuation_moment_over_pressure_amplitude(mu, pad)
         return moment / (width * np.where(resistance > 0, resistance, np.nan))
 
     def braking_force(self, moment: Values, mu: Values, pad: FlatLayout) -> Floats:
@@ -129,7 +129,7 @@ class FlatLaw:
 
         S is nan if the shoe locks itself.
         """
-        resistance = self.resisting_moment_per_amplitude(mu, pad)
+        resistance = self.actuation_moment_over_pressure_amplitude(mu, pad)
         return self.load(pad).x / np.where(resistance > 0, resistance, np.nan)
 
     def self_locking_friction(self, pad: FlatLayout) -> Floats:
@@ -162,7 +162,9 @@ FLAT_SHORT = FlatLaw(
 
 def lining_ends_from_hinge_foot(shoe: Shoe) -> tuple[float, float]:
     """Distances (x_min, x_max) [m] of the lining's two ends from the hinge's foot on the plane."""
-    ends = shoe.frame.distance(np.array([shoe.lining.start, shoe.lining.end]))
+    ends = shoe.frame.distance_along_surface_from_pin(
+        np.array([shoe.lining.start, shoe.lining.end])
+    )
     return float(ends.min()), float(ends.max())
 
 
@@ -175,7 +177,9 @@ def lengths_of_flat_shoe(brake: Brake, shoe: Shoe) -> FlatLayout:
 
 def reason_against_flat_law(law: FlatLaw, brake: Brake) -> str | None:
     """The reason why a law of shoes on a plane does not apply to a brake; None if it applies."""
-    refusal = brake.surface.reason_why_not_on_surface(PLANE) or brake.shares
+    refusal = (
+        brake.surface.reason_why_not_on_surface(PLANE) or brake.reason_why_cam_or_strut_sets_forces
+    )
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
@@ -221,8 +225,8 @@ def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeRe
     moment = -shoe.frame.sense * shoe.moment_of_all_loads_about_point(shoe.pin)
     # Without a force, or under a force that lifts the lining off the plane, nothing touches.
     if moment <= 0:
-        return response_of_shoe_without_contact(shoe, -shoe.force_of_all_loads)
-    if law.resisting_moment_per_amplitude(mu, pad) <= 0:
+        return response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads)
+    if law.actuation_moment_over_pressure_amplitude(mu, pad) <= 0:
         raise NoAnswer(
             f"shoe {shoe.name!r}: self-locking, friction {mu:g} is not below "
             f"mu_lock = {float(law.self_locking_friction(pad)):.6g} of the {law.name} law"
@@ -238,8 +242,9 @@ def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeRe
         normal_force=N,
         self_energising=bool(mu * pad.s * pad.h < 0),
         peak_pressure=amplitude,
-        hinge_reaction=-shoe.force_of_all_loads - N * np.array([mu * brake.sign_of_motion, 1.0]),
+        hinge_reaction=-shoe.sum_of_forces_of_all_loads
+        - N * np.array([mu * brake.sign_of_motion, 1.0]),
         contact_arcs=((shoe.lining.start, shoe.lining.end),),
         theta=x,
-        pressure=amplitude * law.pressure(shoe.frame.distance(x), pad),
+        pressure=amplitude * law.pressure(shoe.frame.distance_along_surface_from_pin(x), pad),
     )

@@ -34,8 +34,8 @@ from drumlin.response.merit import (
 from drumlin.response.response import Response, ShoeResponse, response_of_shoe_without_contact
 from drumlin.response.resultants import (
     Resultant,
-    nodes_with_slots,
     planar_cross_product,
+    polynomial_nodes_on_linings_and_slots,
     slots_between_nodes,
 )
 
@@ -64,9 +64,13 @@ def self_locking_friction_of_hinged_shoe(brake: Brake, shoe: Shoe, law: Law = SI
 
 def reason_against_hinged_shoe_law(law: Law, brake: Brake) -> str | None:
     """The reason why a law of hinged shoes does not apply to a brake; None if it applies."""
-    refusal = brake.shares or brake.surface.reason_why_not_on_surface(DRUM)
+    refusal = brake.reason_why_cam_or_strut_sets_forces or brake.surface.reason_why_not_on_surface(
+        DRUM
+    )
     if refusal is None and law.load_on_part is None:
-        refusal = brake.reason_against_several_linings("a force lumped at the lining's middle")
+        refusal = brake.reason_if_several_linings_are_not_allowed(
+            "a force lumped at the lining's middle"
+        )
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
@@ -151,8 +155,8 @@ def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResp
     moment = actuation_moment_towards_drum(shoe)
     # Without a force, or under a force that turns the shoe away from the drum, nothing touches.
     if moment <= 0:
-        return response_of_shoe_without_contact(shoe, -shoe.force_of_all_loads)
-    if law.resisting_moment_per_amplitude(mu, arc) <= 0:
+        return response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads)
+    if law.actuation_moment_over_pressure_amplitude(mu, arc) <= 0:
         raise NoAnswer(
             f"shoe {shoe.name!r}: self-locking, friction {mu:g} is not below "
             f"mu_lock = {self_locking_friction_of_hinged_shoe(brake, shoe, law):.6g} "
@@ -160,7 +164,9 @@ def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResp
         )
     amplitude = float(law.pressure_amplitude(moment, shoe.lining.width, mu, arc))
     # The integrals of the pressure are its amplitude [Pa] times the integrals of f.
-    load = Load(*(amplitude * integral for integral in law.load_over_linings(arc)))
+    load = Load(
+        *(amplitude * integral for integral in law.pressure_integrals_over_all_linings(arc))
+    )
     return response_of_hinged_shoe_in_contact(
         brake,
         shoe,
@@ -182,7 +188,9 @@ def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
     total = 0.0
     for shoe in brake.shoes:
         middle = 0.5 * (shoe.lining.start + shoe.lining.end)
-        force = shoe.sign * float(shoe.force_of_all_loads @ [math.cos(middle), math.sin(middle)])
+        force = shoe.sign * float(
+            shoe.sum_of_forces_of_all_loads @ [math.cos(middle), math.sin(middle)]
+        )
         lumped = brake.friction_of_shoe(shoe) * float(
             ratio_of_equivalent_friction(
                 angles_and_radii_of_hinged_shoe(brake, shoe).half_of_lining_arc
@@ -213,10 +221,10 @@ def resultant_of_hinged_shoe_pressure(
     force = shoe.lining.width * brake.size
     along: Floats = force * np.array([load.cos, load.sin])
     across = np.array([-along[1], along[0]])
-    drag = factor * brake.signed_friction_per_pressure(shoe)
+    drag = factor * brake.signed_friction_stress_over_pressure(shoe)
     return Resultant(
-        normal=shoe.frame.convert_to_brake_frame(-shoe.sign * along),
-        friction=shoe.frame.convert_to_brake_frame(drag * shoe.frame.sense * across),
+        normal=shoe.frame.convert_vectors_to_brake_frame(-shoe.sign * along),
+        friction=shoe.frame.convert_vectors_to_brake_frame(drag * shoe.frame.sense * across),
         moment=drag * force * float(load.total) * brake.size,
     )
 
@@ -242,7 +250,9 @@ def response_of_hinged_shoe_in_contact(
     """
     sense = shoe.frame.sense
     nodes = [np.linspace(*arc, PRESSURE_NODES)[::sense] for arc in shoe.arcs][::sense]
-    theta, on_lining = nodes_with_slots([shoe.frame.theta(phi) for phi in nodes], 2)
+    theta, on_lining = polynomial_nodes_on_linings_and_slots(
+        [shoe.frame.theta(phi) for phi in nodes], 2
+    )
     # Round-off may make the pressure negative at an end, as sin(pi) is 1e-16.
     pressures = np.zeros(len(theta))
     pressures[on_lining] = np.maximum(pressure(np.concatenate(nodes)), 0.0)
@@ -254,7 +264,7 @@ def response_of_hinged_shoe_in_contact(
         normal_force=float(np.linalg.norm(contact.normal)),
         self_energising=helping * shoe.moment_of_all_loads_about_point(shoe.pin) > 0,
         peak_pressure=float(pressure(np.array(peak_at))),
-        hinge_reaction=-shoe.force_of_all_loads - contact.force,
+        hinge_reaction=-shoe.sum_of_forces_of_all_loads - contact.force,
         contact_arcs=shoe.lining.arcs,
         theta=theta,
         pressure=pressures,

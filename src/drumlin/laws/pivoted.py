@@ -169,7 +169,9 @@ def self_locking_friction_of_pivoted_shoe(arc: Layout, x: float, y: float) -> fl
 
 def reason_against_pivoted_shoe_law(brake: Brake) -> str | None:
     """The reason why the law of pivoted shoes does not apply to a brake; None if it applies."""
-    refusal = brake.surface.reason_why_not_on_surface(DRUM) or brake.shares
+    refusal = (
+        brake.surface.reason_why_not_on_surface(DRUM) or brake.reason_why_cam_or_strut_sets_forces
+    )
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
@@ -181,5 +183,5 @@ def reason_against_pivoted_shoe_law(brake: Brake) -> str | None:
 def pivot_position_in_shoe_frame(shoe: Shoe) -> tuple[float, float]:
     """Position x, y [m] in the shoe's frame of the pivot at the end of the shoe's lever."""
     assert shoe.pivot is not None, "why_not() has refused a shoe without pivot"
-    x, y = shoe.frame.convert_to_shoe_frame(shoe.pivot.xy)
+    x, y = shoe.frame.convert_vectors_to_shoe_frame(shoe.pivot.xy)
     return float(x), float(y)

@@ -14,8 +14,8 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import (
     FrictionCurve,
-    key_of_friction_over_pressure,
-    reason_if_friction_depends_on_pressure,
+    key_of_pressure_dependent_friction,
+    reason_against_pressure_dependent_friction,
 )
 from drumlin.response.response import Response
 
@@ -36,7 +36,7 @@ def reason_if_law_has_uneven_pressure(name: str, brake: Brake) -> str | None:
     """
     if name in EVEN_PRESSURE_LAWS:
         return None
-    return reason_if_friction_depends_on_pressure(
+    return reason_against_pressure_dependent_friction(
         brake, f"the law {name!r}, whose pressure varies,"
     )
 
@@ -46,14 +46,14 @@ def solve_brake_by_law_of_even_pressure(solve: LawSolver, brake: Brake) -> Respo
 
     Raises NoAnswer if a shoe has no equilibrium.
     """
-    if key_of_friction_over_pressure(brake) is None:
+    if key_of_pressure_dependent_friction(brake) is None:
         return solve(brake)
     count = len(brake.shoes)
     # While one shoe is solved, the other shoes get no friction, so that they cannot lock
     # themselves.
     frictions = []
     for i, shoe in enumerate(brake.shoes):
-        curve = brake.friction_curve_of_shoe(shoe)
+        curve = brake.friction_over_pressure_of_shoe(shoe)
 
         def pressure(mu: float, index: int = i) -> float:
             """Pressure [Pa] of shoe `index` at the friction mu; inf if the shoe locks itself."""
@@ -71,7 +71,7 @@ def _brake_with_friction_of_shoes(brake: Brake, frictions: list[float]) -> Brake
     """A copy of a brake with a friction coefficient for the lining of each shoe."""
     shoes = []
     for shoe, friction in zip(brake.shoes, frictions, strict=True):
-        lining = shoe.lining.copy_with({"friction": friction})
+        lining = shoe.lining.copy_of_lining_with_changed_fields({"friction": friction})
         shoes.append(shoe.model_copy(update={"lining": lining}))
     changes = {"friction_as_written": brake.friction, "shoes": tuple(shoes)}
     return brake.model_copy(update=changes)
@@ -98,18 +98,26 @@ def _friction_at_equilibrium(
     # The import of scipy takes time, and few brakes need it.
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    def excess(p: float) -> float:
+    def pressure_minus_pressure_by_its_friction(p: float) -> float:
         """The pressure p less the pressure that its friction leads to."""
         # A shoe that locks itself has an infinite pressure, so that every finite p is too small.
-        reached = pressure(float(curve.coefficient(np.array(p))))
+        reached = pressure(float(curve.friction_coefficient_at_pressures(np.array(p))))
         return p - reached if np.isfinite(reached) else -max(p, 1.0)
 
     # Between two pressures of the table the coefficient is linear in p, so that `brentq` finds a
     # zero between them.
     for low, high in pairwise([0.0, *curve.pressure.tolist()]):
-        if low < high and excess(low) <= 0 <= excess(high):
-            p = brentq(excess, low, high, xtol=PRESSURE_ROUND_OFF * high, rtol=PRESSURE_ROUND_OFF)
-            return float(curve.coefficient(np.array(p)))
+        if low < high and pressure_minus_pressure_by_its_friction(
+            low
+        ) <= 0 <= pressure_minus_pressure_by_its_friction(high):
+            p = brentq(
+                pressure_minus_pressure_by_its_friction,
+                low,
+                high,
+                xtol=PRESSURE_ROUND_OFF * high,
+                rtol=PRESSURE_ROUND_OFF,
+            )
+            return float(curve.friction_coefficient_at_pressures(np.array(p)))
     # Beyond the table the coefficient is constant.
     last = float(curve.mu[-1])
     if not np.isfinite(pressure(last)):

@@ -24,9 +24,9 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.heat import warning_on_heat_left_out
+from drumlin.brake.heat import warning_that_law_neglects_heat
 from drumlin.brake.support import Freedoms
-from drumlin.brake.writing import values_other_than_defaults
+from drumlin.brake.writing import part_values_other_than_defaults
 from drumlin.laws.anchored import (
     contact_of_shoe_on_anchors,
     locking_friction_of_shoes_on_anchors,
@@ -37,8 +37,8 @@ from drumlin.laws.shoe_contact import (
     MOST_CONTACT_STEPS,
     RigidShoeContact,
     arcs_of_positive_pressure_on_linings,
+    are_contact_arcs_equal,
     equilibrium_matrices_of_rigid_shoe,
-    is_same_set_of_arcs,
     self_locking_friction_on_arcs,
 )
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
@@ -52,8 +52,8 @@ from drumlin.response.response import (
 )
 from drumlin.response.resultants import (
     Resultant,
-    nodes_with_slots,
     planar_cross_product,
+    polynomial_nodes_on_linings_and_slots,
     slots_between_nodes,
 )
 from drumlin.response.self_locking import LockedShoes, SelfLocking, first_shoes_to_lock
@@ -88,7 +88,9 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
     face, arcs = friction_surface_of_shoe(brake, shoe), shoe.lining.arcs
     width = shoe.lining.width
     limits = [
-        self_locking_friction_on_arcs(face, shoe.freedoms(sense), width, arcs, brake.sign_of_motion)
+        self_locking_friction_on_arcs(
+            face, shoe.rigid_body_modes_of_support(sense), width, arcs, brake.sign_of_motion
+        )
         for sense in shoe.senses_of_abutment_friction_to_try
     ]
     return min(limits)
@@ -99,10 +101,12 @@ def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
     limits = []
     for shoe in brake.shoes:
         limit = self_locking_friction_of_rigid_shoe(brake, shoe)
-        scaled = brake.friction_at_friction_of_shoe(shoe, limit)
+        scaled = brake.brake_friction_that_gives_shoe_friction(shoe, limit)
         limits.append(LockedShoes((shoe.name,), scaled))
     return SelfLocking(
-        brake.friction, first_shoes_to_lock(limits), scaled=brake.key_of_first_own_friction() or ""
+        brake.friction,
+        first_shoes_to_lock(limits),
+        scaled=brake.key_of_first_lining_with_own_friction() or "",
     )
 
 
@@ -125,7 +129,7 @@ def find_contact_of_rigid_shoe(
     if shoe.anchors:
         return contact_of_shoe_on_anchors(brake, brake.shoes.index(shoe))
     face = friction_surface_of_shoe(brake, shoe)
-    if not shoe.is_loaded:
+    if not shoe.is_any_load_on_shoe:
         return None
     # A force that only tension on the lining could balance lifts the shoe off.
     if sign_of_pressure_that_balances_actuation(brake, shoe) < 0:
@@ -140,9 +144,10 @@ def find_contact_of_rigid_shoe(
             failure = failure or error
             continue
         reaction = (
-            -shoe.force_of_all_loads - _contact_resultant_of_rigid_shoe(brake, shoe, found).force
+            -shoe.sum_of_forces_of_all_loads
+            - _contact_resultant_of_rigid_shoe(brake, shoe, found).force
         )
-        if shoe.can_abutment_exert_reaction_on_foot(reaction, sense, float(found.amounts[-1])):
+        if shoe.can_abutment_exert_reaction_on_shoe(reaction, sense, float(found.amounts[-1])):
             return found
     raise failure or NoAnswer(f"shoe {shoe.name!r}: no equilibrium, its foot leaves the abutment")
 
@@ -154,15 +159,21 @@ def sign_of_pressure_that_balances_actuation(brake: Brake, shoe: Shoe) -> int:
     is neglected here.
     """
     face, ends = friction_surface_of_shoe(brake, shoe), (shoe.lining.start, shoe.lining.end)
-    free = shoe.freedoms(shoe.senses_of_abutment_friction_to_try[-1])
-    shapes = face.gap_closing_by_motions(free.tests)
+    free = shoe.rigid_body_modes_of_support(shoe.senses_of_abutment_friction_to_try[-1])
+    shapes = face.gap_closing_factors_of_rigid_body_motions(free.tests)
     if len(shapes) == 1:
         # With one mode, a pressure at some place of the lining must work against the actuation.
         places = np.concatenate([np.linspace(*arc, 65) for arc in shoe.lining.arcs])
-        works = shapes[0] @ face.shape_function_values(places)[:2] * free.work_of_all_loads[0]
+        works = (
+            shapes[0]
+            @ face.shape_function_values(places)[:2]
+            * free.work_of_all_loads_on_test_modes[0]
+        )
         return 1 if works.max() > 1e-12 * np.abs(works).max() else -1
     try:
-        resultant = np.asarray(np.linalg.solve(shapes, free.work_of_all_loads), dtype=float)
+        resultant = np.asarray(
+            np.linalg.solve(shapes, free.work_of_all_loads_on_test_modes), dtype=float
+        )
         return face.sign_of_pressure_with_given_resultant(resultant, *ends)
     except np.linalg.LinAlgError:
         return 0
@@ -187,9 +198,9 @@ def _find_contact_for_friction_sense(
     NoAnswer
         if the shoe locks itself, or no pressure on its lining balances the actuation
     """
-    free, linings = shoe.freedoms(sense), shoe.lining.arcs
+    free, linings = shoe.rigid_body_modes_of_support(sense), shoe.lining.arcs
     mu = brake.friction_of_shoe(shoe)
-    shapes = face.gap_closing_by_motions(free.motions)
+    shapes = face.gap_closing_factors_of_rigid_body_motions(free.motions)
     locking_friction_on = partial(
         self_locking_friction_on_arcs, face, free, shoe.lining.width, spin=brake.sign_of_motion
     )
@@ -200,20 +211,20 @@ def _find_contact_for_friction_sense(
     # This sense tells which arcs come into contact.
     if len(shapes) == 1:
         arcs = arcs_of_positive_pressure_on_linings(
-            face, shapes[0] * math.copysign(1.0, free.work_of_all_loads[0]), linings
+            face, shapes[0] * math.copysign(1.0, free.work_of_all_loads_on_test_modes[0]), linings
         )
         mu_lock = locking_friction_on(arcs)
         if mu >= mu_lock:
             raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
     for _ in range(MOST_CONTACT_STEPS):
         matrices = equilibrium_matrices_of_rigid_shoe(face, free, shoe.lining.width, arcs)
-        amounts = _mode_factors_in_equilibrium(matrices, free, mu * brake.sign_of_motion)
+        amounts = _pressure_mode_factors_in_equilibrium(matrices, free, mu * brake.sign_of_motion)
         if amounts is None:
             break
         # The next arcs are those where the pressure that follows from the present arcs is positive.
         c = shapes.T @ amounts
         after = linings if whole else arcs_of_positive_pressure_on_linings(face, c, linings)
-        if after and is_same_set_of_arcs(after, arcs):
+        if after and are_contact_arcs_equal(after, arcs):
             mu_lock = locking_friction_on(arcs)
             if mu >= mu_lock:
                 break
@@ -231,7 +242,7 @@ def _find_contact_for_friction_sense(
     )
 
 
-def _mode_factors_in_equilibrium(
+def _pressure_mode_factors_in_equilibrium(
     matrices: tuple[Floats, Floats], free: Freedoms, drag: float
 ) -> Floats | None:
     """The factors (k,) of the rigid-body modes in the pressure of a shoe in equilibrium.
@@ -246,7 +257,7 @@ def _mode_factors_in_equilibrium(
     """
     N, F = matrices
     try:
-        return np.linalg.solve(N - drag * F, free.work_of_all_loads).astype(float)
+        return np.linalg.solve(N - drag * F, free.work_of_all_loads_on_test_modes).astype(float)
     except np.linalg.LinAlgError:
         return None
 
@@ -256,7 +267,7 @@ def _contact_resultant_of_rigid_shoe(
 ) -> Resultant:
     """Resultant of pressure and friction on a rigid shoe in contact."""
     loads = shoe.lining.width * found.face.integrals_of_shape_products(found.arcs) @ found.c
-    return found.face.force(loads, brake.signed_friction_per_pressure(shoe))
+    return found.face.force(loads, brake.signed_friction_stress_over_pressure(shoe))
 
 
 def response_of_rigid_shoe(
@@ -264,14 +275,14 @@ def response_of_rigid_shoe(
 ) -> ShoeResponse:
     """The response of a rigid shoe from its contact `found`, None if it does not touch."""
     if found is None:
-        return response_of_shoe_without_contact(shoe, -shoe.force_of_all_loads)
+        return response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads)
     contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.flat
     # The pressure on a plane is linear in x, so that three nodes (two intervals) are enough.
     steps, linings = 2 if flat else PRESSURE_NODES - 1, []
     for ends in shoe.lining.arcs:
         own = tuple(arc for arc in found.arcs if ends[0] <= arc[0] and arc[1] <= ends[1])
         linings.append(node_places_of_pressure_along_lining(ends, own, steps))
-    place, on_lining = nodes_with_slots(linings, 2)
+    place, on_lining = polynomial_nodes_on_linings_and_slots(linings, 2)
     about_pin = _pressure_and_friction_moments_about_pin(shoe, contact)
     of_actuation = shoe.moment_of_all_loads_about_point(shoe.pin)
     guided = shoe.guide is not None
@@ -284,20 +295,22 @@ def response_of_rigid_shoe(
     # A shoe on a guide does not turn, and a shoe on anchors turns about no given point. For such a
     # shoe friction is self-energising if it does positive work in the motion of the shoe.
     if has_moment:
-        drag = brake.signed_friction_per_pressure(shoe)
+        drag = brake.signed_friction_stress_over_pressure(shoe)
         helping = _friction_work_in_motion_above_round_off(drag, found)
     return ShoeResponse(
         name=shoe.name,
         torque=0.0 if flat else abs(contact.moment),
         normal_force=float(np.linalg.norm(contact.normal)),
         self_energising=bool(helping > 0),
-        peak_pressure=found.face.peak(found.c, found.arcs),
-        hinge_reaction=-shoe.force_of_all_loads - contact.force,
+        peak_pressure=found.face.peak_pressure_on_arcs(found.c, found.arcs),
+        hinge_reaction=-shoe.sum_of_forces_of_all_loads - contact.force,
         contact_arcs=found.arcs,
         theta=place,
         pressure=pressure_of_rigid_shoe_at_places(found, place) * on_lining,
         slots=slots_between_nodes(place, on_lining),
-        pivot_reaction=None if shoe.pivot is None else -contact.force - shoe.further_load[:2],
+        pivot_reaction=None
+        if shoe.pivot is None
+        else -contact.force - shoe.resultant_of_loads_besides_actuation[:2],
         reaction_moment=reaction_moment if has_moment else 0.0,
     )
 
@@ -377,7 +390,7 @@ def brake_with_cam_and_strut_forces_by_rigid_law(brake: Brake, *, whole: bool = 
     """
     shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}
-    if brake.actuation is not None and brake.actuation.is_cam:
+    if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         _divide_cam_force_between_shoes(
             brake, shoes, brake.actuation.force_of_cylinder_or_sum_of_cam_forces, whole
         )
@@ -408,7 +421,7 @@ def _divide_cam_force_between_shoes(
     # A shoe behind a strut is pushed by the strut and not by the cam.
     behind = brake.names_of_shoes_pushed_by_struts
     on_cam = [i for i, shoe in enumerate(shoes) if shoe.name not in behind]
-    if any(shoes[i].has_further_loads for i in on_cam):
+    if any(shoes[i].has_loads_besides_actuation for i in on_cam):
         first = _cam_force_on_first_shoe_with_further_loads(brake, shoes, on_cam, total, whole)
         for i, force in zip(on_cam, (first, total - first), strict=True):
             shoes[i] = shoes[i].shoe_with_changed_actuation_force(force)
@@ -441,7 +454,7 @@ def _cam_force_on_first_shoe_with_further_loads(
     # The import of scipy takes time, and few brakes come here.
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    def motion_of_loaded_end(i: int, force: float) -> float:
+    def loaded_end_motion_over_lining_compliance(i: int, force: float) -> float:
         """Displacement of a shoe's loaded end over its lining's compliance [Pa]; 0 if apart."""
         shoe = shoes[i].shoe_with_changed_actuation_force(force)
         found = find_contact_of_rigid_shoe(brake, shoe, whole=whole)
@@ -449,20 +462,25 @@ def _cam_force_on_first_shoe_with_further_loads(
 
     one, other = on_cam
 
-    def difference_of_loaded_end_motions(force: float) -> float:
+    def difference_of_both_loaded_end_motions(force: float) -> float:
         """The motion of the first loaded end minus the second, by the force on the first shoe."""
-        return motion_of_loaded_end(one, force) - motion_of_loaded_end(other, total - force)
+        return loaded_end_motion_over_lining_compliance(
+            one, force
+        ) - loaded_end_motion_over_lining_compliance(other, total - force)
 
-    low, high = difference_of_loaded_end_motions(0.0), difference_of_loaded_end_motions(total)
+    low, high = (
+        difference_of_both_loaded_end_motions(0.0),
+        difference_of_both_loaded_end_motions(total),
+    )
     if not low < 0 < high:
         # If springs or other forces alone press a shoe too far, the shoe moves away from the cam.
         lacking = on_cam[0] if low >= 0 else on_cam[1]
         raise NoAnswer(f"shoe {shoes[lacking].name!r}: the cam does not press it")
     force = float(
-        brentq(difference_of_loaded_end_motions, 0.0, total, xtol=1e-13 * total, rtol=1e-15)
+        brentq(difference_of_both_loaded_end_motions, 0.0, total, xtol=1e-13 * total, rtol=1e-15)
     )
     for i, part in ((one, force), (other, total - force)):
-        if motion_of_loaded_end(i, part) <= 0:
+        if loaded_end_motion_over_lining_compliance(i, part) <= 0:
             raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
     return force
 
@@ -525,7 +543,7 @@ def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
     t/E, so that E/t matters. A worn-in lining follows by its wear, which is proportional to p for
     any E/t.
     """
-    if brake.actuation is None or not brake.actuation.is_cam:
+    if brake.actuation is None or not brake.actuation.is_cam_or_wedge:
         return ()
     behind = brake.names_of_shoes_pushed_by_struts
     linings = [shoe.lining for shoe in brake.shoes if shoe.name not in behind]
@@ -548,7 +566,7 @@ UNUSED_KEYS = "keys that the law does not use: "
 """Beginning of the line of text that names the keys of a brake file that a law does not use."""
 
 
-def response_with_keys_left_out(brake: Brake, response: Response) -> Response:
+def response_with_note_on_ignored_keys(brake: Brake, response: Response) -> Response:
     """The response of a rigid-shoe law, with a line that names the given keys that the law ignores.
 
     Responses of other models are returned unchanged.
@@ -560,7 +578,7 @@ def response_with_keys_left_out(brake: Brake, response: Response) -> Response:
         return response
     keys = _given_keys_that_laws_do_not_use(brake)
     line = (UNUSED_KEYS + ", ".join(keys),) if keys else ()
-    heat = warning_on_heat_left_out(brake)
+    heat = warning_that_law_neglects_heat(brake)
     blocks = tuple(
         f"warning: shoe {shoe.name!r}: misfit.blocks are left out, the law takes the lining as "
         "whole; --model fem has the blocks, and linings apart are [[shoe.lining]], a table each"
@@ -583,7 +601,7 @@ def _given_keys_that_laws_do_not_use(brake: Brake) -> list[str]:
         of_shoe: dict[str, object] = {name: getattr(shoe, name) for name in ("body", "backing")}
         of_shoe["mesh"] = shoe.mesh
         for part in shoe.lining.linings:
-            misfit = sorted(key for key, _, _ in values_other_than_defaults(part.misfit))
+            misfit = sorted(key for key, _, _ in part_values_other_than_defaults(part.misfit))
             unlike = {f"lining.misfit.{key}": True for key in misfit}
             of_shoe |= {"lining.clearance": part.clearance, **unlike}
             parts |= {f"shoe.{name}": value for name, value in of_shoe.items() if value}

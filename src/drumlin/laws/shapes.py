@@ -165,24 +165,24 @@ def pivot_radius_for_cosine_pressure(R: Values, theta_0: Values) -> Floats:
     return np.asarray(R * ratio_of_equivalent_friction(theta_0))
 
 
-def _sine_pressure_on_part(whole: Layout, part: Layout) -> Load:
+def _integrals_of_sine_pressure_on_arc_part(whole: Layout, part: Layout) -> Load:
     """Integrals of the pressure f = sin phi of a shoe over a part of its arc."""
     return integrals_of_sine_pressure(part)
 
 
-def _cosine_pressure_on_part(whole: Layout, part: Layout) -> Load:
+def _integrals_of_cosine_pressure_on_arc_part(whole: Layout, part: Layout) -> Load:
     """Integrals over a part of the arc of f = cos(phi - middle of the whole arc)."""
     cos, sin = np.cos(whole.middle), np.sin(whole.middle)
     of_cos, of_sin = integrals_of_cos_phi_pressure(part), integrals_of_sine_pressure(part)
     return Load(*(cos * a + sin * b for a, b in zip(of_cos, of_sin, strict=True)))
 
 
-def _uniform_pressure_on_part(whole: Layout, part: Layout) -> Load:
+def _integrals_of_uniform_pressure_on_arc_part(whole: Layout, part: Layout) -> Load:
     """Integrals of the uniform pressure f = 1 of a shoe over a part of its arc."""
     return integrals_of_uniform_pressure(part)
 
 
-def _friction_factor_one(arc: Layout) -> Floats:
+def _friction_factor_of_one_for_each_arc(arc: Layout) -> Floats:
     """The factor 1 on mu, in the shape of the arc's angles: the law does not change friction."""
     return np.ones(np.shape(arc.half_of_lining_arc))
 
@@ -211,11 +211,11 @@ class Law:
     pressure: Callable[[Floats, Layout], Floats]
     peak_at: Callable[[Layout], Floats]
     lumped: bool = False
-    friction: Callable[[Layout], Floats] = _friction_factor_one
+    friction: Callable[[Layout], Floats] = _friction_factor_of_one_for_each_arc
     remark: str = ""
     load_on_part: Callable[[Layout, Layout], Load] | None = None
 
-    def load_over_linings(self, arc: Layout) -> Load:
+    def pressure_integrals_over_all_linings(self, arc: Layout) -> Load:
         """Integrals of f over the arc of a shoe, or over all linings of a shoe with slots."""
         if not arc.slots:
             return self.load(arc)
@@ -245,11 +245,11 @@ class Law:
         M_N opposes the actuation. M_F is the moment at mu = 1; with dD = 1 it helps the actuation.
         """
         M_N, M_F = normal_and_friction_moments_about_point(
-            self.load_over_linings(arc), arc.R, arc.a
+            self.pressure_integrals_over_all_linings(arc), arc.R, arc.a
         )
         return M_N, self.friction(arc) * M_F
 
-    def resisting_moment_per_amplitude(self, mu: Values, arc: Layout) -> Floats:
+    def actuation_moment_over_pressure_amplitude(self, mu: Values, arc: Layout) -> Floats:
         """Actuation moment divided by b R p_0: M_N - dD mu M_F [m].
 
         This is the moment of pressure and friction about the hinge that the actuation must balance.
@@ -268,7 +268,7 @@ class Law:
         mu : friction coefficient
         arc : angles and radii of the shoe
         """
-        resistance = self.resisting_moment_per_amplitude(mu, arc)
+        resistance = self.actuation_moment_over_pressure_amplitude(mu, arc)
         return moment / (width * arc.R * np.where(resistance > 0, resistance, np.nan))
 
     def torque(self, moment: Values, mu: Values, arc: Layout) -> Floats:
@@ -280,8 +280,10 @@ class Law:
 
         It is nan if the shoe locks itself.
         """
-        resistance = self.resisting_moment_per_amplitude(mu, arc)
-        effect = mu * self.friction(arc) * arc.R * self.load_over_linings(arc).total
+        resistance = self.actuation_moment_over_pressure_amplitude(mu, arc)
+        effect = (
+            mu * self.friction(arc) * arc.R * self.pressure_integrals_over_all_linings(arc).total
+        )
         return effect / np.where(resistance > 0, resistance, np.nan)
 
     def sensitivity_of_braking_effect_to_friction(self, mu: Values, arc: Layout) -> Floats:
@@ -290,7 +292,7 @@ class Law:
         S is nan if the shoe locks itself.
         """
         M_N, _ = self.normal_and_friction_moments_about_hinge(arc)
-        resistance = self.resisting_moment_per_amplitude(mu, arc)
+        resistance = self.actuation_moment_over_pressure_amplitude(mu, arc)
         return M_N / np.where(resistance > 0, resistance, np.nan)
 
     def self_locking_friction(self, arc: Layout) -> Floats:
@@ -348,7 +350,7 @@ SINE = Law(
     integrals_of_sine_pressure,
     lambda phi, arc: np.sin(phi),
     lambda arc: np.clip(np.pi / 2, arc.phi_1, arc.phi_2),
-    load_on_part=_sine_pressure_on_part,
+    load_on_part=_integrals_of_sine_pressure_on_arc_part,
 )
 COSINE = Law(
     "cosine",
@@ -359,7 +361,7 @@ COSINE = Law(
     _angle_of_lining_middle,
     remark="friction is mu N at psi R, each element in its place; mu' N at the drum's surface "
     "is the law 'block'",
-    load_on_part=_cosine_pressure_on_part,
+    load_on_part=_integrals_of_cosine_pressure_on_arc_part,
 )
 BLOCK = Law(
     "block",
@@ -377,7 +379,7 @@ UNIFORM = Law(
     integrals_of_uniform_pressure,
     _uniform_pressure_of_amplitude_one,
     _angle_of_lining_middle,
-    load_on_part=_uniform_pressure_on_part,
+    load_on_part=_integrals_of_uniform_pressure_on_arc_part,
 )
 SHORT_LAW = Law(
     "short",

@@ -60,10 +60,10 @@ def equilibrium_matrices_of_rigid_shoe(
     """
     products, shapes = (
         width * face.integrals_of_shape_products(arcs),
-        face.gap_closing_by_motions(free.motions),
+        face.gap_closing_factors_of_rigid_body_motions(free.motions),
     )
-    N = face.gap_closing_by_motions(free.tests) @ products[:2] @ shapes.T
-    return N, face.slide_by_rigid_shoe_motions(free.tests) @ products @ shapes.T
+    N = face.gap_closing_factors_of_rigid_body_motions(free.tests) @ products[:2] @ shapes.T
+    return N, face.slide_factors_of_rigid_body_motions(free.tests) @ products @ shapes.T
 
 
 def self_locking_friction_on_arcs(
@@ -114,7 +114,7 @@ def arcs_of_positive_pressure_on_linings(face: Face, c: Floats, linings: Arcs) -
     return tuple(chain(*(face.arcs_of_positive_pressure(c, *ends) for ends in linings)))
 
 
-def is_same_set_of_arcs(a: Arcs, b: Arcs) -> bool:
+def are_contact_arcs_equal(a: Arcs, b: Arcs) -> bool:
     """Whether two sets of contact arcs are equal up to round-off."""
     if len(a) != len(b):
         return False

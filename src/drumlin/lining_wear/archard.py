@@ -125,7 +125,7 @@ The last of them adds 4e-9 of the brake's largest nodal compliance to the lining
 removed, hardly a node changes between contact and gap."""
 
 
-def agree_with_any_contact(_: Contact) -> bool:
+def accept_any_contact_solution(_: Contact) -> bool:
     """Always true: without friction at abutments no solution contradicts the assumed friction."""
     return True
 
@@ -141,7 +141,7 @@ class Footing(NamedTuple):
     """
 
     problem: ContactProblem
-    stands: Callable[[Contact], bool] = agree_with_any_contact
+    stands: Callable[[Contact], bool] = accept_any_contact_solution
 
 
 class WearInterface(NamedTuple):
@@ -172,7 +172,7 @@ class WearInterface(NamedTuple):
     pressure: Floats
     area: Floats
     torque: Floats
-    stands: Callable[[Contact], bool] = agree_with_any_contact
+    stands: Callable[[Contact], bool] = accept_any_contact_solution
     others: tuple[Footing, ...] = ()
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
 
@@ -257,7 +257,7 @@ WearInterfaces = Sequence[WearInterface]
 """The groups of linings of a brake; the groups do not influence each other."""
 
 
-def wear_linings(
+def wear_linings_over_sliding_distance(
     forward: WearInterfaces,
     law: WearLaw,
     *,
@@ -302,7 +302,7 @@ def wear_linings(
         distance=distance,
         tolerance=tolerance,
     )
-    while not wear_run.has_reached_distance and not until(wear_run.last_wear_state):
+    while not wear_run.has_reached_sliding_distance and not until(wear_run.last_wear_state):
         if len(wear_run.states) > MAX_WEAR_STEPS:
             raise NoAnswer(f"not converged: the wear is not settled after {MAX_WEAR_STEPS} steps")
         wear_run.take_wear_step()
@@ -352,8 +352,8 @@ class _WearRunInProgress:
         self._reverse, self._distance, self._tolerance = reverse, distance, tolerance
         self._forward = True
         self._next_turn = reverse
-        self.states = [forward.state_of_unworn_linings()]
-        self._step = forward.length_of_first_step(self.last_wear_state, tolerance)
+        self.states = [forward.wear_state_of_unworn_linings()]
+        self._step = forward.length_of_first_wear_step(self.last_wear_state, tolerance)
         # The pressure changes fast at the start and after a reversal. The length that was right for
         # the first step there is kept, as the length of the first step after the next reversal.
         self._opening_step = self._step
@@ -365,7 +365,7 @@ class _WearRunInProgress:
         return self.states[-1]
 
     @property
-    def has_reached_distance(self) -> bool:
+    def has_reached_sliding_distance(self) -> bool:
         """Whether the wear run has reached its sliding distance, up to round-off."""
         return self.last_wear_state.s >= self._distance * (1 - 1e-12)
 
@@ -377,8 +377,8 @@ class _WearRunInProgress:
         # A step ends at the latest where the run ends or the drum is reversed.
         end = min(self._distance, self._next_turn)
         left = end - self.last_wear_state.s
-        size = self._length_of_next_step(left)
-        after, error = self._steppers[self._forward].state_and_error_after_step(
+        size = self._length_of_next_wear_step(left)
+        after, error = self._steppers[self._forward].wear_state_and_error_after_step(
             self.last_wear_state, size
         )
         # The error of a step grows with the square of its length, since the embedded method is of
@@ -386,7 +386,7 @@ class _WearRunInProgress:
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
         factor = min(max(growth, 0.2), MAX_STEP_GROWTH)
         if error > self._tolerance:
-            self._shorten_next_step(size * min(factor, 0.7))
+            self._set_length_of_next_wear_step(size * min(factor, 0.7))
             return
         at_end = size == left
         self.states.append(replace(after, s=end) if at_end else after)
@@ -396,10 +396,10 @@ class _WearRunInProgress:
         # may have the length that was planned.
         cut_short = at_end and size < self._step
         self._step = max(self._step, size) if cut_short else size * factor
-        if at_end and end == self._next_turn and not self.has_reached_distance:
-            self._reverse_drum_rotation()
+        if at_end and end == self._next_turn and not self.has_reached_sliding_distance:
+            self._reverse_drum_rotation_and_append_state()
 
-    def _length_of_next_step(self, left: float) -> float:
+    def _length_of_next_wear_step(self, left: float) -> float:
         """The length [m] of the next step; `left` [m] is the distance to the end or next reversal.
 
         If one to two steps remain, both get half of the remaining distance, so that the last step
@@ -411,7 +411,7 @@ class _WearRunInProgress:
             raise NoAnswer("not settled: p no longer changes, but differs from what it was to be")
         return size
 
-    def _shorten_next_step(self, step: float) -> None:
+    def _set_length_of_next_wear_step(self, step: float) -> None:
         """Set the length of the next step to `step` [m].
 
         Raises NoAnswer if the step is below SHORTEST_STEP, relative to the distance so far.
@@ -421,12 +421,14 @@ class _WearRunInProgress:
         if step < SHORTEST_STEP * max(s, 1e-300) and s > 0:
             raise NoAnswer("not converged: the step of the wear shrinks to nothing")
 
-    def _reverse_drum_rotation(self) -> None:
+    def _reverse_drum_rotation_and_append_state(self) -> None:
         """Let the drum turn the other way, and append the state after the reversal."""
         self._forward = not self._forward
         self._next_turn += self._reverse
         stepper = self._steppers[self._forward]
-        self.states.append(stepper.state_after_drum_reversal(self.last_wear_state, self._forward))
+        self.states.append(
+            stepper.wear_state_just_after_drum_reversal(self.last_wear_state, self._forward)
+        )
         self._step, self._just_turned = self._opening_step, True
 
 
@@ -438,9 +440,9 @@ def wear_linings_in_given_steps(
     Returns the states before the first step and after each step.
     """
     stepper = _WearStepper(interfaces, law, None)
-    states = [stepper.state_of_unworn_linings()]
+    states = [stepper.wear_state_of_unworn_linings()]
     for s in stations:
-        after, _ = stepper.state_and_error_after_step(states[-1], s - states[-1].s)
+        after, _ = stepper.wear_state_and_error_after_step(states[-1], s - states[-1].s)
         states.append(replace(after, s=s))
     return states
 
@@ -803,23 +805,23 @@ class _WearStepper:
             return problems
         return list(map(partial(contact_problem_at_given_torque, interface, self.held), problems))
 
-    def state_of_unworn_linings(self) -> WearState:
+    def wear_state_of_unworn_linings(self) -> WearState:
         """The state of the unworn linings under load. Raises NoAnswer if it has no equilibrium."""
         depth = np.zeros(len(self.area))
-        pressure = self._pressure_without_first_guess(depth)
+        pressure = self._solve_pressure_without_first_guess(depth)
         return self._make_wear_state(0.0, depth, pressure, _WearIntegrals(0.0, 0.0, 0.0))
 
-    def state_after_drum_reversal(self, state: WearState, forward: bool) -> WearState:
+    def wear_state_just_after_drum_reversal(self, state: WearState, forward: bool) -> WearState:
         """The state of linings directly after a reversal of the drum; `state` is the state before.
 
         `forward` tells whether the drum now turns in the direction that the brake file states.
         """
         self.forward = forward
         integrals = _WearIntegrals(state.removed, state.pressed, state.work)
-        pressure = self._pressure_without_first_guess(state.depth)
+        pressure = self._solve_pressure_without_first_guess(state.depth)
         return self._make_wear_state(state.s, state.depth, pressure, integrals)
 
-    def _pressure_without_first_guess(self, depth: Floats) -> Floats:
+    def _solve_pressure_without_first_guess(self, depth: Floats) -> Floats:
         """The pressure (n,) [Pa] of linings worn by a depth (n,) [m], found without a first guess.
 
         The contact that is found is the first guess for the steps that follow.
@@ -835,7 +837,7 @@ class _WearStepper:
                 self.footing[i], self.sets[i] = interface.settle(depth[part])
         return self._solve_contact_of_all_linings(depth, 0.0).p
 
-    def length_of_first_step(self, state: WearState, tolerance: float) -> float:
+    def length_of_first_wear_step(self, state: WearState, tolerance: float) -> float:
         """The length [m] of the first step, short enough for the node with the fastest change of p.
 
         The length is infinite if nothing wears.
@@ -854,7 +856,9 @@ class _WearStepper:
             least = min(least, float(np.abs(ratios).min()))
         return math.sqrt(tolerance) * least / slope
 
-    def state_and_error_after_step(self, state: WearState, ds: float) -> tuple[WearState, float]:
+    def wear_state_and_error_after_step(
+        self, state: WearState, ds: float
+    ) -> tuple[WearState, float]:
         """The state after a step of length ds [m], and the relative L2 error of its pressure."""
         footing = list(self.footing)
         # The two stages of the Runge-Kutta method give two wear rates, whose weighted mean gives
@@ -882,14 +886,14 @@ class _WearStepper:
             )
         error /= self._norm_of_pressure_over_all_linings(second.p) or 1.0
 
-        def integral_over_step(at_first: Floats, at_second: Floats, row: Floats) -> float:
+        def integral_over_wear_step(at_first: Floats, at_second: Floats, row: Floats) -> float:
             """The integral over the step of row @ values, from the values at the two stages."""
             return ds * float(row @ ((1 - GAMMA) * at_first + GAMMA * at_second))
 
         integrals = _WearIntegrals(
-            removed=state.removed + integral_over_step(first.rate, second.rate, self.area),
-            pressed=state.pressed + integral_over_step(first.p, second.p, self.area),
-            work=state.work + integral_over_step(first.p, second.p, self.lever),
+            removed=state.removed + integral_over_wear_step(first.rate, second.rate, self.area),
+            pressed=state.pressed + integral_over_wear_step(first.p, second.p, self.area),
+            work=state.work + integral_over_wear_step(first.p, second.p, self.lever),
         )
         return self._make_wear_state(state.s + ds, depth, second.p, integrals), error
 
@@ -1064,7 +1068,7 @@ def wear_linings_by_explicit_euler(
     steps : number of steps
     """
     stepper = _WearStepper(interfaces, law, None)
-    states = [stepper.state_of_unworn_linings()]
+    states = [stepper.wear_state_of_unworn_linings()]
     for _ in range(steps):
         before = states[-1]
         mean = float(stepper.area @ before.pressure) / float(stepper.area.sum())

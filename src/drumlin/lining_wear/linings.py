@@ -19,8 +19,8 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Rows, table_rows_from_coordinates_and_values
 from drumlin.brake.file import vary
-from drumlin.brake.friction import require_friction_without_pressure
-from drumlin.brake.further_loads import require_springs_of_constant_pull
+from drumlin.brake.friction import require_friction_independent_of_pressure
+from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
@@ -69,22 +69,22 @@ class WornLining(NamedTuple):
     across: Floats
     shares: Floats
 
-    def own_values_over_face(self, values: Floats) -> Floats:
+    def lining_values_over_arc_and_width(self, values: Floats) -> Floats:
         """The values (n, m) of this lining by growing theta and by distance from the mid-plane.
 
         `values` holds one value for each contact unknown of all linings of the WearSetup.
         """
         return values[self.part].reshape(len(self.theta), -1)[self.forward]
 
-    def own_values_by_growing_angle(self, values: Floats) -> Floats:
+    def lining_values_by_growing_angle(self, values: Floats) -> Floats:
         """The values (n,) of this lining, as means over the width, in the order of growing theta.
 
         `values` holds one value for each contact unknown of all linings of the WearSetup.
         """
-        return self.own_values_over_face(values) @ self.shares
+        return self.lining_values_over_arc_and_width(values) @ self.shares
 
     @property
-    def angles_in_growing_order(self) -> Floats:
+    def contact_angles_in_growing_order(self) -> Floats:
         """The angles theta (n,) [rad] of the lining's contact unknowns in growing order."""
         return self.theta[self.forward]
 
@@ -147,8 +147,8 @@ def wear_setup_by_finite_elements(
     NoAnswer
         if no shoe touches the drum
     """
-    require_springs_of_constant_pull(brake, "wear")
-    require_friction_without_pressure(brake, "wear")
+    require_springs_with_constant_pull(brake, "wear")
+    require_friction_independent_of_pressure(brake, "wear")
     interfaces: list[WearInterface] = []
     surfaces: list[WornLining] = []
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
@@ -157,7 +157,7 @@ def wear_setup_by_finite_elements(
             group.members, group.substructures_of_shoes, group.shoes, strict=True
         ):
             phi, _ = body.line.angles_and_mean_pressures(np.zeros(len(body.line.nodes)))
-            for own in body.line.values_of_each_lining(shoe.frame.theta(phi)):
+            for own in body.line.split_nodal_values_by_lining(shoe.frame.theta(phi)):
                 placed.append(
                     _PlacedLining(
                         i,
@@ -165,7 +165,7 @@ def wear_setup_by_finite_elements(
                         own,
                         body.line.interpolation_degree_along_contact_line,
                         body.line.node_distances_from_mid_plane,
-                        body.line.width_shares_of_nodes_across_width,
+                        body.line.width_fraction_of_each_node_across_width,
                     )
                 )
         surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
@@ -189,7 +189,7 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
     Friction at an abutment may act in several ways: the shoe's foot slides one way or the other,
     or sticks. The result has a contact problem (`Footing`) for each of these cases.
     """
-    first, *others = group.groups_with_each_direction_of_foot_friction()
+    first, *others = group.groups_with_each_abutment_friction_direction()
     couplings = list(map(attrgetter("coupling"), group.substructures_of_shoes))
     gap = np.concatenate(group.gaps_of_unloaded_linings)
     problem = _contact_problem_in_newtons(first)
@@ -208,11 +208,13 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
             )
             for way in others
         ),
-        settle=partial(_find_contact_of_worn_linings, (first, *others)),
+        settle=partial(_find_contact_of_worn_lining_group, (first, *others)),
     )
 
 
-def _find_contact_of_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
+def _find_contact_of_worn_lining_group(
+    ways: Sequence[ShoeGroup], depth: Floats
+) -> tuple[int, Bools]:
     """Solve the contact of worn linings without a first guess.
 
     Returns the position in `ways` of the friction case of the solution, and a mask (n,) of the
@@ -261,10 +263,10 @@ def brake_with_added_worn_depths(
         clearances[place] = table_rows_from_coordinates_and_values(
             theta, lining.clearance_at_surface_coordinates(theta) + depth
         )
-    return brake_with_clearances_of_linings(brake, clearances)
+    return brake_with_given_lining_clearances(brake, clearances)
 
 
-def brake_with_clearances_of_linings(
+def brake_with_given_lining_clearances(
     brake: AnyBrake, clearances: Mapping[tuple[int, int], Rows]
 ) -> AnyBrake:
     """A copy of the brake in which some shoes have new clearances.
@@ -277,7 +279,9 @@ def brake_with_clearances_of_linings(
     for i in {shoe for shoe, _ in clearances}:
         lining = shoes[i].lining
         own = [clearances[i, k] for k in range(len(lining.arcs))]
-        shoes[i] = shoes[i].model_copy(update={"lining": lining.copy_with_clearances(own)})
+        shoes[i] = shoes[i].model_copy(
+            update={"lining": lining.copy_of_lining_with_other_clearances(own)}
+        )
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
@@ -301,7 +305,7 @@ def _are_abutment_friction_and_supports_as_assumed(group: ShoeGroup, contact: Co
         p=contact.p / group.largest_actuation_force,
         y=contact.y / group.largest_actuation_force,
     )
-    return group.is_contact_as_assumed(unit)
+    return group.does_contact_confirm_support_assumptions(unit)
 
 
 def wear_setup_by_foundation_model(
@@ -371,7 +375,9 @@ def brake_with_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
     for i, shoe in enumerate(brake.shoes):
         for key in ("hinge", "pivot", "abutment"):
             changes[f"shoe[{i}].{key}"] = None
-        changes[f"shoe[{i}].guide"] = {"direction": shoe.closing}
+        changes[f"shoe[{i}].guide"] = {
+            "direction": shoe.direction_in_which_lining_middle_closes_gap
+        }
     return vary(brake, changes)
 
 

@@ -21,7 +21,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_as_text, number_as_text
 from drumlin.brake.brake import Brake
-from drumlin.brake.further_loads import first_key_of_further_loads
+from drumlin.brake.further_loads import first_key_of_loads_besides_actuation
 from drumlin.brake.units import mm_text
 from drumlin.laws import rigid
 from drumlin.laws.shoe_contact import RigidShoeContact
@@ -64,7 +64,7 @@ class WearTarget(NamedTuple):
     torque: float
 
 
-def end_of_wear_by_rigid_shoe_law(
+def final_pressure_and_torque_by_rigid_shoe_law(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
 ) -> WearTarget:
     """The pressure and the torque to which wear tends as the mesh is refined.
@@ -180,7 +180,7 @@ class TargetDistance(NamedTuple):
     torque: float
 
 
-def relative_difference_from_end_of_wear(
+def relative_differences_from_end_of_wear(
     setup: WearSetup, state: WearState, goal: WearTarget
 ) -> TargetDistance:
     """The relative differences in pressure and torque of a state from their final values `goal`."""
@@ -212,7 +212,7 @@ def _norm_over_lining_face_without_end_elements(surface: WornLining, values: Flo
     One element at each end of the lining is left out. `values` holds one value for each contact
     unknown of all linings.
     """
-    rows = surface.own_values_over_face(values).T
+    rows = surface.lining_values_over_arc_and_width(values).T
     norms = [norm_along_lining_without_end_elements(surface, row) for row in rows]
     return math.sqrt(float(np.square(norms) @ surface.shares))
 
@@ -221,7 +221,7 @@ def norm_along_lining_without_end_elements(surface: WornLining, values: Floats) 
     """The L2 norm over theta of values (n,) along a lining, without one element at each end."""
     inner = slice(surface.order, len(values) - surface.order)
     _, at_points, weight = polynomial_values_at_gauss_points(
-        surface.angles_in_growing_order[inner], values[inner], surface.order
+        surface.contact_angles_in_growing_order[inner], values[inner], surface.order
     )
     return math.sqrt(float((at_points**2 * weight).sum()))
 
@@ -239,7 +239,7 @@ def make_test_for_end_of_wear(
     within : largest relative difference of pressure and torque from the end of wear
     """
     return lambda state: (
-        max(map(abs, relative_difference_from_end_of_wear(setup, state, goal))) <= within
+        max(map(abs, relative_differences_from_end_of_wear(setup, state, goal))) <= within
     )
 
 
@@ -261,19 +261,20 @@ def wear_brake_linings_until_worn_in(
     until : function of a WearState that returns whether the run ends with this state. By default
         the run ends after `distance` or, without a distance, when pressure and torque differ by at
         most WEAR_SETTLED from their final values.
-    options : `distance`, `reverse`, `torque` and `tolerance` of `archard.wear_linings`
+    options : `distance`, `reverse`, `torque` and `tolerance` of
+    `archard.wear_linings_over_sliding_distance`
 
     Raises
     ------
     BadInput
         for an option out of range, and for a lining of fewer than 3 elements
     NoAnswer
-        for the reasons of `archard.wear_linings`
+        for the reasons of `archard.wear_linings_over_sliding_distance`
     """
     _require_three_elements_per_lining(setup)
     law = law or WearLaw(DEFAULT_WEAR_COEFFICIENT)
     torque = options.get("torque")
-    key = first_key_of_further_loads(setup.brake)
+    key = first_key_of_loads_besides_actuation(setup.brake)
     if torque is not None and key is not None:
         raise BadInput(
             f"{key}: a torque that is kept scales all forces alike; leave out the torque"
@@ -286,7 +287,7 @@ def wear_brake_linings_until_worn_in(
         until = make_test_for_end_of_wear(
             setup, final_pressure_and_torque_of_wear_on_mesh(setup, law, torque)
         )
-    return archard.wear_linings(
+    return archard.wear_linings_over_sliding_distance(
         setup.interfaces,
         law,
         backward=backward.interfaces if backward else (),
@@ -301,7 +302,7 @@ def _require_three_elements_per_lining(setup: WearSetup) -> None:
     One element at each end of a lining is left out where pressures are compared.
     """
     for surface in setup.surfaces:
-        count = (len(surface.angles_in_growing_order) - 1) // surface.order
+        count = (len(surface.contact_angles_in_growing_order) - 1) // surface.order
         if count < 3:
             raise BadInput(
                 f"shoe {surface.name!r}: its lining has {count} elements; "
@@ -331,8 +332,8 @@ def brake_with_worn_linings(setup: WearSetup, state: WearState) -> Brake:
     depths = {}
     for surface in setup.surfaces:
         depths[surface.shoe, surface.lining] = (
-            surface.angles_in_growing_order,
-            surface.own_values_by_growing_angle(state.depth),
+            surface.contact_angles_in_growing_order,
+            surface.lining_values_by_growing_angle(state.depth),
         )
     return brake_with_added_worn_depths(setup.brake, depths)
 
@@ -421,7 +422,7 @@ def compute_life_of_linings(
             end = min(end, s[-1] + (allowed - deepest[-1]) / rate)
     # Pressure and torque count as worn in from the distance on at which they stay within the bound.
     distances = np.array(
-        [relative_difference_from_end_of_wear(setup, state, goal) for state in states]
+        [relative_differences_from_end_of_wear(setup, state, goal) for state in states]
     )
     pressures, torques = distances.T.tolist()
     pressure_near = archard.distance_after_which_values_stay_small(s, pressures, within)
@@ -462,7 +463,7 @@ def compute_checks_of_wear_run(
     ripples = []
     for state in states[1:]:
         for surface in setup.surfaces:
-            rows = surface.own_values_over_face(state.pressure).T
+            rows = surface.lining_values_over_arc_and_width(state.pressure).T
             own = map(archard.amplitude_of_node_to_node_pressure_ripple, rows)
             # The ripple of a lining with too few nodes is nan.
             ripples += [ripple for ripple in own if not math.isnan(ripple)]
@@ -489,13 +490,13 @@ def _imbalance_of_wear_and_friction_energy(
     scale : volume [m^3] to which the difference is relative
     """
     brake = setup.brake
-    if brake.friction == 0 or brake.key_of_first_own_friction() or law.exponent != 1:
+    if brake.friction == 0 or brake.key_of_first_lining_with_own_friction() or law.exponent != 1:
         return None
     # The worn volume of a lining is the integral of the worn depth over its face, an arc or plane.
     volumes = []
     for surface in setup.surfaces:
         width = brake.shoes[surface.shoe].lining.width
-        depth = _integral_over_lining(surface, surface.own_values_by_growing_angle(end.depth))
+        depth = _integral_over_lining(surface, surface.lining_values_by_growing_angle(end.depth))
         volumes.append(width * brake.scale_factor * depth)
     by_energy = law.coefficient * end.work / (brake.friction * brake.scale_factor)
     return abs(sum(volumes) - by_energy) / scale
@@ -504,7 +505,7 @@ def _imbalance_of_wear_and_friction_energy(
 def _integral_over_lining(surface: WornLining, values: Floats) -> float:
     """The integral over theta of values (n,), given at the growing angles of a lining."""
     _, at_points, weight = polynomial_values_at_gauss_points(
-        surface.angles_in_growing_order, values, surface.order
+        surface.contact_angles_in_growing_order, values, surface.order
     )
     return float((at_points * weight).sum())
 
@@ -521,8 +522,8 @@ def peak_nodal_pressure_of_wear_state(setup: WearSetup, state: WearState) -> flo
         )
         peaks.append(
             largest_nodal_pressure_outside_zones(
-                surface.angles_in_growing_order,
-                surface.own_values_by_growing_angle(state.pressure),
+                surface.contact_angles_in_growing_order,
+                surface.lining_values_by_growing_angle(state.pressure),
                 zone,
             )
         )
@@ -547,17 +548,21 @@ def wear_run_as_json_data(
     """
     is_solid = setup.model == "solid"
 
-    def values_of_each_lining(values: Floats) -> list[list[float]]:
+    def list_of_values_for_each_lining(values: Floats) -> list[list[float]]:
         """Convert values at the contact unknowns of all linings to a list for each lining."""
-        return [surface.own_values_by_growing_angle(values).tolist() for surface in setup.surfaces]
+        return [
+            surface.lining_values_by_growing_angle(values).tolist() for surface in setup.surfaces
+        ]
 
     def values_over_face_of_each_lining(values: Floats) -> list[list[list[float]]]:
         """Convert values at the contact unknowns of all linings to rows (n, m) for each lining."""
-        return [surface.own_values_over_face(values).tolist() for surface in setup.surfaces]
+        return [
+            surface.lining_values_over_arc_and_width(values).tolist() for surface in setup.surfaces
+        ]
 
     def wear_state_as_json_data(state: WearState) -> dict[str, Any]:
         """A state of the wear run as plain data for JSON."""
-        off = relative_difference_from_end_of_wear(setup, state, goal)
+        off = relative_differences_from_end_of_wear(setup, state, goal)
         face = {
             "depth": values_over_face_of_each_lining(state.depth),
             "pressure": values_over_face_of_each_lining(state.pressure),
@@ -571,8 +576,8 @@ def wear_run_as_json_data(
             "pressure_from_law": off.pressure,
             "torque_from_law": off.torque,
             "worn_volume": state.removed,
-            "depth": values_of_each_lining(state.depth),
-            "pressure": values_of_each_lining(state.pressure),
+            "depth": list_of_values_for_each_lining(state.depth),
+            "pressure": list_of_values_for_each_lining(state.pressure),
             **({"face": face} if is_solid else {}),
         }
 
@@ -581,7 +586,7 @@ def wear_run_as_json_data(
         shoe = {
             "name": surface.name,
             "lining": surface.lining,
-            "theta": surface.angles_in_growing_order.tolist(),
+            "theta": surface.contact_angles_in_growing_order.tolist(),
         }
         shoes.append(shoe | ({"z": surface.across.tolist()} if is_solid else {}))
     return {
@@ -591,7 +596,10 @@ def wear_run_as_json_data(
         if law.coefficient
         else None,
         "shoes": shoes,
-        "worn_in": {"torque": goal.torque, "pressure": values_of_each_lining(goal.pressure)},
+        "worn_in": {
+            "torque": goal.torque,
+            "pressure": list_of_values_for_each_lining(goal.pressure),
+        },
         "states": list(map(wear_state_as_json_data, states)),
     }
 
@@ -624,8 +632,9 @@ def report_lines_of_wear_run(
         text.append(
             f"life: {spent.distance * 1e-3:.5g} km "
             f"to {number_as_text(WORN_OUT_FRACTION, '.0%')} of the thickness; "
-            f"of it p is more than 1 % off the law for {_life_fraction_text(spent.pressure)}, "
-            f"the torque for {_life_fraction_text(spent.torque)}"
+            "of it p is more than 1 % off the law for "
+            f"{_fraction_of_lining_life_as_text(spent.pressure)}, "
+            f"the torque for {_fraction_of_lining_life_as_text(spent.torque)}"
         )
     balance = compute_checks_of_wear_run(setup, states, law)
     energy = "" if balance.energy is None else f", energy {error_as_text(balance.energy)}"
@@ -649,7 +658,7 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
         )
     effect_unit = f"[{surface.effect_unit}]"
     return [
-        f"{brake.title}: {setup.model}, {brake.motion}, {brake.friction_in_words}, "
+        f"{brake.title}: {setup.model}, {brake.motion}, {brake.friction_coefficients_as_text}, "
         f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:.9g}{wears}",
         f"{'s':>9}{'s k K':>10}{surface.short:>11}{'force':>10}{'peak p':>10}{'p off law':>10}"
         f"{'T off law':>10}{'deepest':>10}",
@@ -662,7 +671,7 @@ def _table_line_of_wear_state(
     setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw
 ) -> str:
     """The line of text for one state in the table of a wear run; `goal` is the end of wear."""
-    off = relative_difference_from_end_of_wear(setup, state, goal)
+    off = relative_differences_from_end_of_wear(setup, state, goal)
     force = state.force * setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     peak = peak_nodal_pressure_of_wear_state(setup, state) * 1e-6
     relative = state.s / sliding_distance_of_e_fold_pressure_change(setup, law)
@@ -695,7 +704,7 @@ def _note_on_difference_of_wear_end_from_law(
     ]
 
 
-def _life_fraction_text(share: float) -> str:
+def _fraction_of_lining_life_as_text(share: float) -> str:
     """A fraction of the linings' life as text; `share` is inf for the whole run and more."""
     if math.isinf(share):
         return "all of this run"

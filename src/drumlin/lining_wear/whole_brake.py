@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake
-from drumlin.brake.units import option_value_in_si
+from drumlin.brake.units import command_option_text_in_si
 from drumlin.lining_wear.archard import DEFAULT_WEAR_STEP_ERROR, WearLaw, WearState
 from drumlin.lining_wear.linings import (
     WearSetup,
@@ -22,7 +22,7 @@ from drumlin.lining_wear.linings import (
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     WearTarget,
-    end_of_wear_by_rigid_shoe_law,
+    final_pressure_and_torque_by_rigid_shoe_law,
     report_lines_of_wear_run,
     require_linings_not_worn_through,
     sliding_distance_of_e_fold_pressure_change,
@@ -119,7 +119,7 @@ def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
     if coefficient is None:
         return WearLaw(DEFAULT_WEAR_COEFFICIENT, exponent)
     if isinstance(coefficient, str):
-        return WearLaw(option_value_in_si("--coefficient", coefficient, "1/Pa"), exponent)
+        return WearLaw(command_option_text_in_si("--coefficient", coefficient, "1/Pa"), exponent)
     return WearLaw(coefficient, exponent)
 
 
@@ -179,10 +179,10 @@ def sliding_distance_from_option(option: str, given: float | str, unit: float) -
     try:
         return float(given) * unit
     except ValueError:
-        return option_value_in_si(option, given, "m")
+        return command_option_text_in_si(option, given, "m")
 
 
-def wear_whole_brake(
+def wear_linings_of_whole_brake(
     setups: WearSetups,
     law: WearLaw,
     *,
@@ -223,5 +223,5 @@ def wear_whole_brake(
         options["distance"] = sliding_distance_from_option("--distance", distance, unit)
     states = wear_brake_linings_until_worn_in(setup, law, backward=backward, **options)
     require_linings_not_worn_through(setup, states)
-    goal = end_of_wear_by_rigid_shoe_law(setup, law, torque)
+    goal = final_pressure_and_torque_by_rigid_shoe_law(setup, law, torque)
     return WearRun(setup, law, tuple(states), goal, tolerance or DEFAULT_WEAR_STEP_ERROR)

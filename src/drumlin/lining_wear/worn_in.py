@@ -59,7 +59,7 @@ from drumlin.laws import solve_brake_by_sine_law
 from drumlin.lining_wear.archard import WearInterface, WearLaw, solve_steady_wear
 from drumlin.lining_wear.linings import (
     WornLining,
-    brake_with_clearances_of_linings,
+    brake_with_given_lining_clearances,
     wear_setup_by_finite_elements,
 )
 from drumlin.response import Response
@@ -110,15 +110,15 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
         surfaces = [surface for surface in setup.surfaces if surface.interface == number]
         # Shoes under a cam or behind a strut move together, so that their linings count as one.
         linings = [slice(None)]
-        if brake.shares is None:
+        if brake.reason_why_cam_or_strut_sets_forces is None:
             linings = _contact_unknowns_of_each_shoe(surfaces)
         gap = _gap_of_unloaded_worn_in_linings(interface, linings)
         for surface in surfaces:
             along = gap[surface.local][surface.forward]
             gaps[surface.shoe, surface.lining] = table_rows_from_coordinates_and_values(
-                surface.angles_in_growing_order, along
+                surface.contact_angles_in_growing_order, along
             )
-    return brake_with_clearances_of_linings(brake_without_misfit(brake), gaps)
+    return brake_with_given_lining_clearances(brake_without_misfit(brake), gaps)
 
 
 def _contact_unknowns_of_each_shoe(surfaces: Sequence[WornLining]) -> list[slice]:
@@ -227,11 +227,15 @@ def brake_without_misfit(brake: Brake, *, drum: bool = False) -> Brake:
     def shoe_without_misfit(shoe: Shoe) -> Shoe:
         """The shoe with linings without misfit and clearance."""
         no_misfit = type(shoe.lining.linings[0].misfit)()
-        lining = shoe.lining.copy_with({"clearance": 0.0, "misfit": no_misfit})
+        lining = shoe.lining.copy_of_lining_with_changed_fields(
+            {"clearance": 0.0, "misfit": no_misfit}
+        )
         return shoe.model_copy(update={"lining": lining})
 
     shoes = tuple(map(shoe_without_misfit, brake.shoes))
-    return (brake.round() if drum else brake).model_copy(update={"shoes": shoes})
+    return (brake.brake_with_perfectly_round_drum() if drum else brake).model_copy(
+        update={"shoes": shoes}
+    )
 
 
 def post_brake_with_worn_in_clearances(
@@ -285,4 +289,4 @@ def post_brake_with_worn_in_clearances(
             )
             for number, (places, own_gap) in enumerate(of_linings):
                 gaps[group[k], number] = table_rows_from_coordinates_and_values(places, own_gap)
-    return brake_with_clearances_of_linings(fitting, gaps)
+    return brake_with_given_lining_clearances(fitting, gaps)

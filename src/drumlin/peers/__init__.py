@@ -6,7 +6,7 @@ The results of a peer are returned as a `Response`, like the results of drumlin'
 from typing import TYPE_CHECKING, Any
 
 from drumlin.base.errors import BadInput
-from drumlin.base.moved import getattr_of_renamed_functions
+from drumlin.base.moved import make_getattr_function_for_renamed_functions
 from drumlin.brake.brake import Brake
 from drumlin.peers.peer import Peer, PeerMissing
 from drumlin.response.merit import response_with_figures_of_merit
@@ -68,7 +68,7 @@ def install_hint_if_missing(name: str) -> str | None:
 
 if not TYPE_CHECKING:
     # Programs of users may still import these functions by the names that they had.
-    __getattr__ = getattr_of_renamed_functions(
+    __getattr__ = make_getattr_function_for_renamed_functions(
         __name__,
         {
             "solve": "solve_brake_by_calculix_or_getfem",

@@ -49,7 +49,7 @@ from drumlin.peers.peer import (
     PeerForces,
     PeerMissing,
     brake_response_from_shoe_responses,
-    hinged_shoes_under_actuation,
+    mesh_hinged_shoes_under_actuation,
     run_command_of_peer_program,
     shoe_response_from_peer_forces,
     zero_response_of_shoe_turned_away_from_drum,
@@ -161,7 +161,7 @@ def export_calculix_deck_of_each_shoe(
     shoes away from the drum
     """
     setting, decks = DeckSetting(), []
-    for loaded in hinged_shoes_under_actuation(brake, elements, kind):
+    for loaded in mesh_hinged_shoes_under_actuation(brake, elements, kind):
         decks.append(ShoeDeck(loaded, partial(plane_stress_deck_text, brake, loaded, setting)))
     return write_decks_of_shoes_pressed_on_drum(decks, folder, stem)
 
@@ -231,11 +231,11 @@ def solve_brake_by_calculix(
     installed = calculix_version()
     tally = RunTally()
     points = []
-    for loaded in hinged_shoes_under_actuation(brake, elements, kind, mesher):
+    for loaded in mesh_hinged_shoes_under_actuation(brake, elements, kind, mesher):
         if not loaded.approaches:
             tally.answers.append(zero_response_of_shoe_turned_away_from_drum(loaded))
             continue
-        state, rotation = run_until_lining_slips(brake, loaded, setting or DeckSetting())
+        state, rotation = run_calculix_until_lining_slips(brake, loaded, setting or DeckSetting())
         tally.add_results_and_costs_of_shoe(loaded, state)
         points.append(
             f"shoe {loaded.shoe.name!r}: "
@@ -292,7 +292,7 @@ def plane_stress_deck_format(brake: Brake, loaded: LoadedShoe) -> DeckFormat:
     )
 
 
-def run_until_lining_slips(
+def run_calculix_until_lining_slips(
     brake: Brake, loaded: LoadedShoe, setting: DeckSetting, posed: DeckFormat | None = None
 ) -> tuple[CalculixState, float]:
     """Run CalculiX with larger and larger rotations of the drum, until the whole lining slips.
@@ -451,8 +451,8 @@ def read_calculix_state(
     increments = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
     equations = re.search(r"number of equations\s+(\d+)", output)
     return CalculixState(
-        contact=shoe.frame.convert_to_shoe_frame(along(results.drum[:, 1:3])) / size,
-        pin=shoe.frame.convert_to_shoe_frame(-BEARING_STIFFNESS * results.pin) / size,
+        contact=shoe.frame.convert_vectors_to_shoe_frame(along(results.drum[:, 1:3])) / size,
+        pin=shoe.frame.convert_vectors_to_shoe_frame(-BEARING_STIFFNESS * results.pin) / size,
         turn=results.turn,
         touching=len(np.unique(stress[:, 0])),
         points=len(stress),

@@ -24,7 +24,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.further_loads import reason_if_shoe_has_further_loads
+from drumlin.brake.further_loads import reason_against_loads_besides_actuation
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.mesh.edges import nodes_along_element_edges
@@ -263,8 +263,8 @@ def _solve_shoes_and_return_results_by_name(brake: Brake, solver: _Solver) -> di
     """
     pushed_by = {link.to: link.source for link in brake.links}
     answers: dict[str, ShoeAnswer] = {}
-    if brake.actuation is not None and brake.actuation.is_cam:
-        refusal = reason_if_shoe_has_further_loads(brake, "a cam in GetFEM")
+    if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
+        refusal = reason_against_loads_besides_actuation(brake, "a cam in GetFEM")
         if refusal is not None:
             raise BadInput(refusal)
         both = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed_by}
@@ -409,7 +409,7 @@ def _shoe_result_if_abutment_friction_sense_fits(
             raise
         return None
     slide = found["amounts"][-1]
-    if shoe.can_abutment_exert_reaction_on_foot(
+    if shoe.can_abutment_exert_reaction_on_shoe(
         answer.response.hinge_reaction, shoe.senses_of_abutment_friction_to_try[attempt], slide
     ):
         return answer
@@ -478,14 +478,17 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
     E, width = shoe.lining.material.E_through, shoe.lining.width
     line = parts.line
     modes = _rigid_body_modes_in_drum_radii(loaded, R)
-    work = loaded.work_on_holder / modes.test_sizes / (E * R**2 * width)
+    work = loaded.work_of_loads_on_rigid_shoe_holder / modes.test_sizes / (E * R**2 * width)
     gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe) / R
-    open_by = clearance.unloaded_gap_of_shoe(brake, shoe, shoe.frame.theta(line.phi)) / R
+    open_by = (
+        clearance.gap_between_unloaded_lining_and_surface(brake, shoe, shoe.frame.theta(line.phi))
+        / R
+    )
     return {
         "body": loaded.body,
         "side": shoe.sign,
         "flat": shoe.flat,
-        "pin": (shoe.pin_in_shoe_frame / R).tolist(),
+        "pin": (shoe.pin_position_in_shoe_frame / R).tolist(),
         "motions": modes.motions.tolist(),
         "tests": modes.tests.tolist(),
         "work": work.tolist(),
@@ -494,7 +497,7 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
         "couple": loaded.couple / (E * R**2 * width),
         "centre": (parts.load_centre / R).tolist(),
         "at_places": (loaded.at_places / (E * R * width)).tolist(),
-        "drag_sense": math.copysign(brake.relative_friction_of_shoe(shoe), loaded.drag),
+        "drag_sense": math.copysign(brake.shoe_friction_over_brake_friction(shoe), loaded.drag),
         "middle": sum(shoe.arc) / 2,
         "phi": line.phi.tolist(),
         "gap": gap.tolist(),
@@ -563,7 +566,7 @@ def _shoe_result_in_si_units(brake: Brake, loaded: LoadedShoe, found: dict[str, 
             f"its shear is {found['slipping']:.3g} times mu p"
         )
     E = shoe.lining.material.E_through
-    phi = shoe.phi_of_points_in_shoe_frame(np.array(found["xy"]), 1.0)
+    phi = shoe.surface_coordinates_of_points_in_shoe_frame(np.array(found["xy"]), 1.0)
     order = np.argsort(phi)
     # The script's unit of force, in newtons.
     size = E * R * shoe.lining.width

@@ -319,7 +319,7 @@ class PeerBody:
         """Integrate both components of a vector expression over the boundary `region`."""
         return [self.integral_over_boundary(f"({expression})({k})", region) for k in (1, 2)]
 
-    def initial_unknowns(self, shoe: dict[str, Any]) -> dict[str, Any]:
+    def initial_unknowns_of_newton_method(self, shoe: dict[str, Any]) -> dict[str, Any]:
         """The unknowns with which Newton's method starts: no displacement, all nodes touch."""
         values = {}
         for name in (*MODEL_UNKNOWNS, *self.amounts):
@@ -339,9 +339,11 @@ class PeerBody:
         """
         # The friction coefficient with the sign of the sense in which the drum drags the lining.
         md, drag = self.model, friction * shoe["drag_sense"]
-        self._set_loads_and_modes(shoe, drag)
+        self._set_loads_and_rigid_body_modes_of_shoe(shoe, drag)
         self._set_gap_between_lining_and_drum(shoe, drag)
-        for name, value in (shoe.get("state") or self.initial_unknowns(shoe)).items():
+        for name, value in (
+            shoe.get("state") or self.initial_unknowns_of_newton_method(shoe)
+        ).items():
             md.set_variable(name, value)
         options = {"max_iter": MOST_NEWTON_STEPS, "max_res": NEWTON_RESIDUAL, "lsolver": "mumps"}
         options |= {"lsearch": "simplest", "alpha min": 1.0}
@@ -353,7 +355,7 @@ class PeerBody:
         shoe["state"] = {name: md.variable(name) for name in (*MODEL_UNKNOWNS, *self.amounts)}
         return self._results_of_solved_shoe_as_plain_numbers(int(steps), bool(converged), drag)
 
-    def _set_loads_and_modes(self, shoe: dict[str, Any], drag: float) -> None:
+    def _set_loads_and_rigid_body_modes_of_shoe(self, shoe: dict[str, Any], drag: float) -> None:
         """Set force, couple, friction and rigid-body modes of a shoe in the model."""
         md = self.model
         md.set_variable("force", np.array(shoe["force"]))

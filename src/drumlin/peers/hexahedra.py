@@ -74,7 +74,7 @@ class Solid:
     node: Ints
     half: Mapping[str, float]
 
-    def levels(self, name: str) -> int:
+    def number_of_coordinates_z_in_subdomain(self, name: str) -> int:
         """Number of the coordinates `z` that lie within half the width of a subdomain."""
         return int(np.searchsorted(self.z, self.half[name] * (1 + 1e-9)))
 
@@ -191,7 +191,7 @@ def _mesh_of_hexahedra_with_straight_edges(
     return skfem.MeshHex1(np.ascontiguousarray(points), np.ascontiguousarray(t.reshape(8, -1)))
 
 
-def default_hexahedra_over_half_width(shoe: Shoe, elements: int) -> int:
+def default_number_of_hexahedra_over_half_width(shoe: Shoe, elements: int) -> int:
     """Default number of hexahedra over half the width of a lining with `elements` along it.
 
     The pressure varies across the width mainly within about a lining's thickness of the sides, and
@@ -219,7 +219,7 @@ def nodes_over_width_of_boundary(solid: Solid, boundary: str, part: str) -> Ints
     width of the subdomain `part`.
     """
     line = np.unique(nodes_along_element_edges(solid.plane, solid.section.boundaries[boundary]))
-    return solid.node[line, : solid.levels(part)]
+    return solid.node[line, : solid.number_of_coordinates_z_in_subdomain(part)]
 
 
 def solid_nodes_that_move_with_pin(solid: Solid, shoe: Shoe) -> Ints:

@@ -18,21 +18,21 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.resource_use import processor_time_of_ended_child_processes
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.friction import require_friction_without_pressure
-from drumlin.brake.further_loads import require_springs_of_constant_pull
+from drumlin.brake.friction import require_friction_independent_of_pressure
+from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.fem.equilibrium.modes import pin_motions_by_rigid_body_motions
 from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import (
-    load_factors_and_pin_moment_per_newton,
-    load_factors_of_further_loads,
-    moment_of_further_loads_about_pin,
+    load_column_factors_and_pin_moment_per_newton,
+    load_column_factors_of_loads_besides_actuation,
+    moment_of_loads_besides_actuation_about_pin,
 )
-from drumlin.fem.preparation.cache import shape_key_of_shoe
+from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
 from drumlin.fem.preparation.load_places import (
-    factors_of_forces_and_mass,
-    unit_loads_of_forces_and_mass,
+    load_column_factors_of_forces_and_mass,
+    unit_loads_at_points_and_mass,
 )
 from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, mesh_and_assemble_shoe
 from drumlin.fem.substructure.loads import ACTUATION
@@ -119,7 +119,7 @@ class LoadedShoe:
     approaches : whether the actuation presses the shoe on the drum anywhere
     motions : rigid-body modes (k, 3) of the shoe's rigid holder, the part that the support guides:
         dx, dy [m] and rotation at the pin
-    tests : test modes (k, 3), in the same form; see `Held.freedoms`
+    tests : test modes (k, 3), in the same form; see `Held.rigid_body_modes_of_support`
     work : work (k,) of the loads on the test modes
     at_places : nodal forces (nodes, 2) [N] of springs, weight and other forces that act on the body
         at their own points; all other loads are in `force` and `couple`
@@ -140,24 +140,24 @@ class LoadedShoe:
     at_places: Floats
 
     @property
-    def work_on_holder(self) -> Floats:
+    def work_of_loads_on_rigid_shoe_holder(self) -> Floats:
         """Work (k,) that the loads on the shoe's rigid holder do on the test modes."""
         if self.is_force_on_body:
             return np.zeros_like(self.work)
         # Forces at their own points of the body do not act on the holder. Their work is subtracted.
-        return self.work - self.tests @ self.load_at_places_about_pin
+        return self.work - self.tests @ self.resultant_about_pin_of_loads_at_places
 
     @property
     def actuation_resultant_about_pin(self) -> Floats:
         """Resultant (3,) of the actuation about the pin: force x, y [N] and moment [N m]."""
-        arm = self.parts.load_centre - self.shoe.pin_in_shoe_frame
+        arm = self.parts.load_centre - self.shoe.pin_position_in_shoe_frame
         couple = self.couple + float(planar_cross_product(arm, self.force))
         return np.array([*self.force, couple])
 
     @property
-    def load_at_places_about_pin(self) -> Floats:
+    def resultant_about_pin_of_loads_at_places(self) -> Floats:
         """The resultant (3,) of `at_places` about the pin: force x, y [N] and moment [N m]."""
-        x, y = self.parts.basis.doflocs - self.shoe.pin_in_shoe_frame[:, None]
+        x, y = self.parts.basis.doflocs - self.shoe.pin_position_in_shoe_frame[:, None]
         fx, fy = self.at_places.T
         return np.array([fx.sum(), fy.sum(), x @ fy - y @ fx])
 
@@ -207,8 +207,8 @@ def meshes_of_shoes_for_peer_program(
                 f"shoe[{i}].lining.friction = 0: the peers are given a drum that slips; "
                 "must be greater than 0"
             )
-    require_springs_of_constant_pull(brake, "a peer")
-    require_friction_without_pressure(brake, "a peer")
+    require_springs_with_constant_pull(brake, "a peer")
+    require_friction_independent_of_pressure(brake, "a peer")
     heated = reason_if_any_shoe_is_heated(brake, "a peer")
     if heated is not None:
         raise BadInput(heated)
@@ -217,7 +217,7 @@ def meshes_of_shoes_for_peer_program(
     by_shape: dict[tuple[object, ...], MeshedShoe] = {}
     meshed = []
     for shoe in brake.shoes:
-        shape = shape_key_of_shoe(brake, shoe)
+        shape = cache_key_of_shoe_shape(brake, shoe)
         if shape not in by_shape:
             by_shape[shape] = MeshedShoe(
                 len(by_shape), mesh_and_assemble_shoe(brake, shoe, mesher, {})
@@ -236,27 +236,30 @@ def meshed_shoe_with_actuation_and_support(
     brake : the brake
     shoe : the shoe
     meshed : mesh and matrices of the shoe
-    sense : sense of the friction at an abutment, see `Held.freedoms`
+    sense : sense of the friction at an abutment, see `Held.rigid_body_modes_of_support`
     """
     parts = meshed.parts
-    factors, moment = load_factors_and_pin_moment_per_newton(parts, shoe)
-    size, free = abs(shoe.actuation.force), shoe.freedoms(sense)
+    factors, moment = load_column_factors_and_pin_moment_per_newton(parts, shoe)
+    size, free = abs(shoe.actuation.force), shoe.rigid_body_modes_of_support(sense)
     acting, moment = size * factors, size * moment
     at_places = np.zeros((parts.basis.N, 2))
-    if shoe.has_further_loads:
-        acting = acting + load_factors_of_further_loads(parts, shoe)
-        moment += moment_of_further_loads_about_pin(shoe)
-        factors_by_name = factors_of_forces_and_mass(shoe)
-        for name, forces in unit_loads_of_forces_and_mass(parts.basis, shoe, brake.size).items():
+    if shoe.has_loads_besides_actuation:
+        acting = acting + load_column_factors_of_loads_besides_actuation(parts, shoe)
+        moment += moment_of_loads_besides_actuation_about_pin(shoe)
+        factors_by_name = load_column_factors_of_forces_and_mass(shoe)
+        for name, forces in unit_loads_at_points_and_mass(parts.basis, shoe, brake.size).items():
             at_places += (forces @ factors_by_name[name]).reshape(-1, 2)
-    load = parts.unit_load_vectors_by_name.factors_of_load_with_name(ACTUATION, acting)
+    load = parts.load_matrix_columns_by_load_name.column_factors_of_one_named_load(
+        ACTUATION, acting
+    )
     if shoe.kind_of_support == "hinge" and not shoe.flat:
         # A rotation of 1 about the pin at (a, 0) closes the gap at (x, y) by -sign a y / r.
         closing = -moment * shoe.sign * parts.line.xy[1]
-        approaches = shoe.is_loaded and bool((closing > 0).any())
+        approaches = shoe.is_any_load_on_shoe and bool((closing > 0).any())
     else:
         approaches = (
-            shoe.is_loaded and rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
+            shoe.is_any_load_on_shoe
+            and rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
         )
     return LoadedShoe(
         shoe=shoe,
@@ -264,17 +267,17 @@ def meshed_shoe_with_actuation_and_support(
         body=meshed.body,
         force=load[:2],
         couple=float(load[2]),
-        drag=brake.signed_friction_per_pressure_in_shoe_frame(shoe),
+        drag=brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
         approaches=approaches,
         motions=pin_motions_by_rigid_body_motions(shoe, free.motions).T,
         tests=pin_motions_by_rigid_body_motions(shoe, free.tests).T,
-        work=free.work_of_all_loads,
+        work=free.work_of_all_loads_on_test_modes,
         tip=free.tip,
         at_places=at_places,
     )
 
 
-def hinged_shoes_under_actuation(
+def mesh_hinged_shoes_under_actuation(
     brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
 ) -> list[LoadedShoe]:
     """The hinged shoes of a brake, meshed by drumlin's mesher, each under its own actuation.
@@ -334,7 +337,7 @@ def shoe_response_from_peer_forces(
     shoe, frame, tests = loaded.shoe, loaded.shoe.frame, loaded.tests
     load = loaded.actuation_resultant_about_pin
     reaction = forces.held if loaded.is_force_on_body else forces.held - load
-    drag = _friction_about_pin(loaded, forces)
+    drag = _friction_force_and_moment_about_pin(loaded, forces)
     response = response_of_pressed_elastic_shoe(
         shoe,
         loaded.radius / frame.unit,
@@ -344,9 +347,9 @@ def shoe_response_from_peer_forces(
         torque=forces.torque,
         normal_force=float(np.linalg.norm(forces.normal)),
         self_energising=float(tests[0] @ drag) * float(loaded.work[0]) > 0,
-        hinge_reaction=frame.convert_to_brake_frame(reaction[:2]),
+        hinge_reaction=frame.convert_vectors_to_brake_frame(reaction[:2]),
         turn=frame.sense * float(amounts @ loaded.motions[:, 2]),
-        pivot_reaction=frame.convert_to_brake_frame(forces.held[:2])
+        pivot_reaction=frame.convert_vectors_to_brake_frame(forces.held[:2])
         if shoe.pivot is not None
         else None,
         reaction_moment=frame.sense * float(reaction[2]) if shoe.guide is not None else 0.0,
@@ -360,12 +363,12 @@ def shoe_response_from_peer_forces(
     return replace(response, contact_arcs=arcs), _imbalance_of_peer_forces(loaded, forces, load)
 
 
-def _friction_about_pin(loaded: LoadedShoe, forces: PeerForces) -> Floats:
+def _friction_force_and_moment_about_pin(loaded: LoadedShoe, forces: PeerForces) -> Floats:
     """The friction force x, y [N] on a shoe, and its moment about the pin [N m], as (3,).
 
     On a drum the moment follows from the torque about the drum's centre.
     """
-    pin = loaded.shoe.pin_in_shoe_frame
+    pin = loaded.shoe.pin_position_in_shoe_frame
     drag = np.array([*forces.friction, -float(planar_cross_product(pin, forces.friction))])
     if not loaded.shoe.flat:
         drag[2] += math.copysign(forces.torque, loaded.drag)
@@ -380,8 +383,8 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
     and the loads on the holder do the same work on each test mode. `load` (3,) is the force of the
     actuation [N] and its moment about the pin [N m].
     """
-    pin, tests = loaded.shoe.pin_in_shoe_frame, loaded.tests
-    push = loaded.load_at_places_about_pin
+    pin, tests = loaded.shoe.pin_position_in_shoe_frame, loaded.tests
+    push = loaded.resultant_about_pin_of_loads_at_places
     if loaded.is_force_on_body:
         push = push + load
     normal_force = float(np.linalg.norm(forces.normal))
@@ -397,7 +400,7 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
         [forces.normal, forces.friction, forces.held[:2], push[:2]],
         [forces.moment, *moments, size, -size],
     )
-    work = loaded.work_on_holder
+    work = loaded.work_of_loads_on_rigid_shoe_holder
     lengths = np.hypot(*tests.T[:2]) + loaded.radius * np.abs(tests[:, 2])
     unbalanced = np.abs(tests @ forces.held - work) / lengths
     moment = max(balance.moment, float(unbalanced.max()) / normal_force)
@@ -406,9 +409,9 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
 
 def zero_response_of_shoe_turned_away_from_drum(loaded: LoadedShoe) -> tuple[ShoeResponse, Balance]:
     """The response, with zero pressure, of a shoe that its actuation turns away from the drum."""
-    return response_of_shoe_without_contact(loaded.shoe, -loaded.shoe.force_of_all_loads), Balance(
-        0.0, 0.0
-    )
+    return response_of_shoe_without_contact(
+        loaded.shoe, -loaded.shoe.sum_of_forces_of_all_loads
+    ), Balance(0.0, 0.0)
 
 
 class EndedProcess(NamedTuple):

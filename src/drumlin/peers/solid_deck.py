@@ -18,10 +18,10 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
-from drumlin.brake.further_loads import brake_with_loads_at_actuation
+from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
 from drumlin.fem.analysis.solid_fields import hexahedra_turned_to_positive_volume
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
-from drumlin.fem.width.prepare import reason_against_width_model
+from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.peers import calculix
 from drumlin.peers.deck import (
     DRUM_LAYER,
@@ -44,7 +44,7 @@ from drumlin.peers.deck import (
 from drumlin.peers.hexahedra import (
     HEXAHEDRA_ALONG_LINING,
     Solid,
-    default_hexahedra_over_half_width,
+    default_number_of_hexahedra_over_half_width,
     hexahedra_with_twenty_nodes_in_vtk_order,
     mesh_of_half_solid_shoe,
     nodal_forces_of_unit_loads_on_solid_end,
@@ -54,7 +54,7 @@ from drumlin.peers.hexahedra import (
 from drumlin.peers.peer import (
     LoadedShoe,
     Peer,
-    hinged_shoes_under_actuation,
+    mesh_hinged_shoes_under_actuation,
     zero_response_of_shoe_turned_away_from_drum,
 )
 
@@ -114,7 +114,7 @@ def export_solid_calculix_decks(
     """
     setting = DeckSetting(rotation=SOLID_DRUM_ROTATION, thickness=MODELLED_WIDTH)
     decks = []
-    for loaded, solid in _solid_shoes_under_actuation(brake, elements, across):
+    for loaded, solid in _mesh_solid_shoes_under_actuation(brake, elements, across):
         decks.append(
             calculix.ShoeDeck(loaded, partial(solid_shoe_deck_text, brake, loaded, solid, setting))
         )
@@ -144,7 +144,7 @@ def solve_solid_by_calculix(
         thickness=MODELLED_WIDTH
     )
     tally = calculix.RunTally()
-    for loaded, solid in _solid_shoes_under_actuation(brake, elements, across):
+    for loaded, solid in _mesh_solid_shoes_under_actuation(brake, elements, across):
         if not loaded.approaches:
             tally.answers.append(zero_response_of_shoe_turned_away_from_drum(loaded))
             continue
@@ -152,31 +152,33 @@ def solve_solid_by_calculix(
             text=partial(solid_shoe_deck_text, brake, loaded, solid),
             along=partial(nodal_forces_on_drum_arc, loaded),
         )
-        state, _ = calculix.run_until_lining_slips(brake, loaded, start, pose)
+        state, _ = calculix.run_calculix_until_lining_slips(brake, loaded, start, pose)
         tally.add_results_and_costs_of_shoe(loaded, state)
     return tally.result_of_brake_from_added_shoes(
         installed, (f"CalculiX {installed}, C3D20R, face-to-face penalty",)
     )
 
 
-def _solid_shoes_under_actuation(
+def _mesh_solid_shoes_under_actuation(
     brake: Brake, elements: int, across: int | None
 ) -> list[_SolidShoe]:
     """The shoes of a brake under their actuation, with their three-dimensional meshes.
 
     Raises BadInput if drumlin's model of solid shoes cannot solve the brake.
     """
-    reason = reason_against_width_model(brake)
+    reason = reason_why_width_model_does_not_apply(brake)
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
     posed = []
-    for loaded in hinged_shoes_under_actuation(brake_with_loads_at_actuation(brake), elements):
+    for loaded in mesh_hinged_shoes_under_actuation(
+        brake_with_all_loads_moved_to_actuation(brake), elements
+    ):
         shoe = loaded.shoe
         solid = mesh_of_half_solid_shoe(
             shoe,
             brake.size,
             elements,
-            across or default_hexahedra_over_half_width(shoe, elements),
+            across or default_number_of_hexahedra_over_half_width(shoe, elements),
         )
         posed.append(_SolidShoe(loaded, solid))
     return posed
@@ -243,7 +245,9 @@ def _points_and_cells_in_brake_frame(shoe: Shoe, solid: Solid) -> tuple[Floats, 
     faces and cells.
     """
     x = solid.basis.doflocs
-    points = np.column_stack([shoe.frame.convert_to_brake_frame(x[:2].T), x[2]]) * MM_PER_METRE
+    points = (
+        np.column_stack([shoe.frame.convert_vectors_to_brake_frame(x[:2].T), x[2]]) * MM_PER_METRE
+    )
     cells = hexahedra_with_twenty_nodes_in_vtk_order(solid.basis.element_dofs)
     return points, hexahedra_turned_to_positive_volume(points, cells)
 
@@ -294,7 +298,7 @@ def _deck_lines_of_solid_materials(shoe: Shoe) -> list[str]:
     """The lines of a deck for the materials of a shoe and of the drum."""
     moduli = {}
     for part, (material, _) in materials_and_widths_of_shoe_parts(shoe).items():
-        # `reason_against_width_model` refuses orthotropic materials.
+        # `reason_why_width_model_does_not_apply` refuses orthotropic materials.
         assert isinstance(material, Material)
         moduli[part.upper()] = material.E, material.nu
     moduli["DRUM"] = DRUM_MODULUS * shoe.lining.material.E_through, 0.0
@@ -340,7 +344,7 @@ def _deck_lines_of_solid_actuation(
         return deck_lines_of_load_on_pin(loaded, setting, grid)
     unit = nodal_forces_of_unit_loads_on_solid_end(solid)
     nodal = (unit @ np.array([*loaded.force, loaded.couple]))[:, :2]
-    forces = setting.thickness * loaded.shoe.frame.convert_to_brake_frame(
+    forces = setting.thickness * loaded.shoe.frame.convert_vectors_to_brake_frame(
         _forces_moved_from_face_middles(solid, nodal)
     )
     return deck_lines_of_nodal_forces(forces, np.flatnonzero(forces.any(axis=1)))

@@ -19,7 +19,7 @@ from drumlin.comparison import (
     comparison_columns_for_brake,
     table_as_csv_text,
 )
-from drumlin.laws.rigid import response_with_keys_left_out
+from drumlin.laws.rigid import response_with_note_on_ignored_keys
 from drumlin.models import MODELS, reasons_why_models_do_not_apply
 from drumlin.report import figures
 from drumlin.report.page import software_versions, write_html_page
@@ -86,7 +86,7 @@ def write_and_draw_stress_fields(
     """
     # The modules take long to load, and most commands draw no stress fields.
     from drumlin.fem.analysis.fields import (  # noqa: PLC0415
-        stress_and_displacement_fields_of_bodies,
+        stress_and_displacement_fields_of_shoes_and_ring,
         write_fields_to_vtu_file,
     )
     from drumlin.fem.solve import prepared_model_with_finest_elements  # noqa: PLC0415
@@ -95,7 +95,8 @@ def write_and_draw_stress_fields(
     brake.check_shoes_can_be_meshed()
     scene = prepared_model_with_finest_elements(brake, **options)
     write_fields_to_vtu_file(
-        folder / f"{name}.vtu", stress_and_displacement_fields_of_bodies(scene, brake, response)
+        folder / f"{name}.vtu",
+        stress_and_displacement_fields_of_shoes_and_ring(scene, brake, response),
     )
     title = f"{brake.title}, {brake.motion}"
     return draw_fields_and_return_failure_reason(
@@ -203,7 +204,7 @@ def _model_notes_and_reasons_against_other_models(
     """
     notes = []
     for model, response in comparison.responses.items():
-        for line in response_with_keys_left_out(comparison.brake, response).notes:
+        for line in response_with_note_on_ignored_keys(comparison.brake, response).notes:
             notes.append(f"{model}: {line}")
     for name, reason in reasons_why_models_do_not_apply(comparison.brake, named).items():
         notes.append(f"{name}: does not apply: {reason}")

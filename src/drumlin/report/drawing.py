@@ -222,9 +222,11 @@ def _draw_straight_beam_of_shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -
         angle = axis.angle(np.linspace(*ends, 60))
         back = R + shoe.lining.thickness * MM_PER_M
         x, y = axis.foot + back * np.sin(angle), axis.distance - back * np.cos(angle)
-        block = axis.convert_to_brake_frame(np.append(x, x[[-1, 0]]), np.append(y, [half, half]))
+        block = axis.convert_beam_coordinates_to_brake_points(
+            np.append(x, x[[-1, 0]]), np.append(y, [half, half])
+        )
         axes.fill(*block.T, facecolor=BLOCK_COLOR, edgecolor=INK, lw=0.8, zorder=2)
-    corners = axis.convert_to_brake_frame(
+    corners = axis.convert_beam_coordinates_to_brake_points(
         np.array([0, 1, 1, 0]) * axis.length, np.array([-1, -1, 1, 1]) * half
     )
     axes.fill(*corners.T, facecolor=BODY_COLOR, edgecolor=INK, lw=0.8, zorder=2)
@@ -516,7 +518,7 @@ def _draw_force_arrows_with_labels(
     unit : size of symbols that are not drawn to scale [mm]
     """
     pushed = [shoe for shoe in brake.shoes if shoe.actuation.force]
-    if brake.actuation is not None and brake.actuation.is_cam:
+    if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         middle = 0.5 * sum(tips[shoe.name] for shoe in pushed)
         force = brake.actuation.force_of_cylinder_or_sum_of_cam_forces
         text = f"{force_as_text_with_unit(force)} in all"

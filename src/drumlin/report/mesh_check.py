@@ -169,19 +169,19 @@ def mean_compression_under_actuation_force(brake: Brake, shoe: Shoe) -> float:
 def _offsets_of_contact_nodes(brake: Brake, checked: CheckedShoe) -> _ContactOffsets:
     """The distances of a mesh's contact nodes from the drum or the plane."""
     shoe, mesh = checked.shoe, checked.read.mesh
-    nodes = np.unique(_nodes_on_sides(mesh, mesh.boundaries["contact"]))
+    nodes = np.unique(_nodes_along_element_sides(mesh, mesh.boundaries["contact"]))
     solved = nodal_basis_of_mesh(mesh).doflocs[:, nodes]
     in_file = nodal_basis_of_mesh(checked.read.in_file).doflocs[:, nodes]
-    at = shoe.frame.theta(shoe.phi_of_points_in_shoe_frame(solved, brake.size))
+    at = shoe.frame.theta(shoe.surface_coordinates_of_points_in_shoe_frame(solved, brake.size))
     order = np.argsort(at)
     return _ContactOffsets(
         at[order],
-        shoe.off(in_file, brake.size)[order],
-        shoe.off(solved, brake.size)[order],
+        shoe.distance_from_friction_surface(in_file, brake.size)[order],
+        shoe.distance_from_friction_surface(solved, brake.size)[order],
     )
 
 
-def _nodes_on_sides(mesh: Any, facets: Ints) -> Ints:
+def _nodes_along_element_sides(mesh: Any, facets: Ints) -> Ints:
     """The nodes (degree + 1, m) along m sides of elements, which have the numbers `facets` (m,)."""
     return nodes_along_element_edges(nodal_basis_of_mesh(mesh), facets)
 
@@ -206,7 +206,7 @@ def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedSh
     """Draw the groups of a mesh in colour, its support and its force, in mm."""
     shoe, mesh = checked.shoe, checked.read.mesh
     basis = nodal_basis_of_mesh(mesh)
-    xy = shoe.points(basis.doflocs).T * MM_PER_M
+    xy = shoe.convert_points_to_brake_frame(basis.doflocs).T * MM_PER_M
     around = nodes_around_elements(basis)
     # Thin lines keep the colours of fine meshes visible.
     width = 0.4 if mesh.nelements < 3000 else 0.15

@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.errors import run_and_return_exit_status
+from drumlin.base.errors import call_function_and_return_exit_status
 from drumlin.base.files import temporary_file_replacing_output
-from drumlin.base.round_numbers import largest_round_number_up_to
+from drumlin.base.round_numbers import largest_round_number_not_above_value
 from drumlin.base.texts import printable_single_line
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Point
@@ -188,7 +188,7 @@ def draw_fields_in_this_process(fields: Path, picture: Path, marks: dict[str, An
     grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
     # Displacements are enlarged: the largest displacement is drawn up to 4 % of the drum's radius
     # long.
-    factor = largest_round_number_up_to(
+    factor = largest_round_number_not_above_value(
         0.04 * size / (float(np.linalg.norm(u, axis=1).max()) or 1.0)
     )
     deformed = grid.copy()
@@ -369,7 +369,7 @@ def draw_picture_named_by_arguments(draw: Callable[[Path, Path, str], None]) -> 
         draw(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
         return 0
 
-    return run_and_return_exit_status(draw_and_return_zero)
+    return call_function_and_return_exit_status(draw_and_return_zero)
 
 
 def main() -> int:

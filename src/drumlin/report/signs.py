@@ -118,27 +118,32 @@ def draw_rigid_arms_of_shoe(
     """
     if not isinstance(shoe.body, Bar) or shoe.mesh is not None:
         return
-    grip = shoe.grip(radius)
+    grip = shoe.interval_of_body_back_held_by_support(radius)
     depth = np.array(shoe.depth)
     pin_at = shoe.pin.xy * MM_PER_M
     drawn: Sequence[_Arm]
     if grip is None:
         # Without a grip, the arms start at the two end faces of the body.
-        held_face = shoe.middle_of_body_end_face(radius)
-        loaded_face = shoe.middle_of_body_end_face(radius, loaded=True)
+        held_face = shoe.middle_of_supported_end_face_of_shoe_body(radius)
+        loaded_face = shoe.middle_of_supported_end_face_of_shoe_body(radius, loaded=True)
         drawn = [_Arm(held_face, pin_at), _Arm(loaded_face, force)]
     else:
         # With a grip, the arms start at the middle of the gripped part of the back.
-        back = shoe.points(shoe.at(depth, np.linspace(*grip, 20), radius)) * MM_PER_M
+        back = (
+            shoe.convert_points_to_brake_frame(
+                shoe.points_at_depth_and_coordinate_phi(depth, np.linspace(*grip, 20), radius)
+            )
+            * MM_PER_M
+        )
         axes.plot(*back, color=INK, lw=3, solid_capstyle="butt", zorder=4)
-        middle = shoe.at(depth, np.array(0.5 * sum(grip)), radius)
+        middle = shoe.points_at_depth_and_coordinate_phi(depth, np.array(0.5 * sum(grip)), radius)
         drawn = [_Arm(middle, pin_at), _Arm(middle, force)]
         if shoe.pivot is not None:
             drawn = [_Arm(middle, shoe.pivot.xy * MM_PER_M)]
     # An arm shorter than a fifth of `unit` is not drawn, because the symbol at its end would hide
     # it.
     for arm in drawn:
-        start = shoe.points(arm.middle[:, None])[:, 0] * MM_PER_M
+        start = shoe.convert_points_to_brake_frame(arm.middle[:, None])[:, 0] * MM_PER_M
         line = np.array([start, arm.end])
         if float(np.linalg.norm(line[1] - line[0])) > 0.2 * unit:
             axes.plot(*line.T, color=INK, lw=1.6, ls="--", zorder=4)
@@ -168,7 +173,7 @@ def draw_struts_and_cam(
         ends = np.array([source.abutment.point.xy * MM_PER_M, end])
         axes.plot(*ends.T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
     # The cam is drawn as a disc at the middle between the loaded ends of the two actuated shoes.
-    if brake.actuation is not None and brake.actuation.is_cam:
+    if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         tips = [loaded[shoe.name] for shoe in brake.shoes if shoe.actuation.force]
         axes.plot(*np.array(tips).T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
         middle = tuple(0.5 * (tips[0] + tips[1]))

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.base.round_numbers import largest_round_number_up_to
+from drumlin.base.round_numbers import largest_round_number_not_above_value
 from drumlin.report.render import (
     STRESS_TITLE,
     draw_picture_in_own_process,
@@ -97,7 +97,7 @@ def _factor_that_enlarges_drawn_displacements(grid: Any) -> float:
     u = np.asarray(grid.point_data["displacement [m]"])
     radius = float(np.linalg.norm(np.asarray(grid.points)[:, :2], axis=1).max())
     largest = float(np.linalg.norm(u, axis=1).max()) or 1.0
-    return largest_round_number_up_to(LARGEST_DISPLACEMENT * radius / largest)
+    return largest_round_number_not_above_value(LARGEST_DISPLACEMENT * radius / largest)
 
 
 def main() -> int:

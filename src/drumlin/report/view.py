@@ -37,7 +37,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
         scene = make_prepared_model(brake)
     for shoe, body in zip(brake.shoes, scene.bodies, strict=True):
         # Each element is drawn as the polygon of the nodes around it.
-        xy = shoe.points(body.basis.doflocs).T * 1e3  # mm
+        xy = shoe.convert_points_to_brake_frame(body.basis.doflocs).T * 1e3  # mm
         around = (
             body.mesh.boundary_nodes_around_each_element
             if isinstance(body.mesh, ColumnGrid)

@@ -11,7 +11,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
-from drumlin.brake.further_loads import brake_with_spring_pulls
+from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import (
     Resultant,
@@ -39,7 +39,7 @@ def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeRespons
         size=brake.size,
         per_place=brake.scale_factor * shoe.lining.width,
         sign=shoe.sign,
-        drag=brake.signed_friction_per_pressure(shoe)
+        drag=brake.signed_friction_stress_over_pressure(shoe)
         if response.friction_stress is None
         else brake.sign_of_motion,
         dragging=response.friction_stress,
@@ -53,7 +53,7 @@ def brake_with_forces_of_response(brake: BrakeType, response: Response) -> Brake
     shoe.
     """
     if response.spring_pulls:
-        brake = brake_with_spring_pulls(brake, response.spring_pulls)
+        brake = brake_with_loads_assigned_to_shoes(brake, response.spring_pulls)
     shoes = list(brake.shoes)
     for i, answer in enumerate(response.shoes):
         # The force is None for a shoe that keeps the force of the brake file.
@@ -73,7 +73,7 @@ def relative_imbalance_of_shoe(brake: Brake, index: int, response: ShoeResponse)
         return Balance(0.0, 0.0)
     shoe = brake.shoes[index]
     contact = resultant_of_contact_on_shoe(brake, index, response)
-    forces = [contact.force, response.hinge_reaction, shoe.force_of_all_loads]
+    forces = [contact.force, response.hinge_reaction, shoe.sum_of_forces_of_all_loads]
     hinge = shoe.pin.xy
     moments = [
         contact.moment - float(planar_cross_product(hinge, contact.force)),
@@ -82,7 +82,7 @@ def relative_imbalance_of_shoe(brake: Brake, index: int, response: ShoeResponse)
     ]
     if shoe.guide is not None:
         length = brake.scale_factor * (shoe.lining.end - shoe.lining.start)
-        moments += moments_that_scale_imbalance_on_guide(shoe.largest_load, length)
+        moments += moments_that_scale_imbalance_on_guide(shoe.largest_force_of_any_load, length)
     return relative_sums_of_forces_and_moments(forces, moments)
 
 

@@ -7,7 +7,10 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.response.response import Response, length_of_edge_zone_without_peak
-from drumlin.response.resultants import LiningWithoutEndZones, edge_zone_that_does_not_count
+from drumlin.response.resultants import (
+    LiningWithoutEndZones,
+    length_of_edge_zone_without_pressure_errors,
+)
 
 
 class FacePressure(NamedTuple):
@@ -40,7 +43,7 @@ class FacePressure(NamedTuple):
     error: float | None = None
 
     @property
-    def mean_over_width(self) -> Floats:
+    def mean_pressure_over_width(self) -> Floats:
         """The mean (n,) [Pa] of the pressure over the width, as in the shoe's response."""
         return np.asarray(self.pressure @ self.widths / self.widths.sum())
 
@@ -61,7 +64,7 @@ def pressure_on_face_of_lining(brake: Brake, response: Response, index: int) -> 
         return None
     z, pressure, widths = answer.surface
     theta = answer.theta
-    zone = edge_zone_that_does_not_count(
+    zone = length_of_edge_zone_without_pressure_errors(
         theta,
         answer.pressure,
         answer.order,
@@ -73,7 +76,7 @@ def pressure_on_face_of_lining(brake: Brake, response: Response, index: int) -> 
     at = int(half[int(np.argmax(peaks))])
     # The angle of the peak is the angle of the highest point on the pressure curve at the z of the
     # peak.
-    points, curve = answer.curve_at_distance_from_mid_plane(at)
+    points, curve = answer.pressure_curve_at_distance_from_mid_plane(at)
     inside = (points >= theta[0] + zone) & (points <= theta[-1] - zone)
     return FacePressure(
         answer.name,

@@ -84,7 +84,7 @@ def _warnings_on_overlapping_linings(brake: Brake) -> Iterator[str]:
         a, b = one.lining, other.lining
         # `turn` [rad] is the multiple of a full turn that brings the second lining next to the
         # first one on a drum.
-        turn = surface.turns(a.start + a.end - b.start - b.end)
+        turn = surface.round_half_distance_to_whole_turns(a.start + a.end - b.start - b.end)
         start, end = max(a.start, b.start + turn), min(a.end, b.end + turn)
         # Linings that only meet at their ends, up to round-off, do not overlap.
         if end - start > 1e-9:

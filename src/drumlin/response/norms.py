@@ -8,7 +8,7 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.response.response import EDGE_ZONE, ShoeResponse
-from drumlin.response.resultants import GAUSS, WEIGHTS, edge_zone_that_does_not_count
+from drumlin.response.resultants import GAUSS, WEIGHTS, length_of_edge_zone_without_pressure_errors
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ def relative_distance_of_pressures(
     `edge` [rad] at the lining's ends do not count, unless half of the force of p_b acts in the
     zones. If p_b vanishes, the distance is 0 if p_a vanishes, too, and infinite otherwise.
     """
-    edge = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, edge, b.slots)
+    edge = length_of_edge_zone_without_pressure_errors(b.theta, b.pressure, b.order, edge, b.slots)
     return PressureDifference.pressure_difference_of_two_responses(
         a, b, edge
     ).relative_norm_outside_end_zones(edge)

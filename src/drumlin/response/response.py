@@ -20,7 +20,7 @@ from drumlin.response.resultants import (
     arrange_nodal_values_by_piece,
     contact_arcs_from_nodal_pressures,
     integral_of_piecewise_polynomial,
-    nodes_with_slots,
+    polynomial_nodes_on_linings_and_slots,
     slots_between_nodes,
 )
 from drumlin.response.self_locking import SelfLocking
@@ -199,7 +199,8 @@ class ShoeResponse(EqualByArrays):
         on the pressure; otherwise None, and the stress is the coefficient times the pressure
     order : degree of the polynomial pieces
     slots : begin and end of each slot between two linings [rad]. There the pressure is 0, and the
-        polynomial pieces beside a slot are JUMP long, see `resultants.nodes_with_slots`
+        polynomial pieces beside a slot are JUMP long, see
+        `resultants.polynomial_nodes_on_linings_and_slots`
     turn : rotation of the shoe about its pin [rad]; None if the model does not compute it
     lumped : resultant of the contact, if a law lumps the forces at one point or a model in sectors;
         None if the resultant is the integral of the pressure
@@ -302,10 +303,10 @@ class ShoeResponse(EqualByArrays):
         if self.order <= 2:
             return self.theta, self.pressure
         if self.slots:
-            return self._curve_with_slots()
-        return self._curve_of_one_lining(self.theta)
+            return self._pressure_curve_with_slots()
+        return self._pressure_curve_of_one_lining(self.theta)
 
-    def _curve_with_slots(self) -> tuple[Floats, Floats]:
+    def _pressure_curve_with_slots(self) -> tuple[Floats, Floats]:
         """Points of the pressure curve on several linings; the pressure is 0 in the slots.
 
         Beside each slot there is a point at SMALLEST_CURVE_PIECE from the lining's edge.
@@ -318,12 +319,12 @@ class ShoeResponse(EqualByArrays):
                 theta.append(np.array(slot))
                 pressure.append(np.zeros(2))
             nodes = self.theta[(self.theta >= start) & (self.theta <= end)]
-            points, values = self._curve_of_one_lining(nodes)
+            points, values = self._pressure_curve_of_one_lining(nodes)
             theta.append(points)
             pressure.append(values)
         return np.concatenate(theta), np.concatenate(pressure)
 
-    def _curve_of_one_lining(self, nodes: Floats) -> tuple[Floats, Floats]:
+    def _pressure_curve_of_one_lining(self, nodes: Floats) -> tuple[Floats, Floats]:
         """Points of the pressure curve on the lining with the given nodes (n,) [rad]."""
         # Ends of pieces within SMALLEST_CURVE_PIECE of the lining's ends are left out.
         ends = nodes[:: self.order]
@@ -338,7 +339,7 @@ class ShoeResponse(EqualByArrays):
         # A polynomial may dip below zero between its nodes, where no pressure acts.
         return theta, np.maximum(self.pressure_at(theta), 0.0)
 
-    def curve_at_distance_from_mid_plane(self, number: int) -> tuple[Floats, Floats]:
+    def pressure_curve_at_distance_from_mid_plane(self, number: int) -> tuple[Floats, Floats]:
         """Points of the pressure curve at one distance from the mid-plane, by a solid model.
 
         `number` is the index of the distance in the array z of `surface`. The angles (m,) [rad] are
@@ -387,7 +388,9 @@ class ShoeResponse(EqualByArrays):
             data["deformation"] = _arrays_as_lists(self.deformation)
         if self.surface is not None:
             columns = range(len(self.surface.z))
-            rows = np.array([self.curve_at_distance_from_mid_plane(k)[1] for k in columns]).T
+            rows = np.array(
+                [self.pressure_curve_at_distance_from_mid_plane(k)[1] for k in columns]
+            ).T
             data["surface"] = _arrays_as_lists(self.surface._replace(pressure=rows))
         return data
 
@@ -590,7 +593,9 @@ def response_of_shoe_without_contact(shoe: Shoe, hinge_reaction: Floats) -> Shoe
 
     `hinge_reaction` (2,) [N] is the force of the support, which balances the actuation.
     """
-    theta, on_lining = nodes_with_slots([np.linspace(*ends, 3) for ends in shoe.lining.arcs], 2)
+    theta, on_lining = polynomial_nodes_on_linings_and_slots(
+        [np.linspace(*ends, 3) for ends in shoe.lining.arcs], 2
+    )
     return ShoeResponse(
         name=shoe.name,
         torque=0.0,
@@ -690,7 +695,7 @@ def _peak_pressure_outside_edge_zones(
     located : whether to locate the peak between the nodes; otherwise it is at a node
     """
     if located:
-        return inner.peak(pressure)
+        return inner.peak_pressure_outside_end_zones(pressure)
     counts = inner.fraction_of_integral_outside_end_zones(pressure) > 0.5
     return largest_nodal_pressure_outside_zones(
         inner.theta, pressure, inner.zone if counts else 0.0, inner.slots
@@ -752,7 +757,7 @@ def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> 
         return None
     theta, pressure = response.curve()
     zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
-    inside = is_angle_outside_end_zones(theta, theta[0], theta[-1], zone, response.slots)
+    inside = which_angles_are_outside_end_zones(theta, theta[0], theta[-1], zone, response.slots)
     # A response does not tell whether its peak pressure was sought on the whole lining or outside
     # the end zones only. The largest value of the curve is found for both cases, and the case whose
     # value is nearer to the peak pressure counts.
@@ -771,11 +776,11 @@ def largest_nodal_pressure_outside_zones(
     If the pressure is zero at all these nodes, the largest of all nodal pressures is returned. With
     `slots` between several linings, each lining has a zone at both of its ends.
     """
-    inside = is_angle_outside_end_zones(theta, theta[0], theta[-1], zone, slots)
+    inside = which_angles_are_outside_end_zones(theta, theta[0], theta[-1], zone, slots)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
 
 
-def is_angle_outside_end_zones(
+def which_angles_are_outside_end_zones(
     theta: Floats, first: float, last: float, zone: float, slots: Slots = ()
 ) -> Bools:
     """Whether angles are on a lining, and farther than a zone from its ends; a mask (n,).

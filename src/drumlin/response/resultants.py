@@ -147,7 +147,9 @@ def _integrals_of_shape_functions(order: int) -> Floats:
     return np.asarray(shape_functions_at_gauss_points(order)[0] @ WEIGHTS / 2, dtype=float)
 
 
-def nodes_with_slots(parts: Sequence[Floats], order: int) -> tuple[Floats, Bools]:
+def polynomial_nodes_on_linings_and_slots(
+    parts: Sequence[Floats], order: int
+) -> tuple[Floats, Bools]:
     """The nodes of a piecewise polynomial on several linings, and which of them are on a lining.
 
     Between two linings there are three more pieces. On the first piece the polynomial falls to 0,
@@ -176,8 +178,8 @@ def nodes_with_slots(parts: Sequence[Floats], order: int) -> tuple[Floats, Bools
 def slots_between_nodes(theta: Floats, on_lining: Bools) -> Slots:
     """The slots between linings, from the nodes (n,) of a pressure and the mask (n,) `on_lining`.
 
-    The mask is False at nodes in slots, see `nodes_with_slots`. A slot begins and ends exactly at
-    end nodes of the linings beside it.
+    The mask is False at nodes in slots, see `polynomial_nodes_on_linings_and_slots`. A slot begins
+    and ends exactly at end nodes of the linings beside it.
     """
     open_ends = np.flatnonzero(on_lining[1:] != on_lining[:-1])
     before, behind = open_ends[::2], open_ends[1::2] + 1
@@ -349,7 +351,7 @@ class LiningWithoutEndZones:
         x = PEAK_SAMPLES[sample - 1 : sample + 2].tolist()
         return _largest_value_of_parabola(x, found[piece, sample - 1 : sample + 2].tolist())
 
-    def peak(self, pressure: Floats) -> float:
+    def peak_pressure_outside_end_zones(self, pressure: Floats) -> float:
         """The largest pressure [Pa] outside the end zones, from nodal pressures (n,) [Pa].
 
         If at least half of the force acts in the end zones, the peak is sought on the whole lining.
@@ -377,7 +379,7 @@ def largest_value_of_piecewise_polynomial(theta: Floats, values: Floats, order: 
     return LiningWithoutEndZones(theta, order, 0.0).largest_value_outside_end_zones(values)
 
 
-def edge_zone_that_does_not_count(
+def length_of_edge_zone_without_pressure_errors(
     theta: Floats, pressure: Floats, order: int, zone: float, slots: Slots = ()
 ) -> float:
     """The length [rad] of the zone at each end of a lining in which pressure errors do not count.
@@ -432,7 +434,10 @@ def resultant_of_pressure_and_friction(
     if dragging is not None:
         values = polynomial_values_at_gauss_points(theta, dragging, order).values
         rubbing = values * rule.weights * per_place
-    normal, along = surface.unit_normals_into_surface(rule.places), surface.along(rule.places)
+    normal, along = (
+        surface.unit_normals_into_surface(rule.places),
+        surface.unit_tangents_of_surface(rule.places),
+    )
     lever = surface.moments_of_unit_forces_on_surface(rule.places, size)
     moment = drag * np.sum(rubbing * lever[1]) - sign * np.sum(load * lever[0])
     return Resultant(

@@ -19,18 +19,21 @@ from pydantic import Field
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, DrumlinError
-from drumlin.base.written_numbers import number_as_written, pure_number_as_written
+from drumlin.base.written_numbers import (
+    number_from_text_as_people_write_it,
+    number_without_unit_from_text,
+)
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Part, Title
 from drumlin.brake.file import (
-    is_allowed_range_an_interval,
-    make_validated_part,
+    are_allowed_values_of_key_an_interval,
+    make_validated_brake_part,
     read_data_of_brake_file,
     si_unit_of_brake_key,
     values_of_brake_key,
     vary,
 )
-from drumlin.brake.plane_brake import make_brake_from_data, read_any
+from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data, read_any
 from drumlin.brake.units import quantity_in_si
 from drumlin.fem.mesh.content import read_bytes_of_mesh_file
 from drumlin.foundation.model import validated_names_of_effects_to_include
@@ -211,7 +214,7 @@ def sweep_from_file_data(
     """
     if brake is not None:
         data = {**data, "brake": brake.title}
-    file = make_validated_part(SweepFile, data)
+    file = make_validated_brake_part(SweepFile, data)
     # The brake is read first, since allowed keys and models depend on the brake.
     brake = _base_brake_of_sweep(file.brake, base) if brake is None else brake
     models = _validated_model_options(file.model, brake)
@@ -241,7 +244,7 @@ def _base_brake_of_sweep(brake: str | dict[str, Any], base: Path) -> Brake:
     if isinstance(brake, str):
         return read_any(base / brake)
     try:
-        return make_brake_from_data(brake, unit_required=True, base=base)
+        return make_drum_or_plane_brake_from_data(brake, unit_required=True, base=base)
     except BadInput as error:
         raise BadInput(f"brake.{error}") from error
 
@@ -507,7 +510,7 @@ def _validated_table_of_sweep_file(
     Raises BadInput with a message that begins with `where`, the place of the table.
     """
     try:
-        return make_validated_part(kind, data)
+        return make_validated_brake_part(kind, data)
     except BadInput as error:
         raise BadInput(f"{where}: {error}") from error
 
@@ -544,7 +547,7 @@ def _value_of_sweep_file_as_number_in_si(where: str, value: Any, unit: str) -> f
         except ValueError as error:
             raise BadInput(f"{where} = {value!r}: {error}") from error
     try:
-        number = pure_number_as_written(value)
+        number = number_without_unit_from_text(value)
     except ValueError as error:
         raise BadInput(f"{where} = {value!r}: {error}") from error
     if isinstance(number, bool) or not isinstance(number, int | float) or not math.isfinite(number):
@@ -750,7 +753,7 @@ def _standard_deviation_in_si(where: str, given: float | str, mean: float, unit:
     """
     if isinstance(given, str) and given.strip().endswith("%"):
         try:
-            value = number_as_written(given.strip()[:-1]) / 100 * abs(mean)
+            value = number_from_text_as_people_write_it(given.strip()[:-1]) / 100 * abs(mean)
         except ValueError as error:
             raise BadInput(f'{where} = {given!r}: must be such as "5 %" of the mean') from error
     else:
@@ -833,8 +836,8 @@ def _check_listed_values_of_key(
 
     A value is allowed if the base brake can have it, or if the brake of the first case with this
     value can have it. If the key allows all numbers of an interval
-    (`is_allowed_range_an_interval`), and the base brake can have the smallest and the largest
-    listed number, the numbers between them are not checked.
+    (`are_allowed_values_of_key_an_interval`), and the base brake can have the smallest and the
+    largest listed number, the numbers between them are not checked.
 
     Parameters
     ----------
@@ -846,7 +849,9 @@ def _check_listed_values_of_key(
     key, values, firsts = listed
     # If a brake can have the extreme numbers of an interval, it can have all numbers between them.
     extremes = (
-        _positions_of_extreme_numbers(values) if is_allowed_range_an_interval(brake, key) else []
+        _positions_of_extreme_numbers(values)
+        if are_allowed_values_of_key_an_interval(brake, key)
+        else []
     )
     places = list(range(len(values)))
     if extremes:

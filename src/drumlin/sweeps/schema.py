@@ -5,7 +5,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from drumlin.brake.key_meanings import add_meanings_of_keys
-from drumlin.brake.schema import DIALECT, UnitSchema, schema_reduced_to_file_content
+from drumlin.brake.schema import DIALECT, UnitSchema, json_schema_without_entries_unfit_for_toml
 from drumlin.models import MODELS
 from drumlin.sweeps.file import DISTRIBUTIONS, Range, SweepFile
 from drumlin.sweeps.key_meanings import KEYS_OF_SWEEP_FILE
@@ -30,7 +30,7 @@ def json_schema_of_sweep_file() -> dict[str, Any]:
     return {
         "$schema": DIALECT,
         "title": "drumlin sweep file",
-        **schema_reduced_to_file_content(schema),
+        **json_schema_without_entries_unfit_for_toml(schema),
     }
 
 

@@ -309,5 +309,5 @@ def torque_and_peak_during_run_in(
         "peak_pressure": [
             run_in.peak_nodal_pressure_of_wear_state(setup, state) for state in states_at
         ],
-        "worn_in": run_in.end_of_wear_by_rigid_shoe_law(setup).torque,
+        "worn_in": run_in.final_pressure_and_torque_by_rigid_shoe_law(setup).torque,
     }

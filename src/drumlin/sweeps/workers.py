@@ -167,7 +167,7 @@ class _ProcessPool(Executor):
         The future raises NoAnswer if no process can be started, and BrokenExecutor if the process
         dies during the call.
         """
-        return self._threads.submit(self._call_in_process_of_thread, fn, args, kwargs)
+        return self._threads.submit(self._call_function_in_worker_of_this_thread, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End all worker processes: after their work if `wait`, otherwise at once."""
@@ -176,7 +176,7 @@ class _ProcessPool(Executor):
         for process in self._all:
             process.kill()
 
-    def _call_in_process_of_thread(self, *work: Any) -> Any:
+    def _call_function_in_worker_of_this_thread(self, *work: Any) -> Any:
         """Call a function in the worker process of this thread and return its result.
 
         `work` is the function, its arguments and its keyword arguments.

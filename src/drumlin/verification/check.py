@@ -12,14 +12,14 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.files import read_text
 from drumlin.base.tables import (
+    cell_rows_of_separated_text_table,
     decimal_sign_of_table,
     number_in_table_cell,
-    rows_of_separated_table,
 )
 from drumlin.base.texts import error_as_text, number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import first_key_in_which_two_brakes_differ
-from drumlin.brake.friction import require_friction_without_pressure
+from drumlin.brake.friction import require_friction_independent_of_pressure
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.brake.units import LARGEST_NUMBER_SI, quantity_in_si
@@ -102,7 +102,7 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
     """
     text = read_text(path, LARGEST_REFERENCE_FILE, "a table of p(theta)")
     try:
-        lines = rows_of_separated_table(text)
+        lines = cell_rows_of_separated_text_table(text)
     except csv.Error as error:
         raise BadInput(f"{path}: is not a CSV file ({error})") from error
     surface = brake.surface
@@ -342,7 +342,7 @@ def _verdict_on_pressure_curve(
     # The curve is interpolated linearly to the angles of the reference.
     off = np.interp(theta, *curve) - p
     worst = int(np.abs(off).argmax())
-    require_friction_without_pressure(brake, "check")
+    require_friction_independent_of_pressure(brake, "check")
     # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
     lever = brake.friction_of_shoe(spec) * spec.lining.width * brake.scale_factor**2
     pieces = _slices_of_each_lining(spec, theta)

@@ -33,7 +33,7 @@ from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.width.prepare import prepare_brake_with_widths
+from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.models import model_with_name_that_applies_to_brake
 
 COST_ELEMENTS = 140
@@ -191,7 +191,7 @@ def _seconds_to_assemble_and_factorise_stiffness(
     return np.array([_median_seconds_of_call(task, repeats) for task in tasks])
 
 
-def shoe_mesh_of_given_size(unknowns: int, shoe: Shoe, radius: float) -> object:
+def shoe_mesh_with_given_number_of_unknowns(unknowns: int, shoe: Shoe, radius: float) -> object:
     """The mesh of a shoe with about `unknowns` unknowns, on a drum of the given radius [m].
 
     The number of elements through the shoe grows in proportion to the number along the lining.
@@ -230,7 +230,7 @@ def cost_by_size_table_lines(
         task = partial(
             measure_time_and_memory_of_fem,
             brake,
-            mesher=partial(shoe_mesh_of_given_size, size),
+            mesher=partial(shoe_mesh_with_given_number_of_unknowns, size),
             repeats=repeats,
         )
         row: Cost = _result_of_call_in_new_process(task)
@@ -289,7 +289,7 @@ def solid_shoe_cost_table_lines(
 def _measure_time_and_memory_of_solid(brake: Brake, degree: int) -> _SolidCost:
     """Measure the cost of solving a brake with solid shoes of a degree across the width."""
     start = time.process_time()
-    scene = prepare_brake_with_widths(brake, LEVELS[0], degree)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], degree)
     solve_prepared_model(scene, brake)
     first = time.process_time() - start
     memory, start = peak_memory_of_process(), time.process_time()

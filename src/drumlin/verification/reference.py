@@ -22,11 +22,11 @@ import drumlin
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.friction import require_friction_without_pressure
+from drumlin.brake.friction import require_friction_independent_of_pressure
 from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
-from drumlin.fem.error_control.levels import solve_on_finer_and_finer_levels
+from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import solve_prepared_model
@@ -36,9 +36,9 @@ from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import (
     Response,
     ShoeResponse,
-    is_angle_outside_end_zones,
     length_of_edge_zone_without_peak,
     response_of_pressed_elastic_shoe,
+    which_angles_are_outside_end_zones,
 )
 from drumlin.response.resultants import Slots
 from drumlin.verification import triangles
@@ -127,7 +127,7 @@ def solve_brake_for_reference_values(
     Raises BadInput if finite elements cannot solve the brake or a shoe has a mesh file, and
     NoAnswer if the brake has no equilibrium.
     """
-    require_friction_without_pressure(brake, "the reference by triangles")
+    require_friction_independent_of_pressure(brake, "the reference by triangles")
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(
@@ -135,7 +135,9 @@ def solve_brake_for_reference_values(
             )
     solve_exactly = partial(solve_prepared_model, penalty=math.inf)
     # Coarse meshes find the ends of the contact. The two fine meshes have small elements there.
-    for step in islice(solve_on_finer_and_finer_levels(brake, solve_exactly), refinement.first):
+    for step in islice(
+        solve_brake_on_finer_and_finer_mesh_levels(brake, solve_exactly), refinement.first
+    ):
         last = step.response
     found = []
     for level in refinement.levels:
@@ -269,7 +271,7 @@ class ShoeReference:
     @property
     def inside(self) -> Bools:
         """Whether each of the listed angles (n,) is on a lining and outside the edge zones."""
-        return is_angle_outside_end_zones(self.theta, *self.ends, self.edge, self.slots)
+        return which_angles_are_outside_end_zones(self.theta, *self.ends, self.edge, self.slots)
 
     @property
     def pressure_uncertainty(self) -> float:
@@ -356,7 +358,7 @@ def _contact_force_on_lining(brake: Brake, index: int, response: ShoeResponse) -
     pushed = (
         shoe if response.force is None else shoe.shoe_with_changed_actuation_force(response.force)
     )
-    return -response.hinge_reaction - pushed.force_of_all_loads
+    return -response.hinge_reaction - pushed.sum_of_forces_of_all_loads
 
 
 def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses) -> ShoeReference:

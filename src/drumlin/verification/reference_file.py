@@ -17,7 +17,7 @@ from drumlin.base.files import read_text, write_text
 from drumlin.base.texts import check_numbers_have_few_digits, check_toml_parses_quickly
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.brake.units import LARGEST_NUMBER_SI
-from drumlin.response.response import is_angle_outside_end_zones
+from drumlin.response.response import which_angles_are_outside_end_zones
 from drumlin.verification.reference import Reference, ShoeReference, UncertainValue
 
 REFERENCE_FORMAT = "drumlin reference values, 1"
@@ -174,7 +174,7 @@ def rows_that_summarise_reference_values(
         theta = np.array(shoe["theta"])
         uncertainty = np.array(shoe["pressure_uncertainty"])
         # The largest uncertainty of p outside the edge zones is related to the peak pressure.
-        inside = is_angle_outside_end_zones(theta, start, end, edge, shoe.get("slots", ()))
+        inside = which_angles_are_outside_end_zones(theta, start, end, edge, shoe.get("slots", ()))
         largest = uncertainty[inside].max()
         pressure = float(largest / shoe["peak_pressure"]["value"])
         torque = shoe["torque"]["uncertainty"] / shoe["torque"]["value"]

@@ -23,7 +23,7 @@ from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.base.errors import run_and_return_exit_status
+from drumlin.base.errors import call_function_and_return_exit_status
 from drumlin.base.resource_use import processor_time_of_ended_child_processes
 from drumlin_studies.fuzzing.inputs import BrokenInput
 
@@ -104,7 +104,7 @@ def run_input_in_this_process(given: BrokenInput) -> Ending:
                 warnings.simplefilter("error")
                 # Deprecated calls of one library by another one are no fault of drumlin.
                 warnings.filterwarnings("ignore", category=DeprecationWarning, module="(?!drumlin)")
-                status = run_and_return_exit_status(lambda: run_command_line(given.words))
+                status = call_function_and_return_exit_status(lambda: run_command_line(given.words))
         finally:
             os.chdir(before)
         seconds = time.process_time() - start

@@ -89,7 +89,7 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     weights[:n] = mu * lever
     # Pressures are unknowns only at the nodes in contact. All other unknowns are always free.
     on = np.concatenate([contact.active, np.ones(len(answer) - n, dtype=bool)])
-    each = _solve_transposed_equations(without_friction + mu * per_friction, on, weights)
+    each = _solve_adjoint_equations_for_torques(without_friction + mu * per_friction, on, weights)
     # The torque of the group is the sum of the shoes' torques, and so is its adjoint.
     a, b, c = np.split(each.sum(axis=1), [n, n + coordinates])
     shoes = []
@@ -101,7 +101,7 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     # The first term is the change of the torque at fixed pressures. The second term comes from the
     # change of the pressures, because the equations contain the friction.
     by_friction = lever.T @ contact.p - each.T @ (per_friction @ answer)
-    given = _torque_slope_by_given_forces(group, shoes)
+    given = _torque_slope_by_actuation_forces_of_file(group, shoes)
     return GroupAdjoint(
         group=group,
         shoes=shoes,
@@ -123,16 +123,16 @@ def _torque_slope_by_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> flo
         return 0.0
     pressed, dragged = group.factors_of_ring_flexibility
     return group.largest_actuation_force * float(
-        (pressed @ a) @ (pressed @ p + dragged @ (group.drag_at_nodes * p))
+        (pressed @ a) @ (pressed @ p + dragged @ (group.friction_stress_over_pressure_at_nodes * p))
     )
 
 
-def _torque_slope_by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
+def _torque_slope_by_actuation_forces_of_file(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
     """The change of the torque by the logarithm of all actuation forces in the brake file [N m].
 
     The forces of struts are not in the brake file and do not count.
     """
-    pushed_by_struts = [to for _, to in group.pushing_and_pushed_shoe_of_struts]
+    pushed_by_struts = [to for _, to in group.indices_of_pushing_and_pushed_shoe_of_struts]
     return float(
         sum(
             own.force_multiplier * own.force
@@ -151,11 +151,14 @@ def _equation_matrix_of_shoe_group(group: ShoeGroup, friction: float) -> Floats:
     blocks = group.contact_problem_with_given_actuation_forces(friction)
     effects = group.contact_effects_of_actuation_force_per_shoe(friction)
     return contact_matrix_with_forces_as_unknowns(
-        blocks, effects, group.pushing_and_pushed_shoe_of_struts, group.indices_of_shoes_under_cam
+        blocks,
+        effects,
+        group.indices_of_pushing_and_pushed_shoe_of_struts,
+        group.indices_of_shoes_under_cam,
     )
 
 
-def _solve_transposed_equations(matrix: Floats, on: Bools, weights: Floats) -> Floats:
+def _solve_adjoint_equations_for_torques(matrix: Floats, on: Bools, weights: Floats) -> Floats:
     """Solve the transposed equations of a group of shoes for the adjoints of j torques.
 
     Parameters

@@ -24,8 +24,8 @@ from drumlin.fem.equilibrium.sharing import (
 )
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.bodies import (
-    load_factors_and_pin_moment_per_newton,
-    load_factors_under_actuation_force,
+    load_column_factors_and_pin_moment_per_newton,
+    load_column_factors_under_all_loads,
     penalty_stiffness_of_contact_per_area,
 )
 
@@ -40,15 +40,15 @@ def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalP
     brake. The nodes of the linings come first, then one node for each foot on a rough abutment, see
     `FeetOnRoughAbutments`, then one frictionless node for each one-sided support.
     """
-    feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
+    feet = FeetOnRoughAbutments.collect_shoe_ends_on_rough_abutments(group)
     still = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=feet.senses)
     shoes = [_matrices_of_tractions_on_lining(still, k) for k in range(len(group.members))]
-    problem = feet.stick_slip_problem_with_foot_nodes(
-        _stick_slip_problem_with_free_feet(still, shoes), still
+    problem = feet.stick_slip_problem_with_abutment_nodes(
+        _stick_slip_problem_without_abutments(still, shoes), still
     )
-    if group.pushing_and_pushed_shoe_of_struts or group.indices_of_shoes_under_cam:
+    if group.indices_of_pushing_and_pushed_shoe_of_struts or group.indices_of_shoes_under_cam:
         problem = _stick_slip_problem_with_strut_and_cam_forces(still, problem, shoes)
-    problem = _stick_slip_problem_with_support_nodes(still, problem, shoes)
+    problem = _stick_slip_problem_with_one_sided_support_nodes(still, problem, shoes)
     lever = np.concatenate([body.coupling.lever for body in group.substructures_of_shoes])
     return problem, np.append(lever, np.zeros(len(problem.q_w) - len(lever)))
 
@@ -100,9 +100,9 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
         np.hstack([-coupling.N.T, T.T, condensed.load_on_contact])
     )
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
-    load, _ = load_factors_and_pin_moment_per_newton(body, shoe)
+    load, _ = load_column_factors_and_pin_moment_per_newton(body, shoe)
     acting = (
-        load_factors_under_actuation_force(body, shoe, shoe.actuation.force)
+        load_column_factors_under_all_loads(body, shoe, shoe.actuation.force)
         / group.largest_actuation_force
     )
     tip = dragged.T @ (loaded @ load)
@@ -110,7 +110,8 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     if shoe.abutment is not None:
         nodal = T.reshape(n, -1, 2).sum(axis=1)
         bearing = (
-            -shoe.frame.convert_to_brake_frame(nodal) @ shoe.unit_vector_of_abutment_force_on_foot
+            -shoe.frame.convert_vectors_to_brake_frame(nodal)
+            @ shoe.unit_vector_of_smooth_abutment_force
         )
     effects = group.contact_effects_of_actuation_force_per_shoe(0.0)[k]
     return _TractionMatrices(
@@ -130,7 +131,7 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     )
 
 
-def _stick_slip_problem_with_free_feet(
+def _stick_slip_problem_without_abutments(
     still: ShoeGroup, shoes: list[_TractionMatrices]
 ) -> FrictionalProblem:
     """The stick-slip problem of the linings of a group whose feet move freely in the plane.
@@ -142,14 +143,14 @@ def _stick_slip_problem_with_free_feet(
     """
     normal = still.contact_problem_with_given_actuation_forces(0.0)
 
-    def block_diagonal_matrix_of_shoes(name: str) -> Floats:
+    def block_diagonal_traction_matrix_of_shoes(name: str) -> Floats:
         """The block-diagonal matrix of all shoes' `_TractionMatrices` entries with this name."""
         return block_diag(*(getattr(shoe, name) for shoe in shoes))
 
     A_wt, A_sp, A_st = (
-        block_diagonal_matrix_of_shoes("A_wt"),
-        block_diagonal_matrix_of_shoes("A_sp"),
-        block_diagonal_matrix_of_shoes("A_st"),
+        block_diagonal_traction_matrix_of_shoes("A_wt"),
+        block_diagonal_traction_matrix_of_shoes("A_sp"),
+        block_diagonal_traction_matrix_of_shoes("A_st"),
     )
     if still.factors_of_ring_flexibility is not None:
         # The pressures and tractions of all shoes displace the ring under each shoe.
@@ -163,13 +164,13 @@ def _stick_slip_problem_with_free_feet(
         A_sp=A_sp,
         A_st=A_st,
         B_w=normal.B,
-        B_s=block_diagonal_matrix_of_shoes("B_s"),
+        B_s=block_diagonal_traction_matrix_of_shoes("B_s"),
         C_p=normal.C,
-        C_t=block_diagonal_matrix_of_shoes("C_t"),
+        C_t=block_diagonal_traction_matrix_of_shoes("C_t"),
         q_w=normal.q,
         q_s=np.concatenate([shoe.q_s for shoe in shoes]),
         h=normal.h,
-        Q=block_diagonal_matrix_of_shoes("compliance"),
+        Q=block_diagonal_traction_matrix_of_shoes("compliance"),
     )
 
 
@@ -195,7 +196,7 @@ class FeetOnRoughAbutments(NamedTuple):
     foot_compliance: Floats
 
     @classmethod
-    def collect_feet_on_rough_abutments(cls, group: ShoeGroup) -> "FeetOnRoughAbutments":
+    def collect_shoe_ends_on_rough_abutments(cls, group: ShoeGroup) -> "FeetOnRoughAbutments":
         """Collect the feet of a group's shoes on rough abutments."""
         # If the contact of the linings is exact (no penalty), a sticking foot needs a finite
         # contact stiffness nevertheless.
@@ -228,10 +229,10 @@ class FeetOnRoughAbutments(NamedTuple):
         abutments = [self.group.shoes[k].abutment for k in self.shoe_numbers]
         of_feet = [abutment.friction for abutment in abutments if abutment is not None]
         of_supports = [0.0] * len(self.group.one_sided_supports)
-        of_linings = self.group.brake.friction * self.group.relative_friction_of_nodes
+        of_linings = self.group.brake.friction * self.group.friction_of_nodes_over_brake_friction
         return np.concatenate([of_linings, of_feet, of_supports])
 
-    def stick_slip_problem_with_foot_nodes(
+    def stick_slip_problem_with_abutment_nodes(
         self, problem: FrictionalProblem, still: ShoeGroup
     ) -> FrictionalProblem:
         """Add a node for each foot on a rough abutment to a stick-slip problem.
@@ -250,7 +251,7 @@ class FeetOnRoughAbutments(NamedTuple):
         # translation moves the foot off the abutment, the other along it; the rotation does not
         # move it.
         for row, k in enumerate(self.shoe_numbers):
-            names = still.shoes[k].freedoms(UNHELD).names
+            names = still.shoes[k].rigid_body_modes_of_support(UNHELD).names
             first = still.rigid_body_mode_slices_of_shoes[k].start
             off[row, first + names.index("off")] = 1.0
             slid[row, first + names.index("slide")] = 1.0
@@ -271,7 +272,7 @@ class FeetOnRoughAbutments(NamedTuple):
         )
 
 
-def _stick_slip_problem_with_support_nodes(
+def _stick_slip_problem_with_one_sided_support_nodes(
     still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
 ) -> FrictionalProblem:
     """Add a node without friction for each one-sided support to a stick-slip problem.
@@ -287,7 +288,7 @@ def _stick_slip_problem_with_support_nodes(
     supports = still.one_sided_supports
     if not supports:
         return problem
-    matrices, count = still.support_matrices_at_friction(0.0), len(supports)
+    matrices, count = still.one_sided_support_matrices_at_friction(0.0), len(supports)
     size = len(problem.q_w)
     by_pressure, by_traction = np.zeros((count, size)), np.zeros((count, size))
     gap, yielding = np.zeros((size, count)), np.zeros((count, count))
@@ -298,7 +299,7 @@ def _stick_slip_problem_with_support_nodes(
     for j, support in enumerate(supports):
         for side in support.sides:
             nodes = still.contact_node_slices_of_shoes[side.shoe]
-            travel = shoes[side.shoe].load_travel @ still.load_factors_of_push(side)
+            travel = shoes[side.shoe].load_travel @ still.load_column_factors_of_support_push(side)
             by_traction[j, nodes] = travel
         shoe = still.shoes[support.sides[0].shoe]
         area = float(still.contact_node_areas[nodes].sum())
@@ -342,17 +343,17 @@ def _stick_slip_problem_with_strut_and_cam_forces(
     shoes : the matrices of tractions on each lining
     """
     sharing = make_contact_problem_with_strut_and_cam_forces(
-        _problem_with_stacked_pressures_and_tractions(problem),
-        _stacked_effects_of_actuation_forces(still, shoes, len(problem.q_w)),
-        still.relative_actuation_forces_of_file,
-        still.pushing_and_pushed_shoe_of_struts,
+        _contact_problem_with_tractions_among_pressures(problem),
+        _actuation_effects_on_pressures_and_tractions(still, shoes, len(problem.q_w)),
+        still.actuation_forces_of_file_over_largest_force,
+        still.indices_of_pushing_and_pushed_shoe_of_struts,
         still.indices_of_shoes_under_cam,
         still.relative_sum_of_cam_forces,
     )
-    return _stick_slip_problem_from_stacked_pressures_and_tractions(sharing.problem, problem.Q)
+    return _stick_slip_problem_from_contact_problem(sharing.problem, problem.Q)
 
 
-def _problem_with_stacked_pressures_and_tractions(
+def _contact_problem_with_tractions_among_pressures(
     problem: FrictionalProblem,
 ) -> equations.ContactProblem:
     """A stick-slip problem written as a contact problem, with tractions among the pressures.
@@ -369,7 +370,7 @@ def _problem_with_stacked_pressures_and_tractions(
     )
 
 
-def _stacked_effects_of_actuation_forces(
+def _actuation_effects_on_pressures_and_tractions(
     still: ShoeGroup, shoes: list[_TractionMatrices], n: int
 ) -> list[ForceEffects]:
     """The effects of each shoe's actuation force, for stacked pressures and tractions.
@@ -399,7 +400,7 @@ def _stacked_effects_of_actuation_forces(
     return effects
 
 
-def _stick_slip_problem_from_stacked_pressures_and_tractions(
+def _stick_slip_problem_from_contact_problem(
     stacked: equations.ContactProblem, Q: Floats
 ) -> FrictionalProblem:
     """The stick-slip problem from a contact problem with stacked pressures and tractions.

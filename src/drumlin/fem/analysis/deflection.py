@@ -11,7 +11,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
 from drumlin.fem.analysis.fields import (
-    dragging_pressures_of_each_lining,
+    friction_stress_over_coefficient_of_each_lining,
     nodal_contact_pressures_of_each_lining,
     stress_and_displacement_fields_of_shoe,
 )
@@ -50,8 +50,8 @@ def inward_displacement_of_ring_surface(
         raise BadInput("drum.ring: is missing, a rigid drum has no displacement")
     displacement = ring.displacement_of_ring_nodes(
         nodal_contact_pressures_of_each_lining(brake, response),
-        dragging_pressures_of_each_lining(brake, response),
-        list(map(brake.signed_friction_per_pressure, brake.shoes)),
+        friction_stress_over_coefficient_of_each_lining(brake, response),
+        list(map(brake.signed_friction_stress_over_pressure, brake.shoes)),
     )
     nodes = ring.basis.get_dofs(ring.mesh.boundaries["contact"]).flatten()
     x, u = ring.basis.doflocs[:, nodes], displacement[:, nodes]

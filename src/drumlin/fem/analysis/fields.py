@@ -18,9 +18,9 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    free_strains_of_heated_layers,
-    load_factors_of_push_on_shoe,
-    load_factors_under_actuation_force,
+    free_thermal_strains_of_heated_layers,
+    load_column_factors_of_one_sided_support_push,
+    load_column_factors_under_all_loads,
 )
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.elasticity import (
@@ -178,14 +178,16 @@ def stress_and_displacement_fields_of_shoe(
         elastic_layers_of_shoe(shoe),
         u,
         pressure,
-        free_strains_of_heated_layers(shoe, brake.size),
+        free_thermal_strains_of_heated_layers(shoe, brake.size),
     )
     directions = (
         plane_normals_and_tangents
         if shoe.flat
         else function_for_drum_normals_and_tangents(shoe.sign)
     )
-    return _fields_of_body_in_brake_frame(solved, _Placement(shoe.frame, shoe.points, directions))
+    return _stress_and_displacement_fields_in_brake_frame(
+        solved, _Placement(shoe.frame, shoe.convert_points_to_brake_frame, directions)
+    )
 
 
 def stress_and_displacement_fields_of_ring(
@@ -200,12 +202,12 @@ def stress_and_displacement_fields_of_ring(
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
     u = ring.displacement_of_ring_nodes(
         nodal_contact_pressures_of_each_lining(brake, response),
-        dragging_pressures_of_each_lining(brake, response),
-        list(map(brake.signed_friction_per_pressure, brake.shoes)),
+        friction_stress_over_coefficient_of_each_lining(brake, response),
+        list(map(brake.signed_friction_stress_over_pressure, brake.shoes)),
     )
     no_pressure = np.zeros(ring.basis.N)
     solved = _SolvedBody(ring.mesh, ring.basis, elastic_layers_of_ring(section), u, no_pressure)
-    return _fields_of_body_in_brake_frame(
+    return _stress_and_displacement_fields_in_brake_frame(
         solved, _Placement(ShoeFrame(0.0, 1), np.asarray, function_for_drum_normals_and_tangents(1))
     )
 
@@ -219,7 +221,9 @@ def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> 
     return [answer.nodal_pressures_on_linings[:: shoe.frame.sense] for shoe, answer in pairs]
 
 
-def dragging_pressures_of_each_lining(brake: Brake, response: Response) -> list[Floats]:
+def friction_stress_over_coefficient_of_each_lining(
+    brake: Brake, response: Response
+) -> list[Floats]:
     """For each shoe the friction stress (n_i,) [Pa] divided by the shoe's friction coefficient.
 
     It equals the pressure, unless friction depends on the pressure. The nodes are in the order of
@@ -228,11 +232,11 @@ def dragging_pressures_of_each_lining(brake: Brake, response: Response) -> list[
     pressures = nodal_contact_pressures_of_each_lining(brake, response)
     found = []
     for shoe, answer, p in zip(brake.shoes, response.shoes, pressures, strict=True):
-        found.append(_dragging_pressures_of_lining(brake, shoe, answer, p))
+        found.append(_friction_stress_over_coefficient_of_lining(brake, shoe, answer, p))
     return found
 
 
-def _dragging_pressures_of_lining(
+def _friction_stress_over_coefficient_of_lining(
     brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
 ) -> Floats:
     """The friction stress (n,) [Pa] on one lining divided by the shoe's friction coefficient.
@@ -245,7 +249,7 @@ def _dragging_pressures_of_lining(
     return np.asarray(stress / brake.friction_of_shoe(shoe))
 
 
-def stress_and_displacement_fields_of_bodies(
+def stress_and_displacement_fields_of_shoes_and_ring(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> list[Fields]:
     """Displacements and stresses in each shoe, and then in the drum ring if it is elastic."""
@@ -271,13 +275,16 @@ def nodal_displacements_of_shoe(
     answer : the response of the shoe
     p : pressures (n,) [Pa] on the lining of the shoe, in the order of the shoe's own frame
     """
-    load = load_factors_under_actuation_force(body, shoe, shoe.actuation.force)
+    load = load_column_factors_under_all_loads(body, shoe, shoe.actuation.force)
     for support in answer.supports:
-        load = load + load_factors_of_push_on_shoe(body, shoe, support.push, brake.size)
+        load = load + load_column_factors_of_one_sided_support_push(
+            body, shoe, support.push, brake.size
+        )
     # These forces (2n,) [N] of pressure and friction act on the contact nodes.
-    dragging = _dragging_pressures_of_lining(brake, shoe, answer, p)
+    dragging = _friction_stress_over_coefficient_of_lining(brake, shoe, answer, p)
     nodal = (
-        brake.signed_friction_per_pressure_in_shoe_frame(shoe) * (body.coupling.T.T @ dragging)
+        brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
+        * (body.coupling.T.T @ dragging)
         - body.coupling.N.T @ p
     )
     motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))
@@ -286,7 +293,9 @@ def nodal_displacements_of_shoe(
     )[:, 0]
 
 
-def _fields_of_body_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fields:
+def _stress_and_displacement_fields_in_brake_frame(
+    solved: _SolvedBody, place: _Placement
+) -> Fields:
     """Recover the fields of a solved body, and transform them to the frame of the brake."""
     mesh, basis = solved.mesh, solved.basis
     nodes, cells, numbers, stresses, pressures, first = [], [], [], [], [], 0
@@ -303,7 +312,7 @@ def _fields_of_body_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fi
         first += len(part.nodes)
     all_nodes = np.concatenate(nodes)
     xy = basis.doflocs[:, all_nodes]
-    to_brake = place.frame.convert_to_brake_frame
+    to_brake = place.frame.convert_vectors_to_brake_frame
     # Stresses are tensors: both of their indices turn with the frame.
     turn = to_brake(np.eye(2))
     rotated = np.einsum("ia,nij,jb->nab", turn, np.concatenate(stresses), turn)
@@ -397,7 +406,9 @@ def write_fields_of_solved_model(
     path: Path, brake: Brake, scene: PreparedModel, response: Response
 ) -> None:
     """Write the fields of all bodies of a solved model as one .vtu file for ParaView."""
-    write_fields_to_vtu_file(path, stress_and_displacement_fields_of_bodies(scene, brake, response))
+    write_fields_to_vtu_file(
+        path, stress_and_displacement_fields_of_shoes_and_ring(scene, brake, response)
+    )
 
 
 def mesh_of_fields(parts: Sequence[Any]) -> meshio.Mesh:
@@ -412,12 +423,12 @@ def mesh_of_fields(parts: Sequence[Any]) -> meshio.Mesh:
     nodal = {}
     for head, name in FIELD_OF_VTU_NAME.items():
         if hasattr(parts[0], name):
-            nodal[head] = _join_attribute_of_all_bodies(parts, name)
+            nodal[head] = _join_field_arrays_of_all_bodies(parts, name)
     cell_data = {"part": numbers, "shoe": shoes}
-    return meshio.Mesh(_join_attribute_of_all_bodies(parts, "points"), cells, nodal, cell_data)
+    return meshio.Mesh(_join_field_arrays_of_all_bodies(parts, "points"), cells, nodal, cell_data)
 
 
-def _join_attribute_of_all_bodies(parts: Sequence[Any], name: str) -> Floats:
+def _join_field_arrays_of_all_bodies(parts: Sequence[Any], name: str) -> Floats:
     """The values of attribute `name` of all bodies in one array; plane vectors get z = 0."""
     values = np.concatenate([getattr(part, name) for part in parts])
     if values.shape[1:] == (2,):

@@ -27,8 +27,8 @@ import numpy as np
 from drumlin.base.arrays import EqualByArrays, Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.friction import require_friction_without_pressure
-from drumlin.brake.further_loads import require_springs_of_constant_pull
+from drumlin.brake.friction import require_friction_independent_of_pressure
+from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.contact import stick_slip
 from drumlin.contact.active_set import Contact
 from drumlin.contact.stick_slip import (
@@ -66,7 +66,7 @@ modulus E under the pressure p. The rotation grows by a factor, so that a hundre
 first rotation takes only one more increment, out of about a hundred.
 """
 EXTRA_ROTATION = 0.1
-"""Fraction by which `find_full_slip_rotation` enlarges the rotation that gave full slip.
+"""Fraction by which `find_drum_rotation_of_full_slip` enlarges the rotation that gave full slip.
 
 The rotation at which all nodes slip depends on the increments, and may be larger in a later path
 with other increments. With half of this fraction some linings on a pivot then still stick at a few
@@ -200,7 +200,7 @@ class _LoadedGroupAtRest(NamedTuple):
         """The moment [N m] of the linings on the drum at an increment, against the rotation."""
         return float(self.group.largest_actuation_force**2 * (self.slip_per_rotation @ at.t))
 
-    def turn_drum_in_increments(
+    def turn_drum_from_start_to_end_rotation(
         self, increment: Increment, start: float, end: float
     ) -> Iterator[Increment]:
         """Turn the drum from `start` to `end` [rad], and yield each converged increment.
@@ -328,8 +328,8 @@ def _apply_actuation_forces_to_resting_groups(
     """
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
-    require_springs_of_constant_pull(brake, "hold")
-    require_friction_without_pressure(brake, "hold")
+    require_springs_with_constant_pull(brake, "hold")
+    require_friction_independent_of_pressure(brake, "hold")
     touching = indices_of_pressed_shoes_in_brake(scene, brake)
     for i, shoe in enumerate(brake.shoes):
         if i not in touching:
@@ -348,7 +348,7 @@ def _apply_actuation_force_to_resting_group(
     Raises NoAnswer as `states_of_holding_brake_at_rotations` does.
     """
     problem, lever = make_stick_slip_problem_of_shoe_group(group)
-    feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
+    feet = FeetOnRoughAbutments.collect_shoe_ends_on_rough_abutments(group)
     count = len(feet.shoe_numbers)
     # The first guess of the states comes from the solution without friction. Nodes that touch in it
     # stick, and all feet stick. One-sided supports that bear in it slip, and the others are open.
@@ -356,7 +356,7 @@ def _apply_actuation_force_to_resting_group(
     if group.one_sided_supports:
         smooth, contact = smooth.solve_contact_and_abutment_friction()
     else:
-        contact = smooth.solve_contact_for_known_friction_senses()
+        contact = smooth.solve_contact_for_given_abutment_friction()
     start = np.append(np.where(contact.active, STICK, OPEN), np.full(count, STICK))
     start = np.append(start, np.where(np.array(smooth.bearing, dtype=bool), FORWARD, OPEN))
     unit_gaps = np.concatenate(group.gaps_of_unloaded_linings) / group.largest_actuation_force
@@ -417,13 +417,13 @@ def _increase_actuation_force_at_rest(
         q_w = gap + share * (problem.q_w - gap)
         part = problem._replace(q_w=q_w, q_s=share * problem.q_s, h=share * problem.h)
         try:
-            increment = stick_slip.solve_load_increment(part, friction, history, state)
+            increment = stick_slip.solve_stick_slip_load_increment(part, friction, history, state)
         except NoAnswer:
             if share == 1:
                 raise
             continue
         energy += _energy_dissipated_by_slip(problem, increment, history)
-        history, state = increment.history_for_next_increment, increment.state
+        history, state = increment.tractions_and_slips_for_next_increment, increment.state
     return increment, energy
 
 
@@ -441,9 +441,11 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
     increments, spent = [], []
     for rotation in rotations:
         try:
-            for step in held.turn_drum_in_increments(increment, reached, float(rotation)):
+            for step in held.turn_drum_from_start_to_end_rotation(
+                increment, reached, float(rotation)
+            ):
                 energy += _energy_dissipated_by_slip(
-                    held.problem, step, increment.history_for_next_increment
+                    held.problem, step, increment.tractions_and_slips_for_next_increment
                 )
                 increment = step
         except NoAnswer as error:
@@ -494,8 +496,8 @@ def turn_drum_in_increments(
         step = end if pieces == 1 else reached + (end - reached) / pieces
         moved = problem._replace(q_s=problem.q_s + lever * step)
         try:
-            increment = stick_slip.solve_load_increment(
-                moved, friction, increment.history_for_next_increment, increment.state
+            increment = stick_slip.solve_stick_slip_load_increment(
+                moved, friction, increment.tractions_and_slips_for_next_increment, increment.state
             )
         except NoAnswer:
             if pieces >= 2**MOST_HALVINGS:
@@ -549,7 +551,7 @@ def _state_of_brake_at_rotation(
     theta, pressure, traction, state, face = zip(*(linings[i] for i in order), strict=True)
     if any(path.held.group.scene.model == "solid" for path in paths):
         notes.append(NO_FRICTION_ACROSS_WIDTH)
-    arcs = list(map(stick_slip.stick_and_slip_arcs, theta, state))
+    arcs = list(map(stick_slip.sticking_and_slipping_arcs_of_lining, theta, state))
     return Hold(
         rotation=rotation,
         torque=torque,
@@ -578,7 +580,7 @@ def _nodal_contact_states_of_linings(
         # mirrored.
         forward = slice(None, None, frame.sense)
         line = group.substructures_of_shoes[k].line
-        shares = line.width_shares_of_nodes_across_width
+        shares = line.width_fraction_of_each_node_across_width
         shape = -1, len(shares)
         phi, _ = line.angles_and_mean_pressures(at.p[part])
         face = HeldFace(
@@ -591,13 +593,13 @@ def _nodal_contact_states_of_linings(
             frame.theta(phi)[forward],
             face.pressure @ shares,
             face.traction @ shares,
-            states_along_lining(face.state),
+            stick_slip_states_along_lining(face.state),
             face,
         )
     return states
 
 
-def states_along_lining(state: Ints) -> Ints:
+def stick_slip_states_along_lining(state: Ints) -> Ints:
     """The state (n,) at each angle of a lining, from the states (n, m) of nodes across the width.
 
     It is the first state in FIRST_OF_STATES_ACROSS_WIDTH that a node at this angle has, or OPEN.
@@ -638,7 +640,7 @@ def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str
     The list is empty if the moments agree, and at partial slip. `k` is the number of the rotation.
     """
     held, at = path.held, path.increments[k]
-    sense = _direction_of_full_slip_or_zero(held, at)
+    sense = _sense_of_full_slip_or_zero(held, at)
     if sense == 0:
         return []
     torque, sliding = held.torque(at), path.solve_under_sliding_drum(sense)
@@ -650,7 +652,7 @@ def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str
     if sliding.contact is None:
         return [f"{text}; solve has none: {sliding.refusal}"]
     text += f", by solve {sliding.torque:.6g} {unit}"
-    feet = _feet_whose_friction_differs_from_solve(held, at, sliding.group, sliding.contact)
+    feet = _abutments_whose_friction_differs_from_solve(held, at, sliding.group, sliding.contact)
     if not feet:
         return [f"{text}: more than one answer"]
     ends, places = map(" and ".join, zip(*feet, strict=True))
@@ -661,7 +663,7 @@ def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str
     ]
 
 
-def _direction_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: Increment) -> int:
+def _sense_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: Increment) -> int:
     """The sense, +1 or -1, in which all touching nodes of the linings slip.
 
     It is 0 if some touching nodes stick, or slip the other way.
@@ -670,7 +672,7 @@ def _direction_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: Increment) -> 
     return int(touching == {FORWARD}) - int(touching == {BACKWARD})
 
 
-def _feet_whose_friction_differs_from_solve(
+def _abutments_whose_friction_differs_from_solve(
     held: _LoadedGroupAtRest, at: Increment, group: ShoeGroup, contact: Contact
 ) -> list[_FootSlide]:
     """The feet whose ratio of friction to normal force differs from the ratio by `solve`.
@@ -682,14 +684,14 @@ def _feet_whose_friction_differs_from_solve(
     group, contact : the equilibrium of the group on a drum that slides from the start
     """
     size, feet = held.group.largest_actuation_force, []
-    numbers = FeetOnRoughAbutments.collect_feet_on_rough_abutments(held.group).shoe_numbers
+    numbers = FeetOnRoughAbutments.collect_shoe_ends_on_rough_abutments(held.group).shoe_numbers
     for node, k in enumerate(numbers, start=held.number_of_lining_nodes):
         shoe = group.shoes[k]
-        x, y = group.abutment_force_on_foot(contact, k)
+        x, y = group.abutment_force_on_shoe(contact, k)
         # The force on the foot has a component normal to the abutment and another along it.
         bearing, along = (
-            float(shoe.unit_vector_of_abutment_force_on_foot @ (x, y)),
-            float(shoe.unit_vector_of_abutment_force_on_foot @ (y, -x)),
+            float(shoe.unit_vector_of_smooth_abutment_force @ (x, y)),
+            float(shoe.unit_vector_of_smooth_abutment_force @ (y, -x)),
         )
         if at.p[node] > 0:
             difference = abs(at.t[node] / at.p[node] - along / bearing)
@@ -708,7 +710,7 @@ def _feet_whose_friction_differs_from_solve(
     return feet
 
 
-def find_full_slip_rotation(
+def find_drum_rotation_of_full_slip(
     scene: PreparedModel, brake: Brake, *, increments: int = 20, penalty: float = PENALTY
 ) -> float:
     """Find a rotation of the drum [rad] after which every touching node slips.
@@ -734,13 +736,13 @@ def find_full_slip_rotation(
         target = sum(shoes[i].torque for i in held.group.members)
         slipping = FORWARD if brake.sign_of_motion > 0 else BACKWARD
         try:
-            ends.append(_find_full_slip_rotation_of_group(held, target, slipping))
+            ends.append(_find_drum_rotation_of_full_slip_of_group(held, target, slipping))
         except NoAnswer as error:
             raise NoAnswer(f"{held.group.names_of_shoes}: {error}") from error
     return (1 + EXTRA_ROTATION) * max(ends)
 
 
-def _find_full_slip_rotation_of_group(
+def _find_drum_rotation_of_full_slip_of_group(
     held: _LoadedGroupAtRest, target: float, slipping: int
 ) -> float:
     """Find a rotation of the drum [rad] after which all touching nodes of a group slip.
@@ -760,7 +762,9 @@ def _find_full_slip_rotation_of_group(
     step, n = FIRST_ROTATION, held.number_of_lining_nodes
     for _ in range(MOST_INCREMENTS):
         before = held.torque(increment)
-        *_, increment = held.turn_drum_in_increments(increment, reached, reached + step)
+        *_, increment = held.turn_drum_from_start_to_end_rotation(
+            increment, reached, reached + step
+        )
         torque, reached = held.torque(increment), reached + step
         if np.isin(increment.state[:n], [OPEN, slipping]).all():
             # The friction of a sticking foot depends on whether the force is applied before the
@@ -794,7 +798,7 @@ def holding_states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
     """
     rows = []
     for state in states:
-        shoes = [_lining_state_as_dict(state, i) for i in range(len(state.names))]
+        shoes = [_stick_slip_state_of_lining_as_dict(state, i) for i in range(len(state.names))]
         row = {
             "rotation": state.rotation,
             "torque": state.torque,
@@ -806,13 +810,13 @@ def holding_states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
     return rows
 
 
-def _words_for_node_states(states: Ints) -> list[str]:
+def _stick_slip_states_as_words(states: Ints) -> list[str]:
     """A word for the state of each node: "open", "stick", "slip" or "slip back"."""
     names = {OPEN: "open", STICK: "stick", FORWARD: "slip", BACKWARD: "slip back"}
     return [names[int(state)] for state in states]
 
 
-def _lining_state_as_dict(state: Hold, i: int) -> dict[str, Any]:
+def _stick_slip_state_of_lining_as_dict(state: Hold, i: int) -> dict[str, Any]:
     """Convert the nodal values of lining `i` in a state of the brake to plain data for JSON.
 
     If there are several nodes across the width, the key "face" has the values at all of them.
@@ -822,14 +826,14 @@ def _lining_state_as_dict(state: Hold, i: int) -> dict[str, Any]:
         "z": face.z.tolist(),
         "pressure": face.pressure.tolist(),
         "traction": face.traction.tolist(),
-        "state": [_words_for_node_states(row) for row in face.state],
+        "state": [_stick_slip_states_as_words(row) for row in face.state],
     }
     return {
         "name": state.names[i],
         "theta": state.theta[i].tolist(),
         "pressure": state.pressure[i].tolist(),
         "traction": state.traction[i].tolist(),
-        "state": _words_for_node_states(state.state[i]),
+        "state": _stick_slip_states_as_words(state.state[i]),
         "stick": [list(arc) for arc in state.stick[i]],
         "slip": [list(arc) for arc in state.slip[i]],
         **({"face": across} if len(face.z) > 1 else {}),

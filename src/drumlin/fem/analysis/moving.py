@@ -67,7 +67,7 @@ class NodeMotion(NamedTuple):
     axis_turn: float
 
     @property
-    def has_unmoved_contact(self) -> bool:
+    def do_contact_nodes_stay_unmoved(self) -> bool:
         """Whether no contact node moves while the point of the shoe moves."""
         return float(np.abs(self.line_motion).max()) < LARGEST_UNMOVED_MOTION
 
@@ -96,7 +96,7 @@ def node_motions_per_motion_of_shoe_point(
     turns_axis = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
     if shoe.mesh is not None and not moving and turns_axis:
         return [
-            _beam_axis_turn_without_node_motion(scene.bodies[i], shoe, key, axis)
+            _turn_of_beam_axis_on_unmoved_mesh(scene.bodies[i], shoe, key, axis)
             for axis in np.eye(2)
         ]
     if scene.nodes_of_changed_shoe is None or not moving:
@@ -109,7 +109,10 @@ def has_nodes_that_move_with_point(scene: PreparedModel, shoe: Shoe, key: str) -
     # Without a mesh file drumlin divides the shoe into elements itself, by the points of the shoe.
     if shoe.mesh is None:
         beam = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
-        return beam or (key == "pivot" and shoe.grip(scene.brake.size) is not None)
+        return beam or (
+            key == "pivot"
+            and shoe.interval_of_body_back_held_by_support(scene.brake.size) is not None
+        )
     # The coordinates of a mesh in the shoe's own frame begin at one point: the pin, the point where
     # the foot stands, or the point of actuation of a guided shoe. If the key of this point changes,
     # the whole mesh moves with it.
@@ -131,10 +134,10 @@ def _node_motion_by_central_difference(
     Raises NoAnswer if the division into elements changes on both steps.
     """
     h = NODE_STEP * scene.brake.size
-    here = _shoe_nodes_in_brake_frame(scene, i, shoe)
+    here = _shoe_nodes_and_nodal_forces_in_brake_frame(scene, i, shoe)
     places, loads = [], []
     for step in (h, -h):
-        there = _shoe_nodes_in_brake_frame(
+        there = _shoe_nodes_and_nodal_forces_in_brake_frame(
             scene, i, _shoe_with_moved_point(shoe, key, step * direction)
         )
         # If a step changes the division into elements, its difference cannot be used.
@@ -147,15 +150,15 @@ def _node_motion_by_central_difference(
             f"shoe {shoe.name!r}: no slope along its {key}, "
             "there its division into elements changes"
         )
-    nodes = shoe.frame.convert_to_shoe_frame(np.mean(places, axis=0).T)
-    load = shoe.frame.convert_to_shoe_frame(np.mean(loads, axis=0).T)
+    nodes = shoe.frame.convert_vectors_to_shoe_frame(np.mean(places, axis=0).T)
+    load = shoe.frame.convert_vectors_to_shoe_frame(np.mean(loads, axis=0).T)
     line = nodes[scene.bodies[i].line.nodes].T
     return NodeMotion(
         nodes.ravel(), line, load.ravel(), _rotation_of_beam_axis_per_motion(shoe, key, direction)
     )
 
 
-def _beam_axis_turn_without_node_motion(
+def _turn_of_beam_axis_on_unmoved_mesh(
     body: ShoeSubstructure, shoe: Shoe, key: str, direction: Floats
 ) -> NodeMotion:
     """The `NodeMotion` of a straight beam on a mesh that stays, as an end of the beam's axis moves.
@@ -185,11 +188,16 @@ def _rotation_of_beam_axis_per_motion(shoe: Shoe, key: str, direction: Floats) -
     return {"hinge": -sideways, "actuation.point": sideways}.get(key, 0.0)
 
 
-def _shoe_nodes_in_brake_frame(scene: PreparedModel, i: int, shoe: Shoe) -> BodyNodes:
+def _shoe_nodes_and_nodal_forces_in_brake_frame(
+    scene: PreparedModel, i: int, shoe: Shoe
+) -> BodyNodes:
     """The nodes and nodal forces of `shoe`, a changed copy of shoe `i`, in the brake's frame."""
     assert scene.nodes_of_changed_shoe is not None
     nodes = scene.nodes_of_changed_shoe(i, shoe)
-    return BodyNodes(shoe.points(nodes.xy), shoe.frame.convert_to_brake_frame(nodes.load.T).T)
+    return BodyNodes(
+        shoe.convert_points_to_brake_frame(nodes.xy),
+        shoe.frame.convert_vectors_to_brake_frame(nodes.load.T).T,
+    )
 
 
 def _shoe_with_moved_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
@@ -220,4 +228,7 @@ def contact_lines_with_moved_nodes(
     line = body.line
     for step in (NODE_STEP * radius, -NODE_STEP * radius):
         xy = line.xy + step * moves.line_motion
-        yield step, replace(line, xy=xy, phi=shoe.phi_of_points_in_shoe_frame(xy, radius))
+        yield (
+            step,
+            replace(line, xy=xy, phi=shoe.surface_coordinates_of_points_in_shoe_frame(xy, radius)),
+        )

@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
-from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
+from drumlin.brake.elasticity import ElasticLayer, which_elasticity_matrices_are_orthotropic
 from drumlin.fem.hp.element import (
     gauss_points_of_elements,
     reference_element_of_degree,
@@ -98,7 +98,7 @@ class _LayerDirections(NamedTuple):
     curvature: Floats
     straight: Bools
 
-    def turn_of_directions_at_moved_points(
+    def turn_of_layer_directions_at_moved_points(
         self, elements: Ints, moved: Floats, axis: float
     ) -> Floats:
         """The turn (e, q) [rad] of the layer directions at quadrature points that move.
@@ -181,14 +181,14 @@ def mutual_work_change_by_node_motions(
         )
         # This density of work is multiplied by div V, the growth of area by the motion V.
         work = np.einsum("eqcd,eqcd->eq", stress_u, of_v)
-        by_gradient = _work_per_gradient_of_motion(stress_u, of_v)
-        by_gradient = by_gradient + _work_per_gradient_of_motion(stress_v, of_u)
+        by_gradient = _work_density_change_per_motion_gradient(stress_u, of_v)
+        by_gradient = by_gradient + _work_density_change_per_motion_gradient(stress_v, of_u)
         for k, move in enumerate(moves):
             V = sample.displacement_gradients_at_points(move)
             wider = work * np.trace(V, axis1=2, axis2=3)
             change = wider - np.einsum("eqdj,eqdj->eq", by_gradient, V)
             if directions is not None and by_turn is not None:
-                turn = directions.turn_of_directions_at_moved_points(
+                turn = directions.turn_of_layer_directions_at_moved_points(
                     sample.elements, sample.displacements_at_quadrature_points(move), axes[k]
                 )
                 change += by_turn * turn
@@ -196,7 +196,7 @@ def mutual_work_change_by_node_motions(
     return changes
 
 
-def _work_per_gradient_of_motion(stress: Floats, H: Floats) -> Floats:
+def _work_density_change_per_motion_gradient(stress: Floats, H: Floats) -> Floats:
     """The change of work density (e, q, 2, 2) per -grad V, for a motion V of the nodes.
 
     The gradient H (e, q, 2, 2) of the displacements changes by -H (grad V) as the nodes move, and
@@ -219,13 +219,13 @@ def _stress_of_displacement_gradients(H: Floats, constants: Floats, along: Float
     volumetric = lam * np.trace(H, axis1=2, axis2=3)[..., None, None] * np.eye(2)
     stress = volumetric + mu * (H + H.swapaxes(2, 3))
     if along is not None:
-        for stiffer, d in ((a, along), (b, _unit_vectors_across_layers(along))):
+        for stiffer, d in ((a, along), (b, _unit_vectors_through_layers(along))):
             stretch = np.einsum("eqc,eqcd,eqd->eq", d, H, d)[..., None, None]
             stress = stress + stiffer * stretch * d[..., None] * d[..., None, :]
     return np.asarray(stress)
 
 
-def _unit_vectors_across_layers(along: Floats) -> Floats:
+def _unit_vectors_through_layers(along: Floats) -> Floats:
     """The unit vectors (..., 2) in the thickness direction of layers.
 
     `along` (..., 2) are the unit vectors along the layers.
@@ -271,7 +271,7 @@ def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) ->
     and `along` (e, q, 2) the unit vectors along the layers.
     """
     a, b = constants[:, 2:3], constants[:, 3:4]
-    through = _unit_vectors_across_layers(along)
+    through = _unit_vectors_through_layers(along)
     eps_along = np.einsum("eqc,eqcd,eqd->eq", along, H, along)
     eps_through = np.einsum("eqc,eqcd,eqd->eq", through, H, through)
     shear = np.einsum("eqc,eqcd,eqd->eq", along, H + H.swapaxes(2, 3), through)
@@ -294,7 +294,9 @@ def _layer_directions_at_quadrature_points(
 ) -> _LayerDirections | None:
     """The directions of a body's layers at its quadrature points; None if all are isotropic."""
     subdomains = _mesh_of_finite_element_basis(basis).subdomains
-    if not any(is_elasticity_matrix_orthotropic(layers[name].elasticity) for name in subdomains):
+    if not any(
+        which_elasticity_matrices_are_orthotropic(layers[name].elasticity) for name in subdomains
+    ):
         return None
     if isinstance(basis, ColumnGrid):
         points = np.moveaxis(

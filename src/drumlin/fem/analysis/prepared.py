@@ -11,8 +11,8 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.fem.width.prepare import (
-    prepare_divided_brake_with_widths,
-    reason_against_width_model,
+    prepare_model_with_widths_on_given_elements,
+    reason_why_width_model_does_not_apply,
 )
 
 ANALYSIS_MODELS = ("fem", "solid")
@@ -57,8 +57,8 @@ def prepared_model_for_analysis(
         return prepared_model_with_finest_elements(brake, elements=elements, kind=kind)
     if elements is not None or kind is not None:
         raise BadInput("--elements and --kind belong to --model fem, not to 'solid'")
-    reason = reason_against_width_model(brake)
+    reason = reason_why_width_model_does_not_apply(brake)
     if reason is not None:
         raise BadInput(f"--model = 'solid': does not apply to this brake: {reason}; allowed: fem")
     plane = prepared_model_with_finest_elements(brake)
-    return prepare_divided_brake_with_widths(brake, plane.divisions, ANALYSIS_DEGREE)
+    return prepare_model_with_widths_on_given_elements(brake, plane.divisions, ANALYSIS_DEGREE)

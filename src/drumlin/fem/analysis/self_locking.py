@@ -7,8 +7,8 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
-from drumlin.brake.friction import require_friction_without_pressure
-from drumlin.brake.further_loads import require_springs_of_constant_pull
+from drumlin.brake.friction import require_friction_independent_of_pressure
+from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION, FrictionLimit
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.preparation.scene import PreparedModel
@@ -38,10 +38,10 @@ def self_locking_friction_of_shoe_groups(
     NoAnswer
         if a group has no equilibrium at any friction
     """
-    require_springs_of_constant_pull(brake, "self-locking")
-    require_friction_without_pressure(brake, "self-locking")
+    require_springs_with_constant_pull(brake, "self-locking")
+    require_friction_independent_of_pressure(brake, "self-locking")
     return {
-        group.members: group.follow_contact_to_friction_limit(most).limit
+        group.members: group.follow_contact_up_to_self_locking_friction(most).limit
         for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
     }
 
@@ -53,17 +53,17 @@ def shoe_torques_at_friction_coefficients(
 
     Raises NoAnswer if a friction coefficient reaches or exceeds the limit of self-locking.
     """
-    require_springs_of_constant_pull(brake, "self-locking")
-    require_friction_without_pressure(brake, "self-locking")
+    require_springs_with_constant_pull(brake, "self-locking")
+    require_friction_independent_of_pressure(brake, "self-locking")
     values = np.zeros((len(frictions), len(brake.shoes)))
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         at, active = group, None
         # The nodes in contact at one friction are the first guess for the contact at the next
         # friction.
         for row, mu in zip(values, frictions, strict=True):
-            at, contact = at.group_with_drum_friction(mu).solve_contact_and_abutment_friction(
-                active
-            )
+            at, contact = at.copy_of_group_with_other_drum_friction(
+                mu
+            ).solve_contact_and_abutment_friction(active)
             active = contact.active
             row[list(group.members)] = (
                 mu

@@ -36,8 +36,8 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.brake.friction import require_friction_without_pressure
-from drumlin.brake.further_loads import require_springs_of_constant_pull
+from drumlin.brake.friction import require_friction_independent_of_pressure
+from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.brake.orthotropic import names_of_orthotropic_parts
@@ -60,7 +60,7 @@ from drumlin.fem.analysis.mutual_work import (
 from drumlin.fem.analysis.wide_moduli import (
     BodiesOfModulus,
     VirtualLoads,
-    function_for_bodies_with_changed_moduli,
+    function_that_condenses_shoes_with_other_moduli,
     torque_slopes_by_moduli_of_solid_shoe,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
@@ -69,7 +69,7 @@ from drumlin.fem.model import PENALTY, require_positive_penalty
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
     couple_shoe_with_drum_or_plane,
-    load_factors_under_actuation_force,
+    load_column_factors_under_all_loads,
 )
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
@@ -200,12 +200,12 @@ def compute_torque_sensitivity(
     friction, which has no torque.
     """
     require_positive_penalty(penalty)
-    _refuse_brake_without_slopes(scene, brake)
+    _refuse_brake_whose_torque_has_no_slopes(scene, brake)
     require_no_shoe_on_anchors(brake, "sensitivity")
-    require_springs_of_constant_pull(brake, "sensitivity")
+    require_springs_with_constant_pull(brake, "sensitivity")
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
-    changed = function_for_bodies_with_changed_moduli(scene)
+    changed = function_that_condenses_shoes_with_other_moduli(scene)
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         adjoint = solve_adjoint_for_torque_of_shoe_group(group)
         for k, i in enumerate(group.members):
@@ -241,7 +241,7 @@ def compute_torque_sensitivity(
     )
 
 
-def _refuse_brake_without_slopes(scene: PreparedModel, brake: Brake) -> None:
+def _refuse_brake_whose_torque_has_no_slopes(scene: PreparedModel, brake: Brake) -> None:
     """Raise an error for a brake whose torque has no slopes here.
 
     It is NoAnswer for a frictionless brake. It is BadInput for heated shoes, for friction that
@@ -252,7 +252,7 @@ def _refuse_brake_without_slopes(scene: PreparedModel, brake: Brake) -> None:
     heated = reason_if_any_shoe_is_heated(brake, "the analysis of slopes")
     if heated is not None:
         raise BadInput(f"sensitivity: {heated}")
-    require_friction_without_pressure(brake, "the analysis of slopes")
+    require_friction_independent_of_pressure(brake, "the analysis of slopes")
     if scene.brake.friction == 0:
         raise BadInput(
             f"friction = {brake.friction:g}: "
@@ -333,12 +333,12 @@ class _TorqueSlopesOfShoe:
         self.group: ShoeGroup = adjoint.group
         self.own: ShoeAdjoint = adjoint.shoes[k]
         self.body, self.shoe = self.group.substructures_of_shoes[k], self.group.shoes[k]
-        self.drag = self.group.brake.signed_friction_per_pressure_in_shoe_frame(self.shoe)
+        self.drag = self.group.brake.signed_friction_stress_over_pressure_in_shoe_frame(self.shoe)
         # Under a cam the equation of the shoe's force contains the travel of the shoe's tip, the
         # point where the force acts.
         self.under_cam = k in self.group.indices_of_shoes_under_cam
         self.tip_multiplier = self.own.force_multiplier if self.under_cam else 0.0
-        names = np.array(self.shoe.freedoms(self.group.friction_senses[k]).names)
+        names = np.array(self.shoe.rigid_body_modes_of_support(self.group.friction_senses[k]).names)
         # If the shoe's frame is mirrored, rotations have the opposite sign in the brake's frame.
         self.mode_signs = np.where(names == "turn", float(self.shoe.frame.sense), 1.0)
         # The actuation does no work on the tilt of a shoe on a lever.
@@ -360,7 +360,7 @@ class _TorqueSlopesOfShoe:
         # strut.
         shares_force = k in [
             *group.indices_of_shoes_under_cam,
-            *(to for _, to in group.pushing_and_pushed_shoe_of_struts),
+            *(to for _, to in group.indices_of_pushing_and_pushed_shoe_of_struts),
         ]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
@@ -388,7 +388,9 @@ class _TorqueSlopesOfShoe:
     def _indices_of_shoes_pushed_by_struts(self) -> list[int]:
         """The numbers, within the group, of the shoes that struts from this shoe push."""
         return [
-            to for source, to in self.group.pushing_and_pushed_shoe_of_struts if source == self.k
+            to
+            for source, to in self.group.indices_of_pushing_and_pushed_shoe_of_struts
+            if source == self.k
         ]
 
     # Slopes by moduli
@@ -402,7 +404,7 @@ class _TorqueSlopesOfShoe:
             [self.drag * (T.T @ own.pressures) - N.T @ own.pressures, N.T @ own.gap_multipliers]
         )
         adjoint_force = -own.force_multiplier if self.under_cam else 0.0
-        loads = np.column_stack([self._load_factors_of_shoe(), adjoint_force * load])
+        loads = np.column_stack([self._load_column_factors_of_shoe(), adjoint_force * load])
         u, v = self.body.condensed.nodal_displacements_in_load_cases(
             nodal, np.zeros((FRAME, 2)), loads
         ).T
@@ -415,7 +417,7 @@ class _TorqueSlopesOfShoe:
         [N m] by the contact stiffness is therefore a part of the slope by the lining's modulus.
         """
         if self.is_solid:
-            return self._torque_slopes_by_moduli_of_solid_shoe(by_penalty)
+            return self._torque_slopes_by_solid_shoe_moduli_and_error(by_penalty)
         u, v = self.displacements_by_loads_and_adjoint_loads
         effects: dict[str, float] = {}
         layers = elastic_layers_of_shoe(self.shoe)
@@ -430,7 +432,7 @@ class _TorqueSlopesOfShoe:
         bending_stiffness = effects.pop("shoe") if given else None
         return _SlopesByModuli(effects, bending_stiffness, None)
 
-    def _torque_slopes_by_moduli_of_solid_shoe(self, by_penalty: float) -> _SlopesByModuli:
+    def _torque_slopes_by_solid_shoe_moduli_and_error(self, by_penalty: float) -> _SlopesByModuli:
         """The slopes of the torque by the moduli of a solid shoe, with their error.
 
         `by_penalty` is the derivative [N m] of the torque by the logarithm of the contact
@@ -441,7 +443,7 @@ class _TorqueSlopesOfShoe:
         loads = VirtualLoads(
             own.pressures,
             self.drag,
-            self._load_factors_of_shoe(),
+            self._load_column_factors_of_shoe(),
             own.gap_multipliers,
             adjoint_force * load,
         )
@@ -451,9 +453,9 @@ class _TorqueSlopesOfShoe:
         slopes = found.slopes | {"lining": found.slopes["lining"] + by_penalty}
         return _SlopesByModuli(slopes, None, found.error)
 
-    def _load_factors_of_shoe(self) -> Floats:
+    def _load_column_factors_of_shoe(self) -> Floats:
         """The factors (l,) by which the load columns make up all loads on the shoe."""
-        return load_factors_under_actuation_force(self.body, self.shoe, self.own.force)
+        return load_column_factors_under_all_loads(self.body, self.shoe, self.own.force)
 
     # Slopes by supports
 
@@ -467,7 +469,7 @@ class _TorqueSlopesOfShoe:
         group, k = self.group, self.k
         effects = {}
         for key, changes in self._rigid_mode_changes_by_supports().items():
-            if not self._can_slope_by_point_be_computed(key):
+            if not self._can_torque_slope_by_point_be_computed(key):
                 continue
             effects[key] = np.array(
                 list(map(self._torque_slope_by_rigid_body_mode_change, changes))
@@ -479,7 +481,7 @@ class _TorqueSlopesOfShoe:
                 effects[key] = effects[key] + self._torque_slopes_by_node_motions(moves)
         for to in self._indices_of_shoes_pushed_by_struts():
             pushed = _TorqueSlopesOfShoe(self.adjoint, to, self.changed)
-            if pushed._can_slope_by_point_be_computed("actuation.point"):
+            if pushed._can_torque_slope_by_point_be_computed("actuation.point"):
                 _add_torque_slopes_by_strut_line_of_action(effects, pushed)
             else:
                 effects.pop("abutment.point", None)
@@ -488,15 +490,17 @@ class _TorqueSlopesOfShoe:
 
     def _rigid_mode_changes_by_supports(self) -> Mapping[str, Any]:
         """The derivatives of the shoe's rigid-body modes by data of its supports, by their keys."""
-        return self.shoe.changes(self.group.friction_senses[self.k])
+        return self.shoe.derivatives_of_rigid_body_modes_by_support(
+            self.group.friction_senses[self.k]
+        )
 
-    def _can_slope_by_point_be_computed(self, key: str) -> bool:
+    def _can_torque_slope_by_point_be_computed(self, key: str) -> bool:
         """Whether the derivative of the torque by the point `key` of the shoe can be computed.
 
         It cannot if nodes of the body move with the point and the shoe is solid, or springs, weight
         or further forces act on moved nodes. A pivot moves no nodes on which such loads act.
         """
-        loads_move = self.shoe.has_further_loads and key != "pivot"
+        loads_move = self.shoe.has_loads_besides_actuation and key != "pivot"
         return not (
             (self.is_solid or loads_move)
             and has_nodes_that_move_with_point(self.group.scene, self.shoe, key)
@@ -510,16 +514,16 @@ class _TorqueSlopesOfShoe:
         """
         own, shoe, works = self.own, self.shoe, self.works
         N, T = self.body.coupling.N, self.body.coupling.T
-        xy = shoe.points(self.body.line.xy)
+        xy = shoe.convert_points_to_brake_frame(self.body.line.xy)
         on_gaps = own.gap_multipliers @ N
         by_drum = self.drag * (own.pressures @ T) - own.pressures @ N
         # `of_gaps` is the resultant of the adjoint contact forces, `of_drum` of the forces of the
         # drum, and `push` of the actuation force.
         of_gaps = resultant_force_and_moment(
-            shoe.frame.convert_to_brake_frame(on_gaps.reshape(-1, 2)), xy.T
+            shoe.frame.convert_vectors_to_brake_frame(on_gaps.reshape(-1, 2)), xy.T
         )
         of_drum = resultant_force_and_moment(
-            shoe.frame.convert_to_brake_frame(by_drum.reshape(-1, 2)), xy.T
+            shoe.frame.convert_vectors_to_brake_frame(by_drum.reshape(-1, 2)), xy.T
         )
         sign = math.copysign(1.0, shoe.actuation.force)
         push = resultant_force_and_moment(
@@ -527,8 +531,8 @@ class _TorqueSlopesOfShoe:
         )
         y, b = self.mode_signs * own.coordinates, self.mode_signs * own.equilibrium_multipliers
         by_equilibria = change.tests @ of_drum + own.force * works * (change.tests @ push)
-        if shoe.has_further_loads:
-            by_equilibria = by_equilibria + change.tests @ shoe.further_load
+        if shoe.has_loads_besides_actuation:
+            by_equilibria = by_equilibria + change.tests @ shoe.resultant_of_loads_besides_actuation
         by_tip = self.tip_multiplier * (y * works) @ (change.motions @ push)
         return float(y @ (change.motions @ of_gaps) - b @ by_equilibria - by_tip)
 
@@ -550,7 +554,7 @@ class _TorqueSlopesOfShoe:
         per_force = own.force * v - self.tip_multiplier * u
         for j, move in enumerate(moves):
             effects[j] += float(move.load_change @ per_force)
-            if not move.has_unmoved_contact:
+            if not move.do_contact_nodes_stay_unmoved:
                 effects[j] += self._torque_slope_by_contact_node_motion(move)
         return effects
 
@@ -564,11 +568,11 @@ class _TorqueSlopesOfShoe:
         for step, line in contact_lines_with_moved_nodes(
             self.body, self.shoe, self.group.brake.size, move
         ):
-            value = self._contact_equations_times_adjoint(line, step, move)
+            value = self._adjoint_work_of_contact_equations(line, step, move)
             values.append((value - self._gaps_by_ring_times_adjoint(line)) / step)
         return 0.5 * sum(values)
 
-    def _contact_equations_times_adjoint(
+    def _adjoint_work_of_contact_equations(
         self, line: ContactLine, step: float, move: NodeMotion
     ) -> float:
         """The contact terms of the torque [N m], with contact nodes that have moved by a step.
@@ -609,10 +613,10 @@ class _TorqueSlopesOfShoe:
         value += float(own.gap_multipliers @ (closing - coupling.M @ (gap + squeezed)))
         value += float(nodal @ (v - aside * (turns @ own.equilibrium_multipliers)))
         # A strut pushes the next shoe with the component of these nodal forces along the strut.
-        whole = shoe.frame.convert_to_brake_frame(nodal.reshape(-1, 2).sum(axis=0))
+        whole = shoe.frame.convert_vectors_to_brake_frame(nodal.reshape(-1, 2).sum(axis=0))
         for to in self._indices_of_shoes_pushed_by_struts():
             value -= self.adjoint.shoes[to].force_multiplier * float(
-                whole @ shoe.unit_vector_of_abutment_force_on_foot
+                whole @ shoe.unit_vector_of_smooth_abutment_force
             )
         return value
 
@@ -631,11 +635,14 @@ class _TorqueSlopesOfShoe:
         dragged = np.hstack([ring.friction_half_flexibilities[i] for i in group.members])
         a = np.concatenate([shoe.gap_multipliers for shoe in self.adjoint.shoes])
         p = np.concatenate([shoe.pressures for shoe in self.adjoint.shoes])
-        return float((pressed @ a) @ (pressed @ p + dragged @ (group.drag_at_nodes * p)))
+        return float(
+            (pressed @ a)
+            @ (pressed @ p + dragged @ (group.friction_stress_over_pressure_at_nodes * p))
+        )
 
     # Slopes by the line of action of a strut's force
 
-    def torque_slope_by_line_of_action(
+    def torque_slope_by_actuation_line_of_action(
         self, force: Floats, moment: float, *, carried: bool = False
     ) -> float:
         """The slope of the torque by a change of the line along which the actuation force acts.
@@ -648,15 +655,17 @@ class _TorqueSlopesOfShoe:
             additional couple on the body
         """
         own, shoe, body = self.own, self.shoe, self.body
-        centre = shoe.points(body.load_centre[:, None])[:, 0]
-        free = shoe.freedoms(self.group.friction_senses[self.k])
+        centre = shoe.convert_points_to_brake_frame(body.load_centre[:, None])[:, 0]
+        free = shoe.rigid_body_modes_of_support(self.group.friction_senses[self.k])
         couple = (
             0.0
             if carried
             else shoe.frame.sense * (moment - float(planar_cross_product(centre, force)))
         )
-        pushing = np.array([*shoe.frame.convert_to_shoe_frame(force), couple])
-        load = body.unit_load_vectors_by_name.factors_of_all_load_columns({ACTUATION: pushing})
+        pushing = np.array([*shoe.frame.convert_vectors_to_shoe_frame(force), couple])
+        load = body.load_matrix_columns_by_load_name.column_factors_of_all_loads(
+            {ACTUATION: pushing}
+        )
         work = free.tests @ np.array([*force, moment])
         tested = self.mode_signs * self.works * work
         return own.force * float(
@@ -678,7 +687,9 @@ class _TorqueSlopesOfShoe:
         for step in np.eye(2):
             moment = float(planar_cross_product(step, direction))
             effects.append(
-                self.torque_slope_by_line_of_action(np.zeros(2), moment, carried=bool(moves))
+                self.torque_slope_by_actuation_line_of_action(
+                    np.zeros(2), moment, carried=bool(moves)
+                )
             )
         by_moment = np.array(effects)
         return [by_moment, self._torque_slopes_by_node_motions(moves)] if moves else [by_moment]
@@ -688,7 +699,7 @@ class _TorqueSlopesOfShoe:
         shoe = self.shoe
         direction, point = shoe.actuation.unit_vector_of_force, shoe.actuation.point.xy
         turned = np.array([-direction[1], direction[0]])
-        slope = self.torque_slope_by_line_of_action(
+        slope = self.torque_slope_by_actuation_line_of_action(
             turned, float(planar_cross_product(point, turned))
         )
         # If the foot of this shoe pushes another strut, this strut pushes the next shoe.
@@ -696,7 +707,7 @@ class _TorqueSlopesOfShoe:
             slope -= (
                 self.adjoint.shoes[to].force_multiplier
                 * self.own.force
-                * float(shoe.unit_vector_of_abutment_force_on_foot @ turned)
+                * float(shoe.unit_vector_of_smooth_abutment_force @ turned)
             )
         return slope
 
@@ -736,7 +747,7 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
     law = found.law or (None,) * (len(found.shoes) + 1)
     of_law = f"{name_of_rigid_shoe_law(brake)} law"
     T, elasticity = found.torque or math.inf, f"d ln {symbol}/d ln"
-    own_friction = brake.key_of_first_own_friction()
+    own_friction = brake.key_of_first_lining_with_own_friction()
     lines = [
         f"{effect} {found.torque:.6g} {unit}, d{symbol}/dmu {found.friction:.6g} {unit}, "
         f"S = (mu/{symbol}) d{symbol}/dmu = {_friction_sensitivity_as_text(found.S)} "
@@ -901,7 +912,7 @@ def compare_torque_slopes_with_solve_differences(
         make_prepared_model(brake, elements=elements), brake, penalty=penalty
     )
     rows = []
-    for probe in _torque_slopes_to_compare(brake, index, slopes):
+    for probe in _torque_slopes_to_compare_with_differences(brake, index, slopes):
         torques = []
         for step in (probe.step, -probe.step):
             changed = vary(brake, dict(probe.changes(step)))
@@ -913,7 +924,9 @@ def compare_torque_slopes_with_solve_differences(
     return slopes, rows
 
 
-def _torque_slopes_to_compare(brake: Brake, index: int, slopes: Sensitivity) -> list[_ProbedSlope]:
+def _torque_slopes_to_compare_with_differences(
+    brake: Brake, index: int, slopes: Sensitivity
+) -> list[_ProbedSlope]:
     """The slopes that are compared with differences: by friction, and by data of shoe `index`.
 
     The data are the actuation force, the moduli of lining and body, the clearance and the hinge.

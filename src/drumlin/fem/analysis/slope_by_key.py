@@ -9,7 +9,7 @@ import math
 
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material, Part, Point
-from drumlin.brake.file import parts_and_field_of_key
+from drumlin.brake.file import parts_and_field_name_of_brake_key
 from drumlin.fem.analysis.sensitivity import Sensitivity, ShoeSensitivity
 
 
@@ -31,31 +31,33 @@ def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> fl
     BadInput
         for an unknown key
     """
-    parts, name = parts_and_field_of_key(brake, key)
+    parts, name = parts_and_field_name_of_brake_key(brake, key)
     if parts == [brake]:
         # The key changes only the friction of linings without a coefficient of their own. The slope
         # is with respect to all friction coefficients in proportion.
-        is_exact = name == "friction_as_written" and brake.key_of_first_own_friction() is None
+        is_exact = (
+            name == "friction_as_written" and brake.key_of_first_lining_with_own_friction() is None
+        )
         return slopes.friction if is_exact else None
     found = [
         _torque_slope_by_field_of_shoe(shoe, own, part, name)
         for shoe, own in zip(brake.shoes, slopes.shoes, strict=True)
         for part in parts
-        if _is_part_of_shoe(shoe, part)
+        if _is_one_of_parts_with_exact_slopes(shoe, part)
     ]
     known = [slope for slope in found if slope is not None]
     return math.fsum(known) if known and len(known) == len(parts) == len(found) else None
 
 
-def _parts_with_exact_slopes(shoe: Shoe) -> list[Part | None]:
+def _shoe_parts_whose_torque_slopes_are_exact(shoe: Shoe) -> list[Part | None]:
     """The parts of a shoe whose keys may have exact slopes; None for a part that the shoe lacks."""
     body = None if shoe.body is None else shoe.body.material
     return [shoe.actuation, shoe.hinge, shoe.lining, shoe.lining.material, body]
 
 
-def _is_part_of_shoe(shoe: Shoe, part: Part) -> bool:
+def _is_one_of_parts_with_exact_slopes(shoe: Shoe, part: Part) -> bool:
     """Whether a part is the same object as one of the shoe's parts with exact slopes."""
-    return any(part is own for own in _parts_with_exact_slopes(shoe))
+    return any(part is own for own in _shoe_parts_whose_torque_slopes_are_exact(shoe))
 
 
 def _torque_slope_by_field_of_shoe(

@@ -101,7 +101,7 @@ class _PartFields(NamedTuple):
     stress: Floats
 
 
-def recover_fields_in_solid_shoes(
+def recover_stresses_in_all_solid_shoes(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> list[SolidFields]:
     """The fields in half of each shoe of a brake, from the contact pressure of its response.
@@ -110,12 +110,12 @@ def recover_fields_in_solid_shoes(
     """
     brake = brake_with_forces_of_response(brake, response)
     return [
-        _recover_fields_in_solid_shoe(body, brake, shoe, answer)
+        _recover_stresses_in_one_solid_shoe(body, brake, shoe, answer)
         for body, shoe, answer in zip(scene.bodies, brake.shoes, response.shoes, strict=True)
     ]
 
 
-def _recover_fields_in_solid_shoe(
+def _recover_stresses_in_one_solid_shoe(
     body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse
 ) -> SolidFields:
     """The fields in half of a shoe.
@@ -127,33 +127,37 @@ def _recover_fields_in_solid_shoe(
     shoe : the shoe
     answer : response of the shoe
     """
-    face = face_of_shoe_with_width(body)
+    face = contact_face_of_solid_shoe(body)
     p = np.zeros(len(face.nodes))
     if answer.surface is not None:
         surface = answer.surface
-        p = face.nodal_pressures_of_surface(
+        p = face.nodal_pressures_from_pressures_of_file(
             surface._replace(pressure=surface.pressure[:: shoe.frame.sense])
         )
-    unknowns = unknowns_of_shoe_with_width(body)
+    unknowns = displacement_unknowns_of_solid_shoe(body)
     u = nodal_displacements_of_shoe(body, brake, shoe, answer, p)
 
     # A sample at the interface of two parts is repeated for each of them.
     parts, cells, numbers, pressures, count = [], [], [], [], 0
     for i, name in enumerate(unknowns.grid.subdomains):
-        part = fields_in_part_of_shoe(unknowns, u, name)
+        part = displacements_and_stresses_in_shoe_part(unknowns, u, name)
         parts.append(part)
         cells.append(part.cells + count)
         numbers.append(np.full(len(part.cells), i))
         pressures.append(
-            _pressure_at_samples(face, p, part) if name == "lining" else np.zeros(len(part.z))
+            _pressure_at_sample_points_of_lining(face, p, part)
+            if name == "lining"
+            else np.zeros(len(part.z))
         )
         count += len(part.nodes)
     nodes, z, stress = (
         np.concatenate([getattr(part, name) for part in parts]) for name in ("nodes", "z", "stress")
     )
     moved = np.concatenate([part.displacement for part in parts])
-    to_brake = shoe.frame.convert_to_brake_frame
-    points = np.column_stack([shoe.points(unknowns.grid.doflocs[:, nodes]).T, z])
+    to_brake = shoe.frame.convert_vectors_to_brake_frame
+    points = np.column_stack(
+        [shoe.convert_points_to_brake_frame(unknowns.grid.doflocs[:, nodes]).T, z]
+    )
     return SolidFields(
         points=points,
         cells=hexahedra_turned_to_positive_volume(points, np.concatenate(cells)),
@@ -165,16 +169,16 @@ def _recover_fields_in_solid_shoe(
     )
 
 
-def face_of_shoe_with_width(body: ShoeSubstructure) -> WidthFace:
+def contact_face_of_solid_shoe(body: ShoeSubstructure) -> WidthFace:
     """The contact face of a shoe with a width."""
-    # `prepare_brake_with_widths` makes bodies with this face only.
+    # `prepare_model_with_shoe_widths` makes bodies with this face only.
     assert isinstance(body.line, WidthFace)
     return body.line
 
 
-def unknowns_of_shoe_with_width(body: ShoeSubstructure) -> WidthUnknowns:
+def displacement_unknowns_of_solid_shoe(body: ShoeSubstructure) -> WidthUnknowns:
     """The unknowns of a shoe with a width, by which eliminated displacements are recovered."""
-    # `prepare_brake_with_widths` makes bodies with these unknowns only.
+    # `prepare_model_with_shoe_widths` makes bodies with these unknowns only.
     assert isinstance(body.condensed.inner, WidthUnknowns)
     return body.condensed.inner
 
@@ -196,10 +200,12 @@ def _width_functions_at_sample_points_of_each_piece(
         yield _Piece(z, *even, *odd)
 
 
-def fields_in_part_of_shoe(unknowns: WidthUnknowns, u: Floats, name: str) -> _PartFields:
+def displacements_and_stresses_in_shoe_part(
+    unknowns: WidthUnknowns, u: Floats, name: str
+) -> _PartFields:
     """The displacements and stresses in the part `name` of a shoe, from all unknowns u [m]."""
     grid, elements = unknowns.grid, unknowns.grid.subdomains[name]
-    even, odd = unknowns.even_and_odd_factors_of_nodes(u)
+    even, odd = unknowns.factors_of_even_and_odd_functions_at_nodes(u)
     layer = unknowns.division.part.index(name)
     half, lame = unknowns.layers.halves[layer], unknowns.layers.lame[layer]
     dofs, slopes = (
@@ -211,7 +217,7 @@ def fields_in_part_of_shoe(unknowns: WidthUnknowns, u: Floats, name: str) -> _Pa
     levels = np.append(np.concatenate([piece.z[:-1] for piece in pieces]), pieces[-1].z[-1])
     stresses, places = [], []
     for k, piece in enumerate(pieces):
-        stress = _stress_at_samples(even, odd, dofs, slopes, piece, lame)
+        stress = _stress_at_sample_points_across_width(even, odd, dofs, slopes, piece, lame)
         if unknowns.functions.degree == 0:
             # Plane stress has no stress across the width.
             stress[2, 2] = 0.0
@@ -229,14 +235,14 @@ def fields_in_part_of_shoe(unknowns: WidthUnknowns, u: Floats, name: str) -> _Pa
         within = slice(k * steps, (k + 1) * steps + 1)
         displacement[within, :, :2] = np.einsum("nkc,ks->snc", even, piece.even)
         displacement[within, :, 2] = np.einsum("nk,ks->sn", odd, piece.odd)
-    corners = _corners_of_cells_between_samples(
+    corners = _corners_of_cells_between_sample_points(
         grid.quadrilaterals_between_element_nodes, steps + 1
     )
     cells = means.cells[corners].reshape(8, -1).T
     return _PartFields(nodes, levels[level], cells, displacement[level, nodes], means.values)
 
 
-def _corners_of_cells_between_samples(quadrilaterals: Ints, levels: int) -> Ints:
+def _corners_of_cells_between_sample_points(quadrilaterals: Ints, levels: int) -> Ints:
     """The corners (8, cells) of the cells between the samples of an element.
 
     The samples of an element are numbered node by node, and at each node by the sampled distances
@@ -251,7 +257,7 @@ def _corners_of_cells_between_samples(quadrilaterals: Ints, levels: int) -> Ints
     return np.concatenate([lower, lower + 1]).reshape(8, -1)
 
 
-def _stress_at_samples(
+def _stress_at_sample_points_across_width(
     even: Floats, odd: Floats, dofs: Ints, slopes: Floats, piece: _Piece, lame: LameConstants
 ) -> Floats:
     """The stress (3, 3, m, a, s) [Pa] of m elements at their a nodes and s distances z.
@@ -280,7 +286,7 @@ def _stress_at_samples(
     return np.asarray(stress)
 
 
-def _pressure_at_samples(face: WidthFace, p: Floats, lining: _PartFields) -> Floats:
+def _pressure_at_sample_points_of_lining(face: WidthFace, p: Floats, lining: _PartFields) -> Floats:
     """The pressure (n,) [Pa] at the samples of a lining, 0 off the face.
 
     `p` are the pressures [Pa] at the nodes of the contact face.
@@ -317,7 +323,7 @@ def stress_components_in_brake_frame(stress: Floats, frame: ShoeFrame) -> Floats
     """
     # Stresses are tensors: both of their indices turn with the frame.
     turn = np.eye(3)
-    turn[:2, :2] = frame.convert_to_brake_frame(np.eye(2))
+    turn[:2, :2] = frame.convert_vectors_to_brake_frame(np.eye(2))
     turned = np.einsum("ia,nij,jb->nab", turn, stress, turn, optimize=True)
     rows, columns = [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]
     return np.asarray(turned[:, rows, columns])

@@ -51,7 +51,7 @@ class VirtualLoads(NamedTuple):
     gap_multipliers: Floats
     adjoint_load: Floats
 
-    def work_on_displacements_of_body(self, body: ShoeSubstructure) -> float:
+    def work_of_adjoint_loads_on_body(self, body: ShoeSubstructure) -> float:
         """The work [N m] of the adjoint loads on a body's displacements under the actual loads."""
         p, drag = self.pressures, self.drag
         closed = body.closure_by_pressure @ p + body.closure_by_load @ self.load
@@ -86,7 +86,7 @@ modulus of this part, the second body a smaller one.
 """
 
 
-def function_for_bodies_with_changed_moduli(scene: PreparedModel) -> BodiesOfModulus:
+def function_that_condenses_shoes_with_other_moduli(scene: PreparedModel) -> BodiesOfModulus:
     """The function that condenses solid shoes of a prepared model with changed moduli.
 
     Shoes of one shape share their bodies, which are condensed when they are first needed.
@@ -140,8 +140,8 @@ def torque_slopes_by_moduli_of_solid_shoe(
     """
     slopes = {}
     for part, (stiff, soft) in changed.items():
-        more, less = (loads.work_on_displacements_of_body(each) for each in (stiff, soft))
+        more, less = (loads.work_of_adjoint_loads_on_body(each) for each in (stiff, soft))
         slopes[part] = (more - less) / (2 * MODULUS_STEP)
-    whole = -loads.work_on_displacements_of_body(body)
+    whole = -loads.work_of_adjoint_loads_on_body(body)
     by_step = MODULUS_STEP**2 / 6 * math.fsum(map(abs, slopes.values()))
     return ModulusSlopes(slopes, abs(math.fsum(slopes.values()) - whole) + by_step)

@@ -16,19 +16,19 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.one_sided import NOT_HELD_TEXT, possible_bearings
+from drumlin.brake.one_sided import NOT_HELD_TEXT, choices_of_supports_that_bear
 from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.problems import GroupProblems
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    load_factors_and_pin_moment_per_newton,
-    moment_of_further_loads_about_pin,
+    load_column_factors_and_pin_moment_per_newton,
+    moment_of_loads_besides_actuation_about_pin,
 )
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
-from drumlin.laws.anchored import bearing_supports_of_rigid_shoes
+from drumlin.laws.anchored import which_supports_of_rigid_shoes_bear
 
 FOOT_LEAVES_TEXT = "no equilibrium, a foot leaves its abutment"
 """Text of the refusal of a brake in which the foot of a shoe would lift off its abutment."""
@@ -82,7 +82,7 @@ class SolvedGroup(NamedTuple):
 class ShoeGroup(GroupProblems):
     """A group of shoes that are solved together; its methods solve its contact problems."""
 
-    def group_with_drum_friction(self, friction: float) -> "ShoeGroup":
+    def copy_of_group_with_other_drum_friction(self, friction: float) -> "ShoeGroup":
         """A copy of the group with another friction coefficient of the drum.
 
         The friction of linings with a coefficient of their own changes in proportion. The
@@ -91,12 +91,12 @@ class ShoeGroup(GroupProblems):
         return replace(
             self,
             brake=self.brake.brake_with_scaled_friction(friction),
-            relative_frictions=self.relative_friction_of_each_shoe,
+            relative_frictions=self.friction_of_each_shoe_over_brake_friction,
         )
 
     # These methods solve the contact under given directions of friction at the abutments.
 
-    def solve_contact_for_known_friction_senses(
+    def solve_contact_for_given_abutment_friction(
         self, first_contact_set: Bools | None = None
     ) -> active_set.Contact:
         """Solve the contact for the group's present directions of friction at the abutments.
@@ -111,9 +111,9 @@ class ShoeGroup(GroupProblems):
                 shoe,
                 xy,
                 self.gaps_of_unloaded_linings[k],
-                self.moment_of_loads_about_pin(k),
+                self.moment_of_all_loads_about_shoe_pin(k),
             )
-        law = min(map(self.friction_at_which_rigid_shoe_locks, range(len(self.members))))
+        law = min(map(self.locking_friction_of_group_shoe_by_rigid_law, range(len(self.members))))
         try:
             contact = self_locking.solve_contact_reached_from_zero_friction(
                 self.contact_problem_of_group_at_friction,
@@ -127,7 +127,7 @@ class ShoeGroup(GroupProblems):
             # If the solution ends where the force of a strut or cam falls to zero, the brake does
             # not lock: a shoe leaves the drum.
             if isinstance(error, self_locking.FrictionBeyondLimit) and (
-                refusal := self._error_text_if_force_pulls_at_limit(error.limit)
+                refusal := self._error_text_if_force_pulls_at_friction_limit(error.limit)
             ):
                 raise SharedForceWouldPull(refusal) from error
             raise NoAnswer(f"{self.names_of_shoes}: {error}") from error
@@ -138,20 +138,20 @@ class ShoeGroup(GroupProblems):
         """Raise NoAnswer if a shoe of a solution turns too far for small displacements."""
         for k, coordinates in enumerate(self.rigid_body_coordinates_of_each_shoe(contact)):
             turns = self.largest_actuation_force * coordinates
-            reach.require_small_turns_in_solution(
+            reach.require_small_shoe_turns_in_contact_solution(
                 self.shoes[k],
                 self.known_abutment_friction_directions[k],
                 self.gaps_of_unloaded_linings[k],
                 turns,
             )
 
-    def friction_at_which_rigid_shoe_locks(self, k: int) -> float:
+    def locking_friction_of_group_shoe_by_rigid_law(self, k: int) -> float:
         """The friction coefficient of the brake at which shoe `k` locks by the rigid-shoe law."""
-        ratio = self.relative_friction_of_each_shoe[k]
-        own = self.locking_friction_of_rigid_shoe(self.members[k])
+        ratio = self.friction_of_each_shoe_over_brake_friction[k]
+        own = self.locking_friction_of_brake_shoe_by_rigid_law(self.members[k])
         return own / ratio if ratio else math.inf
 
-    def moment_of_loads_about_pin(self, k: int) -> float:
+    def moment_of_all_loads_about_shoe_pin(self, k: int) -> float:
         """The moment of all loads on shoe `k` about its pin, in the sense of the shoe's frame.
 
         It is per newton of the actuation force [m]. If springs, weight or further forces act on the
@@ -159,11 +159,13 @@ class ShoeGroup(GroupProblems):
         """
         shoe = self.shoes[k]
         per_newton = self.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
-        if not shoe.has_further_loads:
+        if not shoe.has_loads_besides_actuation:
             return per_newton
-        return abs(shoe.actuation.force) * per_newton + moment_of_further_loads_about_pin(shoe)
+        return abs(shoe.actuation.force) * per_newton + moment_of_loads_besides_actuation_about_pin(
+            shoe
+        )
 
-    def locking_friction_of_rigid_shoe(self, i: int) -> float:
+    def locking_friction_of_brake_shoe_by_rigid_law(self, i: int) -> float:
         """The friction at which shoe `i` of the brake locks itself by the rigid-shoe law.
 
         If the shoe is hinged or on anchors, and the drum drags it the same way as in the prepared
@@ -177,12 +179,14 @@ class ShoeGroup(GroupProblems):
             return self.scene.locking_frictions_of_rigid_shoes[i]
         return rigid.self_locking_friction_of_rigid_shoe(self.brake, shoe)
 
-    def _error_text_if_force_pulls_at_limit(self, limit: self_locking.FrictionLimit) -> str:
+    def _error_text_if_force_pulls_at_friction_limit(
+        self, limit: self_locking.FrictionLimit
+    ) -> str:
         """The error text if a strut or cam ceases to push at a limit of friction; otherwise empty.
 
         The limit is the friction coefficient of the drum up to which the contact has a solution.
         """
-        sharing = self._force_sharing_at_friction(limit.last_friction)
+        sharing = self._strut_and_cam_force_problem_at_friction(limit.last_friction)
         return (
             ""
             if sharing is None
@@ -211,17 +215,17 @@ class ShoeGroup(GroupProblems):
         position. The directions for rigid shoes are tried first. The order of trials does not
         matter: no brake is known in which two choices of directions agree with their solutions.
         `first_contact_set` (n,) is a contact set to start from. Raises NoAnswer as
-        `solve_contact_for_known_friction_senses` does, and if a foot would leave its abutment.
+        `solve_contact_for_given_abutment_friction` does, and if a foot would leave its abutment.
         """
         try:
-            return self._solve_with_consistent_friction_senses(first_contact_set)
+            return self._solve_contact_with_confirmed_abutment_friction(first_contact_set)
         except NoAnswer as error:
             refusal = self._error_text_if_shoe_on_abutment_locks()
             if not refusal:
                 raise
             raise NoAnswer(refusal) from error
 
-    def _solve_with_consistent_friction_senses(
+    def _solve_contact_with_confirmed_abutment_friction(
         self, first_contact_set: Bools | None = None
     ) -> SolvedGroup:
         """Solve the contact with those directions of friction at the abutments that it confirms.
@@ -230,14 +234,14 @@ class ShoeGroup(GroupProblems):
         agrees with no choice, the error of the first trial is raised.
         """
         failure = NoAnswer(f"{self.names_of_shoes}: {self._error_text_if_shoes_are_not_held}")
-        for number, group in enumerate(self.groups_with_each_direction_of_foot_friction()):
+        for number, group in enumerate(self.groups_with_each_abutment_friction_direction()):
             try:
-                contact = group.solve_contact_for_known_friction_senses(first_contact_set)
+                contact = group.solve_contact_for_given_abutment_friction(first_contact_set)
             except NoAnswer as error:
                 if number == 0:
                     failure = error
                 continue
-            if group.is_contact_as_assumed(contact):
+            if group.does_contact_confirm_support_assumptions(contact):
                 return SolvedGroup(group, contact)
         raise failure
 
@@ -246,7 +250,7 @@ class ShoeGroup(GroupProblems):
         """The error text for a group that no choice of supports and friction directions holds."""
         return NOT_HELD_TEXT if self.one_sided_supports else FOOT_LEAVES_TEXT
 
-    def groups_with_each_direction_of_foot_friction(self) -> Iterator["ShoeGroup"]:
+    def groups_with_each_abutment_friction_direction(self) -> Iterator["ShoeGroup"]:
         """Yield the group with each possible choice of friction directions at its abutments.
 
         The present directions come first; if they are unknown, the directions for rigid shoes. For
@@ -275,22 +279,27 @@ class ShoeGroup(GroupProblems):
         if not count:
             yield self
             return
-        first = self.bearing or bearing_supports_of_rigid_shoes(self.brake, self.members)
-        for bearing in possible_bearings(count, first):
-            if self.contact_on_supports_if_held(bearing, self.brake.friction) is not None:
+        first = self.bearing or which_supports_of_rigid_shoes_bear(self.brake, self.members)
+        for bearing in choices_of_supports_that_bear(count, first):
+            if (
+                self.contact_problem_on_given_supports_or_none(bearing, self.brake.friction)
+                is not None
+            ):
                 yield self if bearing == self.bearing else replace(self, bearing=bearing)
 
-    def is_contact_as_assumed(self, contact: active_set.Contact) -> bool:
+    def does_contact_confirm_support_assumptions(self, contact: active_set.Contact) -> bool:
         """Whether a solution agrees with what was assumed to solve it.
 
         Assumed are the directions of friction at the abutments, and which one-sided supports bear.
         """
-        if not all(self.is_foot_friction_as_assumed(contact, k) for k in range(len(self.members))):
+        if not all(
+            self.can_abutment_exert_computed_reaction(contact, k) for k in range(len(self.members))
+        ):
             return False
         supports = self.bearing_supports
-        return supports is None or supports.is_bearing_as_assumed(contact.p, contact.y)
+        return supports is None or supports.do_supports_bear_as_assumed(contact.p, contact.y)
 
-    def is_foot_friction_as_assumed(self, contact: active_set.Contact, k: int) -> bool:
+    def can_abutment_exert_computed_reaction(self, contact: active_set.Contact, k: int) -> bool:
         """Whether the abutment can exert the computed reaction on the foot of shoe `k`.
 
         It can if it presses on the foot, and if its friction has the direction assumed for the
@@ -300,32 +309,36 @@ class ShoeGroup(GroupProblems):
         if shoe.abutment is None or shoe.anchors:
             return True
         slide = float(self.rigid_body_coordinates_of_each_shoe(contact)[k][-1])
-        return shoe.can_abutment_exert_reaction_on_foot(
-            self.abutment_force_on_foot(contact, k),
+        return shoe.can_abutment_exert_reaction_on_shoe(
+            self.abutment_force_on_shoe(contact, k),
             self.known_abutment_friction_directions[k],
             slide,
         )
 
-    def abutment_force_on_foot(self, contact: active_set.Contact, k: int) -> Floats:
+    def abutment_force_on_shoe(self, contact: active_set.Contact, k: int) -> Floats:
         """The force (2,) of the abutment on the foot of shoe `k`, in the frame of the brake.
 
         The force is relative to `largest_actuation_force`.
         """
         shoe, body = self.shoes[k], self.substructures_of_shoes[k]
         drag, p = (
-            self.brake.signed_friction_per_pressure_in_shoe_frame(shoe),
+            self.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
             contact.p[self.contact_node_slices_of_shoes[k]],
         )
         # The reaction balances the contact, the actuation and the further loads.
         normal, dragged = body.resultants_of_contact_node_forces
-        normal, dragged = normal @ p, dragged @ self.dragging_pressures_of_shoe(k, p)
+        normal, dragged = normal @ p, dragged @ self.friction_stress_over_coefficient_of_shoe(k, p)
         push = (
             self.actuation_forces_under_contact_pressures(contact.p)[k]
             * shoe.actuation.unit_vector_of_force
         )
-        if shoe.has_further_loads:
-            push = push + shoe.further_load[:2] / self.largest_actuation_force
-        return np.asarray(-shoe.frame.convert_to_brake_frame((drag * dragged - normal)[:2]) - push)
+        if shoe.has_loads_besides_actuation:
+            push = (
+                push + shoe.resultant_of_loads_besides_actuation[:2] / self.largest_actuation_force
+            )
+        return np.asarray(
+            -shoe.frame.convert_vectors_to_brake_frame((drag * dragged - normal)[:2]) - push
+        )
 
     def _error_text_if_shoe_on_abutment_locks(self) -> str:
         """The error text if a group with rough abutments has no equilibrium at the drum's friction.
@@ -338,12 +351,12 @@ class ShoeGroup(GroupProblems):
             return ""
         friction = self.brake.friction
         try:
-            end = self.follow_contact_to_friction_limit(friction)
+            end = self.follow_contact_up_to_self_locking_friction(friction)
         except NoAnswer:
             return ""
         if not end.limit.friction < friction:
             return ""
-        law = min(map(self.friction_at_which_rigid_shoe_locks, range(len(self.members))))
+        law = min(map(self.locking_friction_of_group_shoe_by_rigid_law, range(len(self.members))))
         locked = self_locking.self_locking_error_text(
             friction, end.limit.friction, rigid_law_limit=law, brake_words=ELASTIC_BRAKE_WORDS
         )
@@ -356,12 +369,14 @@ class ShoeGroup(GroupProblems):
         """Whether the group has no strut, cam, abutment or other support that a shoe can leave."""
         return (
             not self.one_sided_supports
-            and not self.pushing_and_pushed_shoe_of_struts
+            and not self.indices_of_pushing_and_pushed_shoe_of_struts
             and not self.indices_of_shoes_under_cam
             and all(shoe.abutment is None for shoe in self.shoes)
         )
 
-    def follow_contact_to_friction_limit(self, largest_friction: float) -> FollowedFrictionLimit:
+    def follow_contact_up_to_self_locking_friction(
+        self, largest_friction: float
+    ) -> FollowedFrictionLimit:
         """Find the friction coefficient of the drum up to which the group has an equilibrium.
 
         The friction grows in steps from the least one that has a solution, until the solution ends
@@ -371,7 +386,7 @@ class ShoeGroup(GroupProblems):
         """
         # Without struts, cam and abutments there is nothing to check on the way.
         if self.has_neither_strut_cam_nor_abutment:
-            limit = self_locking.find_friction_limit_of_contact(
+            limit = self_locking.find_largest_friction_with_equilibrium(
                 self.contact_problem_as_function_of_friction,
                 largest_friction,
                 areas=self.contact_node_areas,
@@ -391,7 +406,7 @@ class ShoeGroup(GroupProblems):
                 end = at.limit_of_friction_from(low, largest_friction)
         group = at.settled.group
         return FollowedFrictionLimit(
-            end, pulling_part=group._error_text_if_force_pulls_at_limit(end)
+            end, pulling_part=group._error_text_if_force_pulls_at_friction_limit(end)
         )
 
     def _find_least_friction_with_equilibrium(
@@ -409,7 +424,9 @@ class ShoeGroup(GroupProblems):
                 return friction, _follow_solution(found)
             friction += FRICTION_STEP * max(1.0, friction)
         # No friction has a solution. The next line raises an error with the reason at friction 0.
-        found = self.group_with_drum_friction(0.0)._solve_with_consistent_friction_senses()
+        found = self.copy_of_group_with_other_drum_friction(
+            0.0
+        )._solve_contact_with_confirmed_abutment_friction()
         return 0.0, _follow_solution(found)
 
     def _solve_if_struts_and_cam_push(self, friction: float) -> SolvedGroup | None:
@@ -418,7 +435,9 @@ class ShoeGroup(GroupProblems):
         Returns None if there is no solution, or if a cam or a strut would have to pull.
         """
         try:
-            found = self.group_with_drum_friction(friction)._solve_with_consistent_friction_senses()
+            found = self.copy_of_group_with_other_drum_friction(
+                friction
+            )._solve_contact_with_confirmed_abutment_friction()
         except NoAnswer:
             return None
         return found if found.group._do_struts_and_cam_push(found.contact) else None
@@ -430,7 +449,10 @@ class ShoeGroup(GroupProblems):
 
     def is_followed_solution_possible(self, contact: active_set.Contact) -> bool:
         """Whether a solution agrees with supports, struts and cam, with small turns of shoes."""
-        if not (self.is_contact_as_assumed(contact) and self._do_struts_and_cam_push(contact)):
+        if not (
+            self.does_contact_confirm_support_assumptions(contact)
+            and self._do_struts_and_cam_push(contact)
+        ):
             return False
         try:
             self._require_small_turns_of_shoes(contact)
@@ -438,13 +460,13 @@ class ShoeGroup(GroupProblems):
             return False
         return True
 
-    def _error_text_on_part_that_would_pull(self) -> str:
+    def _error_text_on_cam_strut_or_support_that_pulls(self) -> str:
         """The error text that names a cam, strut or support that would have to pull a shoe.
 
         The text is empty if all of them push, or if the contact has no solution for another reason.
         """
         try:
-            contact = self.solve_contact_for_known_friction_senses()
+            contact = self.solve_contact_for_given_abutment_friction()
         except SharedForceWouldPull as error:
             return str(error)
         except NoAnswer:
@@ -454,13 +476,15 @@ class ShoeGroup(GroupProblems):
         )
         if pull:
             return pull
-        if self.bearing_supports is not None and not self.is_contact_as_assumed(contact):
+        if self.bearing_supports is not None and not self.does_contact_confirm_support_assumptions(
+            contact
+        ):
             return f"{self.names_of_shoes}: {NOT_HELD_TEXT}"
         for k, shoe in enumerate(self.shoes):
             if (
                 shoe.kind_of_support == "abutment"
-                and not self.abutment_force_on_foot(contact, k)
-                @ shoe.unit_vector_of_abutment_force_on_foot
+                and not self.abutment_force_on_shoe(contact, k)
+                @ shoe.unit_vector_of_smooth_abutment_force
                 > 0
             ):
                 return f"{self.names_of_shoes}: {FOOT_LEAVES_TEXT}"
@@ -489,7 +513,7 @@ class _FollowedSolution(NamedTuple):
 
         `friction` is the friction coefficient of the solution.
         """
-        return self_locking.find_friction_limit_of_contact(
+        return self_locking.find_largest_friction_with_equilibrium(
             self.problem,
             largest,
             (friction, self.settled.contact),
@@ -498,7 +522,7 @@ class _FollowedSolution(NamedTuple):
 
     def continued_to_higher_friction(self, friction: float) -> "_FollowedSolution | None":
         """The solution at a higher friction with the present directions and supports; else None."""
-        group = self.settled.group.group_with_drum_friction(friction)
+        group = self.settled.group.copy_of_group_with_other_drum_friction(friction)
         contact = self_locking.contact_continued_to_friction(
             self.problem, friction, self.settled.contact, group.contact_node_areas
         )
@@ -558,8 +582,8 @@ def _friction_limit_by_bisection(
         else:
             low, at = end, after
     limit = limit_before._replace(friction=low, pressure_stays_finite=True, last_friction=low)
-    beyond = at.settled.group.group_with_drum_friction(high)
-    return FollowedFrictionLimit(limit, beyond._error_text_on_part_that_would_pull())
+    beyond = at.settled.group.copy_of_group_with_other_drum_friction(high)
+    return FollowedFrictionLimit(limit, beyond._error_text_on_cam_strut_or_support_that_pulls())
 
 
 def _bisect_end_of_present_choice(
@@ -593,7 +617,7 @@ def divide_pressed_shoes_into_groups(
     Raises NoAnswer if a cam presses only one of its shoes.
     """
     touching = indices_of_pressed_shoes_in_brake(scene, brake)
-    if brake.actuation is not None and brake.actuation.is_cam:
+    if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         lacking = [shoe.name for i, shoe in enumerate(brake.shoes) if i not in touching]
         if lacking:
             raise NoAnswer(f"shoe {lacking[0]!r}: the cam does not press it")
@@ -630,7 +654,9 @@ def divide_shoes_into_groups(
     pressed_shoes : positions of the shoes that are pressed on the drum
     penalty : factor alpha of the contact stiffness alpha E/t
     """
-    alone = (scene.ring is None or scene.apart) and brake.shares is None
+    alone = (
+        scene.ring is None or scene.apart
+    ) and brake.reason_why_cam_or_strut_sets_forces is None
     members: list[tuple[int, ...]]
     members = [(i,) for i in pressed_shoes] if alone else [tuple(pressed_shoes)]
     groups = []
@@ -662,15 +688,17 @@ def is_shoe_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) ->
     # A strut between two shoes may press a shoe that has no actuation force.
     if shoe.anchors:
         on_strut = any(shoe.name in {link.source, link.to} for link in brake.links)
-        return shoe.is_loaded or on_strut
-    if not shoe.is_loaded:
+        return shoe.is_any_load_on_shoe or on_strut
+    if not shoe.is_any_load_on_shoe:
         return False
     if shoe.kind_of_support != "hinge":
         return rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
-    _, moment = load_factors_and_pin_moment_per_newton(body, shoe)
-    if shoe.has_further_loads:
-        pushed = abs(shoe.actuation.force) * moment + moment_of_further_loads_about_pin(shoe)
-        moment = pushed / shoe.largest_load
+    _, moment = load_column_factors_and_pin_moment_per_newton(body, shoe)
+    if shoe.has_loads_besides_actuation:
+        pushed = abs(shoe.actuation.force) * moment + moment_of_loads_besides_actuation_about_pin(
+            shoe
+        )
+        moment = pushed / shoe.largest_force_of_any_load
     approach, _ = body.gap_closure_and_slip_by_turn_about_pin
     # The moment per newton is a lever arm. Below 1e-14 of the lining's distance from the drum's
     # centre it is round-off.

@@ -12,8 +12,8 @@ from drumlin.brake.brake import Brake
 from drumlin.contact.active_set import solve_contact_by_block_pivoting
 from drumlin.contact.self_locking import (
     COARSE_PATH_ABOVE_NODES,
-    find_friction_limit_of_contact,
-    is_contact_certain_up_to_friction,
+    find_largest_friction_with_equilibrium,
+    is_equilibrium_certain_up_to_friction,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.preparation.scene import PreparedModel
@@ -64,17 +64,17 @@ def distance_of_friction_from_self_locking(
         if the brake has no solution on this model
     """
     friction = brake.friction
-    scaled = brake.key_of_first_own_friction() or ""
+    scaled = brake.key_of_first_lining_with_own_friction() or ""
     by_law = []
     for shoe, own in zip(brake.shoes, scene.locking_frictions_of_rigid_shoes, strict=True):
-        limit = brake.friction_at_friction_of_shoe(shoe, own)
+        limit = brake.brake_friction_that_gives_shoe_friction(shoe, own)
         by_law.append(LockedShoes((shoe.name,), limit))
     law = first_shoes_to_lock(by_law)
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty) if friction > 0 else []
-    if not groups or not all(map(_is_limit_of_group_cheap, groups)):
+    if not groups or not all(map(_is_locking_friction_of_group_cheap, groups)):
         return SelfLocking(friction, law, scaled=scaled)
 
-    def law_of_group(group: ShoeGroup) -> float:
+    def rigid_law_locking_friction_of_group(group: ShoeGroup) -> float:
         """The smallest self-locking friction of the shoes of a group, by the rigid-shoe law."""
         return min(by_law[i].friction for i in group.members)
 
@@ -83,20 +83,20 @@ def distance_of_friction_from_self_locking(
     limits, sought = [], friction / WARNED_SHARE
     if friction > NEAR_LAW * law.friction:
         sought = friction * FURTHEST_SEARCH
-    for group in sorted(groups, key=law_of_group):
+    for group in sorted(groups, key=rigid_law_locking_friction_of_group):
         shoes = tuple(brake.shoes[i].name for i in group.members)
-        limits.append(LockedShoes(shoes, _elastic_limit_of_group(group, sought)))
+        limits.append(LockedShoes(shoes, _locking_friction_of_elastic_group(group, sought)))
         sought = min(sought, limits[-1].friction)
     return SelfLocking(friction, law, first_shoes_to_lock(limits), sought, scaled)
 
 
-def _is_limit_of_group_cheap(group: ShoeGroup) -> bool:
+def _is_locking_friction_of_group_cheap(group: ShoeGroup) -> bool:
     """Whether the elastic limit of a group takes only a few contact solves of moderate size."""
     nodes = len(group.contact_node_areas)
     return group.has_neither_strut_cam_nor_abutment and nodes <= COARSE_PATH_ABOVE_NODES
 
 
-def _elastic_limit_of_group(group: ShoeGroup, sought: float) -> float:
+def _locking_friction_of_elastic_group(group: ShoeGroup, sought: float) -> float:
     """The friction at which a group of elastic shoes locks itself; inf if it is above `sought`.
 
     Raises NoAnswer if the group has no solution at the friction of its brake.
@@ -105,12 +105,14 @@ def _elastic_limit_of_group(group: ShoeGroup, sought: float) -> float:
     # If this direct solution does not converge, the slower search below decides.
     with suppress(NoAnswer):
         contact = solve_contact_by_block_pivoting(group.contact_problem_of_group)
-        if contact.stable and is_contact_certain_up_to_friction(problem_at, contact, sought, areas):
+        if contact.stable and is_equilibrium_certain_up_to_friction(
+            problem_at, contact, sought, areas
+        ):
             return math.inf
     # The limit may be near. The search follows the solution that growing friction reaches, which
     # takes longer.
-    contact = group.solve_contact_for_known_friction_senses()
-    limit = find_friction_limit_of_contact(
+    contact = group.solve_contact_for_given_abutment_friction()
+    limit = find_largest_friction_with_equilibrium(
         group.contact_problem_as_function_of_friction,
         sought,
         (group.brake.friction, contact),

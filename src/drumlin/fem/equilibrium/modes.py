@@ -8,7 +8,10 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 from drumlin.brake.support import displacements_in_rigid_body_motions
-from drumlin.fem.preparation.bodies import ShoeSubstructure, moment_of_further_loads_about_pin
+from drumlin.fem.preparation.bodies import (
+    ShoeSubstructure,
+    moment_of_loads_besides_actuation_about_pin,
+)
 
 
 class RigidBodyModes(NamedTuple):
@@ -45,7 +48,7 @@ def pin_motions_by_rigid_body_motions(shoe: Shoe, motions: Floats) -> Floats:
     turn of the shoe in the sense of that frame.
     """
     at_point = displacements_in_rigid_body_motions(motions, shoe.pin.xy[:, None])
-    in_shoe = shoe.frame.convert_to_shoe_frame(np.moveaxis(at_point, 0, -1))
+    in_shoe = shoe.frame.convert_vectors_to_shoe_frame(np.moveaxis(at_point, 0, -1))
     u = in_shoe[0]  # (k, 2)
     return np.vstack([u.T, shoe.frame.sense * motions[:, 2]])
 
@@ -61,14 +64,14 @@ def make_rigid_body_modes(
     shoe : the shoe
     moment : moment of the actuation about the pin [m], per newton of its force
     sense : direction of the friction at an abutment: +1 or -1 along its face, 0 if the foot sticks,
-        see `Held.freedoms`
+        see `Held.rigid_body_modes_of_support`
     """
     if shoe.kind_of_support == "hinge":
         return _rigid_body_mode_of_turn_about_pin(body, shoe, moment)
     # A shoe that a strut pushes has no actuation force of its own. Its modes are made for a unit
     # force.
     loaded = shoe if shoe.actuation.force else shoe.shoe_with_changed_actuation_force(1.0)
-    free = loaded.freedoms(sense)
+    free = loaded.rigid_body_modes_of_support(sense)
     size = abs(shoe.actuation.force) or 1.0
     modes = RigidBodyModes(
         contact_modes=_contact_node_displacements_by_motions(body, shoe, free.motions),
@@ -95,8 +98,8 @@ def _contact_node_displacements_by_motions(
 
     The displacements are in the frame of the shoe. `motions` (k, 3) are in the frame of the brake.
     """
-    xy = shoe.points(body.line.xy)
-    u = shoe.frame.convert_to_shoe_frame(
+    xy = shoe.convert_points_to_brake_frame(body.line.xy)
+    u = shoe.frame.convert_vectors_to_shoe_frame(
         np.moveaxis(displacements_in_rigid_body_motions(motions, xy), 0, -1)
     )  # (n, k, 2)
     return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
@@ -110,5 +113,8 @@ def _rigid_body_mode_of_turn_about_pin(
     `moment` [m] is the moment of the actuation about the pin, per newton of its force.
     """
     turned = body.rotation_mode[:, None]
-    work, further = np.array([moment]), np.array([moment_of_further_loads_about_pin(shoe)])
+    work, further = (
+        np.array([moment]),
+        np.array([moment_of_loads_besides_actuation_about_pin(shoe)]),
+    )
     return RigidBodyModes(turned, turned, work, further, work, np.array([[0.0], [0.0], [1.0]]))

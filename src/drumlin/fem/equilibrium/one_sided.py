@@ -19,8 +19,8 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.one_sided import (
     LARGEST_PULL,
     Bearing,
-    are_motions_resisted,
-    divide_motions_by_supports,
+    divide_motions_into_held_and_free,
+    do_linings_resist_free_motions,
 )
 from drumlin.contact.equations import ContactProblem
 
@@ -74,7 +74,7 @@ class BearingSupports:
     motions_by_pressure: Floats
     motions_by_unknown: Floats
 
-    def forces_of_supports(self, p: Floats) -> Floats:
+    def forces_of_one_sided_supports(self, p: Floats) -> Floats:
         """The forces (m,) of the supports under pressures p (n,); 0 where a support is open."""
         return self.forces_without_pressure + self.forces_by_pressure @ p
 
@@ -83,12 +83,12 @@ class BearingSupports:
         by_pressure = self.motions_without_pressure + self.motions_by_pressure @ p
         return by_pressure + self.motions_by_unknown @ y
 
-    def is_bearing_as_assumed(self, p: Floats, y: Floats) -> bool:
+    def do_supports_bear_as_assumed(self, p: Floats, y: Floats) -> bool:
         """Whether no support assumed to bear pulls, and no support assumed open overlaps a shoe.
 
         p (n,) and y (k',) are the solution of the contact problem.
         """
-        of, forces = self.matrices, self.forces_of_supports(p)
+        of, forces = self.matrices, self.forces_of_one_sided_supports(p)
         parts = [
             of.opening,
             of.opening_by_pressure @ p,
@@ -103,7 +103,7 @@ class BearingSupports:
         return not (pulls.any() or overlaps.any())
 
 
-def contact_problem_on_bearing_supports(
+def contact_problem_on_supports_that_bear(
     problem: ContactProblem, matrices: SupportMatrices, bearing: Bearing
 ) -> BearingSupports | None:
     """Make the contact problem of a group of shoes on the one-sided supports that bear.
@@ -119,12 +119,12 @@ def contact_problem_on_bearing_supports(
     """
     A, q, B, C, h = problem
     on = np.flatnonzero(bearing)
-    motions = divide_motions_by_supports(matrices.opening_by_motion[on], matrices.sizes)
+    motions = divide_motions_into_held_and_free(matrices.opening_by_motion[on], matrices.sizes)
     if motions is None:
         return None
     free, held = motions
     scale = float(np.linalg.norm(B * matrices.sizes, axis=0).max())
-    if not are_motions_resisted(B @ free, scale):
+    if not do_linings_resist_free_motions(B @ free, scale):
         return None
     # The equilibria in the motions that the bearing supports prevent give the forces of these
     # supports.

@@ -11,7 +11,7 @@ from drumlin.contact.active_set import Contact
 from drumlin.contact.pressure_friction import (
     FRICTION_TOLERANCE,
     NodalFriction,
-    solve_contact_with_friction_over_pressure,
+    solve_contact_with_pressure_dependent_friction,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, SolvedGroup
 
@@ -24,7 +24,9 @@ one or two repetitions. A brake that needs more than this number is refused.
 """
 
 
-def solve_group_with_its_friction(group: ShoeGroup, first: Bools | None = None) -> SolvedGroup:
+def solve_shoe_group_with_lining_friction(
+    group: ShoeGroup, first: Bools | None = None
+) -> SolvedGroup:
     """Solve the contact of a group whose linings have constant or pressure-dependent friction.
 
     The result has the friction coefficient of each node if friction depends on the pressure.
@@ -32,23 +34,25 @@ def solve_group_with_its_friction(group: ShoeGroup, first: Bools | None = None) 
     `ShoeGroup.solve_contact_and_abutment_friction` does, and if the friction at the nodes does not
     converge to within FRICTION_TOLERANCE of the friction that belongs to the pressures.
     """
-    curves = [group.brake.friction_curve_of_shoe(shoe) for shoe in group.shoes]
+    curves = [group.brake.friction_over_pressure_of_shoe(shoe) for shoe in group.shoes]
     if all(len(curve.mu) == 1 for curve in curves):
         return group.solve_contact_and_abutment_friction(first)
-    start, settled = _solve_at_least_or_largest_friction(group, curves, first)
+    start, settled = _solve_group_at_least_or_largest_friction(group, curves, first)
     for _ in range(MOST_CHANGES_OF_SUPPORT):
-        contact = _contact_with_friction_of_its_pressures(settled, curves, start)
-        friction = _friction_at_nodes(settled.group, curves, contact.p).coefficient
+        contact = _contact_whose_friction_fits_its_pressures(settled, curves, start)
+        friction = _friction_and_its_slopes_at_nodes(settled.group, curves, contact.p).coefficient
         # The contact is solved once more at these fixed coefficients, as for any other brake. This
         # solve checks that the solution is the one that friction growing from zero reaches.
-        settled = _solve_at_nodal_friction(settled.group, friction, contact.active)
-        reached = _friction_at_nodes(settled.group, curves, settled.contact.p).coefficient
+        settled = _solve_group_at_nodal_friction(settled.group, friction, contact.active)
+        reached = _friction_and_its_slopes_at_nodes(
+            settled.group, curves, settled.contact.p
+        ).coefficient
         if np.abs(reached - friction).max() <= FRICTION_TOLERANCE * friction.max():
             return settled
     raise NoAnswer(f"{group.names_of_shoes}: friction and pressure do not agree, not converged")
 
 
-def _solve_at_least_or_largest_friction(
+def _solve_group_at_least_or_largest_friction(
     group: ShoeGroup, curves: list[FrictionCurve], first: Bools | None
 ) -> tuple[Floats, SolvedGroup]:
     """Solve a group with the least friction of each lining's curve, or, failing that, the largest.
@@ -61,15 +65,15 @@ def _solve_at_least_or_largest_friction(
     least = np.repeat([curve.mu.min() for curve in curves], counts)
     largest = np.repeat([curve.mu.max() for curve in curves], counts)
     try:
-        return least, _solve_at_nodal_friction(group, least, first)
+        return least, _solve_group_at_nodal_friction(group, least, first)
     except NoAnswer as error:
         try:
-            return largest, _solve_at_nodal_friction(group, largest, first)
+            return largest, _solve_group_at_nodal_friction(group, largest, first)
         except NoAnswer:
             raise error from None
 
 
-def _solve_at_nodal_friction(
+def _solve_group_at_nodal_friction(
     group: ShoeGroup, friction: Floats, first: Bools | None
 ) -> SolvedGroup:
     """Solve a group at friction coefficients (n,) of its nodes, from a contact set (n,)."""
@@ -81,16 +85,23 @@ def _group_with_nodal_friction(group: ShoeGroup, friction: Floats) -> ShoeGroup:
     return replace(group, friction_at_nodes=friction / group.brake.friction)
 
 
-def _friction_at_nodes(group: ShoeGroup, curves: list[FrictionCurve], p: Floats) -> NodalFriction:
+def _friction_and_its_slopes_at_nodes(
+    group: ShoeGroup, curves: list[FrictionCurve], p: Floats
+) -> NodalFriction:
     """The friction coefficients at nodal pressures p (n,), and their slopes over p."""
     size, parts = group.largest_actuation_force, []
     for curve, nodes in zip(curves, group.contact_node_slices_of_shoes, strict=True):
         pressure = size * p[nodes]
-        parts.append(NodalFriction(curve.coefficient(pressure), size * curve.slope(pressure)))
+        parts.append(
+            NodalFriction(
+                curve.friction_coefficient_at_pressures(pressure),
+                size * curve.friction_slope_at_pressures(pressure),
+            )
+        )
     return NodalFriction(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
-def _contact_with_friction_of_its_pressures(
+def _contact_whose_friction_fits_its_pressures(
     settled: SolvedGroup, curves: list[FrictionCurve], start: Floats
 ) -> Contact:
     """The contact in which the friction at each node agrees with the pressure there.
@@ -103,9 +114,9 @@ def _contact_with_friction_of_its_pressures(
     # the effect of friction at each node.
     unit = replace(group, friction_at_nodes=np.ones(len(start)))
     try:
-        return solve_contact_with_friction_over_pressure(
+        return solve_contact_with_pressure_dependent_friction(
             unit.contact_problem_as_function_of_friction,
-            lambda p: _friction_at_nodes(group, curves, p),
+            lambda p: _friction_and_its_slopes_at_nodes(group, curves, p),
             settled.contact,
             start,
         )

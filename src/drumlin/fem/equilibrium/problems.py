@@ -8,14 +8,14 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Shoe
-from drumlin.brake.one_sided import Bearing, SupportForce, forces_of_supports_on_shoe
+from drumlin.brake.one_sided import Bearing, SupportForce, forces_of_one_sided_supports_on_shoe
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.fem.equilibrium.one_sided import (
     BearingSupports,
     SupportMatrices,
-    contact_problem_on_bearing_supports,
+    contact_problem_on_supports_that_bear,
 )
 from drumlin.fem.equilibrium.sharing import (
     ForceEffects,
@@ -25,8 +25,8 @@ from drumlin.fem.equilibrium.sharing import (
 from drumlin.fem.equilibrium.state import GroupState
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    load_factors_of_further_loads,
-    load_factors_under_actuation_force,
+    load_column_factors_of_loads_besides_actuation,
+    load_column_factors_under_all_loads,
 )
 
 ROWS_AT_A_TIME = 64
@@ -59,7 +59,7 @@ class GroupProblems(GroupState):
 
         The prepared model must include friction.
         """
-        return FrictionDependentProblem.friction_dependent_problem_from_two_frictions(
+        return FrictionDependentProblem.linear_function_of_friction_from_two_problems(
             self.contact_problem_of_group_at_friction(0.0),
             self.contact_problem_of_group_at_friction(1.0),
         )
@@ -72,7 +72,7 @@ class GroupProblems(GroupState):
         supports = self._bearing_supports_at_friction(friction)
         if supports is not None:
             return supports.problem
-        sharing = self._force_sharing_at_friction(friction)
+        sharing = self._strut_and_cam_force_problem_at_friction(friction)
         return (
             self.contact_problem_with_given_actuation_forces(friction)
             if sharing is None
@@ -95,7 +95,9 @@ class GroupProblems(GroupState):
         compliance = block_diag(*A)
         if self.factors_of_ring_flexibility is not None:
             pressed, dragged = self.factors_of_ring_flexibility
-            drags = friction * self.brake.sign_of_motion * self.relative_friction_of_nodes
+            drags = (
+                friction * self.brake.sign_of_motion * self.friction_of_nodes_over_brake_friction
+            )
             compliance += pressed.T @ (pressed + drags * dragged)
         return ContactProblem(
             compliance, np.concatenate(q), block_diag(*B), block_diag(*C), np.concatenate(h)
@@ -104,7 +106,10 @@ class GroupProblems(GroupState):
     def _contact_problem_of_single_shoe(self, k: int, friction: float) -> ContactProblem:
         """The contact problem of shoe `k` alone on a rigid drum, at a friction coefficient."""
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
-        terms, closures = self.terms_independent_of_friction[k], self.gap_closures_of_test_modes[k]
+        terms, closures = (
+            self.contact_terms_independent_of_friction[k],
+            self.gap_closures_of_test_modes[k],
+        )
         A = _shoe_compliance_with_penalty(
             self.substructures_of_shoes[k], drag, self.contact_stiffness_per_area_of_shoes[k]
         )
@@ -119,7 +124,7 @@ class GroupProblems(GroupState):
         It is an array (n_k,) if the coefficient differs from node to node. `friction` is the
         friction coefficient of the brake.
         """
-        own: float | Floats = friction * self.relative_friction_of_each_shoe[k]
+        own: float | Floats = friction * self.friction_of_each_shoe_over_brake_friction[k]
         if self.friction_at_nodes is not None:
             own = friction * self.friction_at_nodes[self.contact_node_slices_of_shoes[k]]
         return own * self.brake.sign_of_motion * self.shoes[k].frame.sense
@@ -127,16 +132,19 @@ class GroupProblems(GroupState):
     # The following methods treat the forces of struts and of a cam.
 
     @cached_property
-    def force_sharing_by_struts_and_cam(self) -> ForceSharing | None:
+    def strut_and_cam_force_problem(self) -> ForceSharing | None:
         """The strut and cam forces, and the contact problem with them; None if there are none."""
-        return self._force_sharing_at_friction(self.brake.friction)
+        return self._strut_and_cam_force_problem_at_friction(self.brake.friction)
 
-    def _force_sharing_at_friction(self, friction: float) -> ForceSharing | None:
+    def _strut_and_cam_force_problem_at_friction(self, friction: float) -> ForceSharing | None:
         """The strut and cam forces, and the contact problem with them; None if there are none.
 
         All matrices hold at the friction coefficient `friction` of the brake.
         """
-        if not self.pushing_and_pushed_shoe_of_struts and not self.indices_of_shoes_under_cam:
+        if (
+            not self.indices_of_pushing_and_pushed_shoe_of_struts
+            and not self.indices_of_shoes_under_cam
+        ):
             return None
         blocks, effects = (
             self.contact_problem_with_given_actuation_forces(friction),
@@ -145,8 +153,8 @@ class GroupProblems(GroupState):
         return make_contact_problem_with_strut_and_cam_forces(
             blocks,
             effects,
-            self.relative_actuation_forces_of_file,
-            self.pushing_and_pushed_shoe_of_struts,
+            self.actuation_forces_of_file_over_largest_force,
+            self.indices_of_pushing_and_pushed_shoe_of_struts,
             self.indices_of_shoes_under_cam,
             self.relative_sum_of_cam_forces,
         )
@@ -178,17 +186,23 @@ class GroupProblems(GroupState):
         )[:2].T  # (n, 2)
         bearing, direct, borne = np.zeros(len(tip)), 0.0, 0.0
         further = np.zeros(len(load))
-        if shoe.has_further_loads:
-            further = load_factors_of_further_loads(body, shoe) / self.largest_actuation_force
+        if shoe.has_loads_besides_actuation:
+            further = (
+                load_column_factors_of_loads_besides_actuation(body, shoe)
+                / self.largest_actuation_force
+            )
         if shoe.abutment is not None:
             bearing = (
-                -shoe.frame.convert_to_brake_frame(contact)
-                @ shoe.unit_vector_of_abutment_force_on_foot
+                -shoe.frame.convert_vectors_to_brake_frame(contact)
+                @ shoe.unit_vector_of_smooth_abutment_force
             )
             direct = -float(
-                shoe.unit_vector_of_abutment_force_on_foot @ shoe.actuation.unit_vector_of_force
+                shoe.unit_vector_of_smooth_abutment_force @ shoe.actuation.unit_vector_of_force
             )
-            of_loads = shoe.unit_vector_of_abutment_force_on_foot @ shoe.further_load[:2]
+            of_loads = (
+                shoe.unit_vector_of_smooth_abutment_force
+                @ shoe.resultant_of_loads_besides_actuation[:2]
+            )
             borne = -float(of_loads) / self.largest_actuation_force
         return ForceEffects(
             nodes=self.contact_node_slices_of_shoes[k],
@@ -219,31 +233,36 @@ class GroupProblems(GroupState):
 
     # The following methods treat supports that push and cannot pull.
 
-    def support_matrices_at_friction(self, friction: float) -> SupportMatrices:
+    def one_sided_support_matrices_at_friction(self, friction: float) -> SupportMatrices:
         """The effects of the one-sided supports of the group at a friction coefficient.
 
         The effects are linear in the friction coefficient.
         """
         count, n = len(self.one_sided_supports), len(self.contact_node_areas)
         sizes = np.concatenate(
-            [self._motion_amounts_for_unit_displacement(shoe) for shoe in self.shoes]
+            [self._mode_amounts_that_move_shoe_about_one_metre(shoe) for shoe in self.shoes]
         )
         opening, by_pressure = np.zeros(count), np.zeros((count, n))
         by_motion, gap = np.zeros((count, len(sizes))), np.zeros((n, count))
         loads = []
         for j, support in enumerate(self.one_sided_supports):
             opening[j] = support.clearance / self.largest_actuation_force
-            loads.append({side.shoe: self.load_factors_of_push(side) for side in support.sides})
+            loads.append(
+                {
+                    side.shoe: self.load_column_factors_of_support_push(side)
+                    for side in support.sides
+                }
+            )
             for side in support.sides:
                 k, load = side.shoe, loads[j][side.shoe]
                 nodes, body = self.contact_node_slices_of_shoes[k], self.substructures_of_shoes[k]
                 force = self.shoes[k].actuation.force
-                acting = load_factors_under_actuation_force(body, self.shoes[k], force)
+                acting = load_column_factors_under_all_loads(body, self.shoes[k], force)
                 travel = load @ body.load_motion_by_load @ acting
                 opening[j] += travel / self.largest_actuation_force
                 by_pressure[j, nodes] = self._load_point_travel_by_pressure(k, load, friction)
                 modes = self.rigid_body_mode_slices_of_shoes[k]
-                by_motion[j, modes] = self.work_of_push_on_modes(k, side.push)
+                by_motion[j, modes] = self.work_of_support_push_on_shoe_modes(k, side.push)
                 gap[nodes, j] = -(body.closure_by_load @ load)
         by_force = np.zeros((count, count))
         for i, j in product(range(count), repeat=2):
@@ -252,12 +271,12 @@ class GroupProblems(GroupState):
                 by_force[i, j] += loads[i][k] @ body.load_motion_by_load @ loads[j][k]
         return SupportMatrices(opening, by_pressure, by_force, by_motion, gap, sizes)
 
-    def _motion_amounts_for_unit_displacement(self, shoe: Shoe) -> Floats:
+    def _mode_amounts_that_move_shoe_about_one_metre(self, shoe: Shoe) -> Floats:
         """The amount (k,) of each rigid-body motion of a shoe by which its points move about 1 m.
 
         A turn is taken to move a point at the distance of the drum's radius, or of a plane's size.
         """
-        turns = np.isin(shoe.freedoms().names, ["turn", "tilt"])
+        turns = np.isin(shoe.rigid_body_modes_of_support().names, ["turn", "tilt"])
         return np.where(turns, 1 / self.brake.size, 1.0)
 
     @cached_property
@@ -273,7 +292,7 @@ class GroupProblems(GroupState):
         """
         if not self.one_sided_supports:
             return None
-        found = self.contact_on_supports_if_held(self.bearing, friction)
+        found = self.contact_problem_on_given_supports_or_none(self.bearing, friction)
         if found is None:
             raise RuntimeError(
                 f"{self.names_of_shoes}: it is not known which supports bear, "
@@ -281,15 +300,15 @@ class GroupProblems(GroupState):
             )
         return found
 
-    def contact_on_supports_if_held(
+    def contact_problem_on_given_supports_or_none(
         self, bearing: Bearing, friction: float
     ) -> BearingSupports | None:
         """The contact problem on chosen bearing supports; None if they do not hold the shoes."""
         if len(bearing) != len(self.one_sided_supports):
             return None
-        return contact_problem_on_bearing_supports(
+        return contact_problem_on_supports_that_bear(
             self.contact_problem_with_given_actuation_forces(friction),
-            self.support_matrices_at_friction(friction),
+            self.one_sided_support_matrices_at_friction(friction),
             bearing,
         )
 
@@ -300,8 +319,10 @@ class GroupProblems(GroupState):
         """
         if self.bearing_supports is None:
             return ()
-        forces = self.largest_actuation_force * self.bearing_supports.forces_of_supports(p)
-        return forces_of_supports_on_shoe(self.one_sided_supports, forces, k)
+        forces = self.largest_actuation_force * self.bearing_supports.forces_of_one_sided_supports(
+            p
+        )
+        return forces_of_one_sided_supports_on_shoe(self.one_sided_supports, forces, k)
 
     def actuation_forces_under_contact_pressures(self, p: Floats) -> Floats:
         """The actuation force (shoes,) of each shoe under pressures p (n,).
@@ -309,9 +330,9 @@ class GroupProblems(GroupState):
         Forces and pressures are per newton of `largest_actuation_force`.
         """
         return (
-            self.relative_actuation_forces_of_file
-            if self.force_sharing_by_struts_and_cam is None
-            else self.force_sharing_by_struts_and_cam.actuation_forces_under_contact_pressures(p)
+            self.actuation_forces_of_file_over_largest_force
+            if self.strut_and_cam_force_problem is None
+            else self.strut_and_cam_force_problem.actuation_forces_under_contact_pressures(p)
         )
 
     def rigid_body_coordinates_of_each_shoe(self, contact: Contact) -> list[Floats]:
@@ -323,8 +344,8 @@ class GroupProblems(GroupState):
         y = contact.y
         if self.bearing_supports is not None:
             y = self.bearing_supports.rigid_body_motions(contact.p, contact.y)
-        if self.force_sharing_by_struts_and_cam is not None:
-            y = self.force_sharing_by_struts_and_cam.rigid_body_coordinates_from_contact_solution(
+        if self.strut_and_cam_force_problem is not None:
+            y = self.strut_and_cam_force_problem.rigid_body_coordinates_from_contact_solution(
                 contact.p, contact.y
             )
         return [y[part] for part in self.rigid_body_mode_slices_of_shoes]

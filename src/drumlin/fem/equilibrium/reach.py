@@ -54,7 +54,7 @@ def require_small_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, momen
     _require_small_turn_of_shoe(shoe, float(turns.min()))
 
 
-def require_small_turns_in_solution(
+def require_small_shoe_turns_in_contact_solution(
     shoe: Shoe, sense: int, gap: Floats, coordinates: Floats
 ) -> None:
     """Raise NoAnswer if a shoe turns too far in the solution of its contact.
@@ -67,13 +67,13 @@ def require_small_turns_in_solution(
     ----------
     shoe : the shoe
     sense : direction of the friction at its abutment: +1 or -1 along the face, 0 if the foot
-        sticks, see `Held.freedoms`
+        sticks, see `Held.rigid_body_modes_of_support`
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
     coordinates : generalised coordinates (k,) [rad, m] of the shoe in the solution
     """
     if (shoe.kind_of_support in {"hinge", "guide"} and not shoe.flat) or (gap <= 0).any():
         return
-    turns = coordinates[np.isin(shoe.freedoms(sense).names, ["turn", "tilt"])]
+    turns = coordinates[np.isin(shoe.rigid_body_modes_of_support(sense).names, ["turn", "tilt"])]
     # A shoe on a pivot turns with its lever and tilts on the lever. Each of the two turns counts,
     # and so does their sum.
     _require_small_turn_of_shoe(shoe, max(map(abs, (*turns, sum(turns)))))

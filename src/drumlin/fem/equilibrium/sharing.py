@@ -136,7 +136,7 @@ def make_contact_problem_with_strut_and_cam_forces(
     cam_force_sum : sum of the cam's forces
     """
     forces = _actuation_forces_linear_in_pressures(problem, effects, own_forces, struts, cam_shoes)
-    with_forces = _contact_problem_with_forces_replaced(problem, effects, own_forces, forces)
+    with_forces = _replace_actuation_forces_in_contact_problem(problem, effects, own_forces, forces)
     n, k = problem.B.shape
     if not cam_shoes:
         return ForceSharing(with_forces, *forces, np.eye(k), np.zeros((k, n)), np.zeros(k))
@@ -162,7 +162,7 @@ def _actuation_forces_linear_in_pressures(
     # which the force does most work.
     for i in cam_shoes:
         shoe = effects[i]
-        main = _index_of_main_rigid_body_mode(problem, shoe)
+        main = _index_of_mode_replaced_by_cam_travel(problem, shoe)
         by_pressure[i] = -problem.C[shoe.modes][main] / shoe.work[main]
         # Springs, weight and further forces also do work on the main mode, which the cam has to
         # balance.
@@ -178,7 +178,7 @@ def _actuation_forces_linear_in_pressures(
     return _LinearForces(fixed, by_pressure)
 
 
-def _contact_problem_with_forces_replaced(
+def _replace_actuation_forces_in_contact_problem(
     problem: ContactProblem, effects: list[ForceEffects], own_forces: Floats, forces: _LinearForces
 ) -> ContactProblem:
     """Return a contact problem with strut and cam forces in place of the shoes' own forces (m,).
@@ -229,7 +229,7 @@ def _contact_problem_with_cam_travel_as_unknown(
     mains = []
     for i in cam_shoes:
         shoe = effects[i]
-        mode = _index_of_main_rigid_body_mode(blocks, shoe)
+        mode = _index_of_mode_replaced_by_cam_travel(blocks, shoe)
         main = shoe.modes.start + mode
         mains.append(main)
         size = shoe.tip_travel_by_modes[mode]
@@ -321,7 +321,7 @@ def contact_matrix_with_forces_as_unknowns(
     return matrix
 
 
-def _index_of_main_rigid_body_mode(blocks: ContactProblem, shoe: ForceEffects) -> int:
+def _index_of_mode_replaced_by_cam_travel(blocks: ContactProblem, shoe: ForceEffects) -> int:
     """The number, within a shoe, of the rigid-body mode that the travel of a cam replaces.
 
     On this main mode the force does most work, relative to the squared effect of the mode on the

@@ -14,8 +14,8 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.further_loads import brake_with_spring_pulls
-from drumlin.fem.preparation.bodies import ShoeSubstructure, load_factors_of_force_at_point
+from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
+from drumlin.fem.preparation.bodies import ShoeSubstructure, load_column_factors_of_force_at_point
 
 SETTLED_PULL = 1e-12
 """Largest error of a spring's pull, relative to the largest force, at which the iteration ends.
@@ -30,7 +30,7 @@ MOST_SPRING_STEPS = 40
 Answer = TypeVar("Answer")
 
 
-def settle_spring_pulls(
+def find_spring_pulls_that_fit_shoe_motions(
     brake: Brake, solve: Callable[[Brake], tuple[Answer, Floats]]
 ) -> tuple[Answer, tuple[float, ...]]:
     """Find the pulls of all springs that agree with the motions of the springs' points.
@@ -52,11 +52,11 @@ def settle_spring_pulls(
     """
     preloads = np.array([spring.preload for spring in brake.springs])
     rates = np.array([spring.rate for spring in brake.springs])
-    largest = max(*np.abs(preloads), *(shoe.largest_load for shoe in brake.shoes))
+    largest = max(*np.abs(preloads), *(shoe.largest_force_of_any_load for shoe in brake.shoes))
     pulls, inverse = preloads.copy(), -np.eye(len(preloads))
     step = excess = np.zeros(len(preloads))
     for count in range(MOST_SPRING_STEPS):
-        answer, approach = solve(brake_with_spring_pulls(brake, pulls.tolist()))
+        answer, approach = solve(brake_with_loads_assigned_to_shoes(brake, pulls.tolist()))
         before, excess = excess, preloads - rates * approach - pulls
         if np.abs(excess).max() <= SETTLED_PULL * largest:
             _check_springs_are_not_slack(preloads, pulls)
@@ -84,7 +84,7 @@ def _check_springs_are_not_slack(preloads: Floats, pulls: Floats) -> None:
             )
 
 
-def approach_of_spring_points_by_shoe(
+def displacement_of_spring_points_along_pulls(
     brake: Brake, shoe: Shoe, body: ShoeSubstructure, elastic: Floats, pin_motion: Floats
 ) -> Floats:
     """The displacement (springs,) [m] of each spring's point on a shoe along the spring's pull.
@@ -102,14 +102,16 @@ def approach_of_spring_points_by_shoe(
     # The forces of springs follow the further forces of the shoe itself, in the springs' order.
     index = len(shoe.forces)
     for j, spring in enumerate(brake.springs):
-        pull = spring.force_on_shoe(shoe.name, 1.0)
+        pull = spring.spring_or_lever_force_on_shoe(shoe.name, 1.0)
         if pull is None:
             continue
-        at_own_place = load_factors_of_force_at_point(body, shoe, index, pull)
+        at_own_place = load_column_factors_of_force_at_point(body, shoe, index, pull)
         index += 1
         fx, fy, moment = pull.resultant.tolist()
         about_pin = shoe.frame.sense * (moment - (shoe.pin.x * fy - shoe.pin.y * fx))
-        at_pin = np.array([*shoe.frame.convert_to_shoe_frame(pull.resultant[:2]), about_pin])
+        at_pin = np.array(
+            [*shoe.frame.convert_vectors_to_shoe_frame(pull.resultant[:2]), about_pin]
+        )
         found[j] = at_own_place @ elastic + at_pin @ pin_motion
     return found
 

@@ -21,14 +21,14 @@ from drumlin.brake.one_sided import (
     OneSidedSupport,
     SideOfSupport,
     one_sided_supports_of_brake,
-    work_of_push_in_motions,
+    work_of_support_push_in_rigid_body_modes,
 )
 from drumlin.fem.equilibrium.modes import RigidBodyModes, make_rigid_body_modes
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    load_factors_and_pin_moment_per_newton,
-    load_factors_of_push_on_shoe,
-    load_factors_under_actuation_force,
+    load_column_factors_and_pin_moment_per_newton,
+    load_column_factors_of_one_sided_support_push,
+    load_column_factors_under_all_loads,
     penalty_stiffness_of_contact_per_area,
 )
 from drumlin.fem.preparation.scene import PreparedModel
@@ -131,7 +131,7 @@ class GroupState:
     @property
     def names_of_shoes(self) -> str:
         """The names of the shoes as a text, with which error messages begin."""
-        return self.brake.names(self.members)
+        return self.brake.names_of_shoes_with_indices(self.members)
 
     @property
     def has_abutment_with_friction(self) -> bool:
@@ -153,31 +153,35 @@ class GroupState:
         return self.friction_senses or (1,) * len(self.members)
 
     @cached_property
-    def relative_friction_of_each_shoe(self) -> tuple[float, ...]:
+    def friction_of_each_shoe_over_brake_friction(self) -> tuple[float, ...]:
         """The friction coefficient of each shoe's lining divided by that of the brake."""
         return self.relative_frictions or tuple(
-            map(self.brake.relative_friction_of_shoe, self.shoes)
+            map(self.brake.shoe_friction_over_brake_friction, self.shoes)
         )
 
     @property
-    def drag_at_nodes(self) -> Floats:
+    def friction_stress_over_pressure_at_nodes(self) -> Floats:
         """The friction stress (n,) per pressure at each contact node, along growing theta."""
-        return self.brake.friction * self.brake.sign_of_motion * self.relative_friction_of_nodes
+        return (
+            self.brake.friction
+            * self.brake.sign_of_motion
+            * self.friction_of_nodes_over_brake_friction
+        )
 
-    def dragging_pressures_of_shoe(self, k: int, p: Floats) -> Floats:
+    def friction_stress_over_coefficient_of_shoe(self, k: int, p: Floats) -> Floats:
         """The friction stress (n_k,) on shoe `k`, divided by the shoe's friction coefficient.
 
         It equals the pressures p (n_k,), unless the coefficient differs from node to node.
         """
-        return np.asarray(self.friction_ratios_at_nodes_of_shoe(k) * p)
+        return np.asarray(self.node_friction_over_shoe_friction(k) * p)
 
-    def friction_ratios_at_nodes_of_shoe(self, k: int) -> Floats:
+    def node_friction_over_shoe_friction(self, k: int) -> Floats:
         """The friction coefficient (n_k,) at each node of shoe `k`, divided by that of the shoe."""
         nodes = self.contact_node_slices_of_shoes[k]
         if self.friction_at_nodes is None:
             return np.ones(nodes.stop - nodes.start)
         own = self.friction_at_nodes[nodes]
-        return np.asarray(own / self.relative_friction_of_each_shoe[k])
+        return np.asarray(own / self.friction_of_each_shoe_over_brake_friction[k])
 
     # These properties give the indices of each shoe's unknowns among the unknowns of the group.
 
@@ -200,10 +204,10 @@ class GroupState:
     @cached_property
     def largest_actuation_force(self) -> float:
         """The largest force [N] on a shoe, to which the group's contact problems are scaled."""
-        return max(shoe.largest_load for shoe in self.shoes)
+        return max(shoe.largest_force_of_any_load for shoe in self.shoes)
 
     @cached_property
-    def relative_actuation_forces_of_file(self) -> Floats:
+    def actuation_forces_of_file_over_largest_force(self) -> Floats:
         """The actuation forces (shoes,) of the brake file, divided by `largest_actuation_force`."""
         return (
             np.array([shoe.actuation.force for shoe in self.shoes]) / self.largest_actuation_force
@@ -215,7 +219,9 @@ class GroupState:
         return tuple(
             UnitLoad(*each)
             for each in map(
-                load_factors_and_pin_moment_per_newton, self.substructures_of_shoes, self.shoes
+                load_column_factors_and_pin_moment_per_newton,
+                self.substructures_of_shoes,
+                self.shoes,
             )
         )
 
@@ -267,18 +273,18 @@ class GroupState:
         return tuple(closures)
 
     @cached_property
-    def terms_independent_of_friction(self) -> tuple[FrictionlessTerms, ...]:
+    def contact_terms_independent_of_friction(self) -> tuple[FrictionlessTerms, ...]:
         """The parts of each shoe's contact problem that friction does not change."""
-        return tuple(map(self._terms_of_shoe_independent_of_friction, range(len(self.members))))
+        return tuple(map(self._contact_terms_of_shoe_without_friction, range(len(self.members))))
 
-    def _terms_of_shoe_independent_of_friction(self, k: int) -> FrictionlessTerms:
+    def _contact_terms_of_shoe_without_friction(self, k: int) -> FrictionlessTerms:
         """The parts of the contact problem of shoe `k` that friction does not change."""
         body, modes = self.substructures_of_shoes[k], self.rigid_body_modes_of_shoes[k]
         own_force = self.shoes[k].actuation.force
         force = abs(own_force) / self.largest_actuation_force
         gap = body.coupling.M @ (self.gaps_of_unloaded_linings[k] / self.largest_actuation_force)
         acting = (
-            load_factors_under_actuation_force(body, self.shoes[k], own_force)
+            load_column_factors_under_all_loads(body, self.shoes[k], own_force)
             / self.largest_actuation_force
         )
         q = gap - body.closure_by_load @ acting
@@ -288,7 +294,7 @@ class GroupState:
         else:
             closure = body.coupling.N @ modes.contact_modes
         h = -force * modes.actuation_work
-        if self.shoes[k].has_further_loads:
+        if self.shoes[k].has_loads_besides_actuation:
             h = h - modes.further_work / self.largest_actuation_force
         return FrictionlessTerms(q, -closure, h)
 
@@ -306,20 +312,20 @@ class GroupState:
                 found.append(support._replace(sides=sides))
         return tuple(found)
 
-    def work_of_push_on_modes(self, k: int, push: Actuation) -> Floats:
+    def work_of_support_push_on_shoe_modes(self, k: int, push: Actuation) -> Floats:
         """The work (k,) of a one-sided support's push on the rigid-body modes of shoe `k`.
 
         For a push of 1 N it is also the opening of the support per unit of each mode.
         """
         shoe = self.shoes[k]
-        work = work_of_push_in_motions(shoe, push)
+        work = work_of_support_push_in_rigid_body_modes(shoe, push)
         work[0] *= shoe.frame.sense
         return work
 
-    def load_factors_of_push(self, side: SideOfSupport) -> Floats:
+    def load_column_factors_of_support_push(self, side: SideOfSupport) -> Floats:
         """The factors (l,) by which a shoe's load columns make up the push of a support by 1 N."""
         body, shoe = self.substructures_of_shoes[side.shoe], self.shoes[side.shoe]
-        return load_factors_of_push_on_shoe(body, shoe, side.push, self.brake.size)
+        return load_column_factors_of_one_sided_support_push(body, shoe, side.push, self.brake.size)
 
     # These properties are integrals over the linings.
 
@@ -330,15 +336,15 @@ class GroupState:
         The friction of a lining with a coefficient of its own is scaled in proportion.
         """
         levers = block_diag(*map(attrgetter("coupling.lever"), self.substructures_of_shoes)).T
-        return np.asarray(levers * self.relative_friction_of_each_shoe)
+        return np.asarray(levers * self.friction_of_each_shoe_over_brake_friction)
 
     @cached_property
-    def relative_friction_of_nodes(self) -> Floats:
+    def friction_of_nodes_over_brake_friction(self) -> Floats:
         """The friction coefficient (n,) at each contact node divided by that of the brake."""
         if self.friction_at_nodes is not None:
             return self.friction_at_nodes
         counts = [len(body.line.nodes) for body in self.substructures_of_shoes]
-        return np.repeat(self.relative_friction_of_each_shoe, counts)
+        return np.repeat(self.friction_of_each_shoe_over_brake_friction, counts)
 
     @cached_property
     def contact_node_areas(self) -> Floats:
@@ -366,7 +372,7 @@ class GroupState:
         )
 
     @cached_property
-    def pushing_and_pushed_shoe_of_struts(self) -> list[tuple[int, int]]:
+    def indices_of_pushing_and_pushed_shoe_of_struts(self) -> list[tuple[int, int]]:
         """For each strut of the group, the numbers of the pushing shoe and of the pushed shoe.
 
         The numbers are positions in the group.
@@ -386,9 +392,9 @@ class GroupState:
         The cam moves the points of actuation of these shoes by the same travel.
         """
         drive = self.brake.actuation
-        if not drive or not drive.is_cam:
+        if not drive or not drive.is_cam_or_wedge:
             return []
-        pushed_by_struts = {to for _, to in self.pushing_and_pushed_shoe_of_struts}
+        pushed_by_struts = {to for _, to in self.indices_of_pushing_and_pushed_shoe_of_struts}
         return sorted(set(range(len(self.shoes))) - pushed_by_struts)
 
     @cached_property
@@ -415,7 +421,7 @@ def unloaded_lining_gaps_at_points(xy: Floats, phi: Floats, brake: Brake, shoe: 
     shoe : the shoe of the lining
     """
     theta, radius = shoe.frame.theta(phi), brake.size
-    off = shoe.off(xy, radius)
+    off = shoe.distance_from_friction_surface(xy, radius)
     # Round-off moves nodes off the drum's radius. This must not count as a gap or an overlap.
     off = np.where(np.abs(off) < 1e-12 * radius, 0.0, off)
-    return off + clearance.unloaded_gap_of_shoe(brake, shoe, theta)
+    return off + clearance.gap_between_unloaded_lining_and_surface(brake, shoe, theta)

@@ -15,11 +15,11 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_as_text
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.error_control.estimate import SOFTER, Errors, estimate_errors_from_two_levels
+from drumlin.fem.error_control.estimate import SOFTER, Errors, estimate_errors_from_two_mesh_levels
 from drumlin.fem.error_control.levels import (
     ResponseFunction,
     SolvedLevel,
-    solve_on_finer_and_finer_levels,
+    solve_brake_on_finer_and_finer_mesh_levels,
 )
 from drumlin.fem.error_control.singular_points import reason_if_contact_is_too_short
 from drumlin.fem.hp.corner import (
@@ -33,8 +33,8 @@ from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response, ShoeResponse, length_of_edge_zone_without_peak
 from drumlin.response.resultants import (
-    edge_zone_that_does_not_count,
     largest_value_of_piecewise_polynomial,
+    length_of_edge_zone_without_pressure_errors,
 )
 
 PEAK_NEAR_END = 0.5
@@ -106,7 +106,7 @@ def solve_brake_to_tolerance(
         returned with a warning
     cache : keeps the condensed bodies of earlier solves
     levels : solved levels from coarse to fine, as an iterable that may solve them one by one; by
-        default `solve_on_finer_and_finer_levels`
+        default `solve_brake_on_finer_and_finer_mesh_levels`
 
     Raises
     ------
@@ -116,8 +116,8 @@ def solve_brake_to_tolerance(
     BadInput
         for a brake with a mesh file
     """
-    levels = levels or solve_on_finer_and_finer_levels(brake, respond, cache)
-    progress = _solve_levels_until_tolerance(brake, tolerance, levels)
+    levels = levels or solve_brake_on_finer_and_finer_mesh_levels(brake, respond, cache)
+    progress = _refine_mesh_levels_until_tolerance(brake, tolerance, levels)
     if not progress.missed:
         return SolvedLevel(progress.scene, _last_response_with_estimated_errors(progress))
     why = _shoes_with_unbounded_pressure_as_text(brake, progress.responses[-1])
@@ -131,7 +131,7 @@ def solve_brake_to_tolerance(
     return SolvedLevel(progress.scene, _last_response_with_estimated_errors(progress))
 
 
-def _solve_levels_until_tolerance(
+def _refine_mesh_levels_until_tolerance(
     brake: Brake, tolerance: Tolerance, levels: Iterable[SolvedLevel]
 ) -> _Progress:
     """Solve a brake up to the first level that meets the tolerance, or to the last level.
@@ -153,7 +153,7 @@ def _solve_levels_until_tolerance(
             if len(responses) == 1:
                 continue
             before, last = responses[-2:]
-            of_levels = estimate_errors_from_two_levels(brake, before, last)
+            of_levels = estimate_errors_from_two_mesh_levels(brake, before, last)
             error, unknown = errors_with_singular_points_included(of_levels, brake, last)
             if is_tolerance_met(error, tolerance):
                 return _Progress(scene, responses, error, unknowns, missed="")
@@ -331,7 +331,10 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
     if any(math.isclose(height, 1.0) for height in heights):
         return True
     is_high = max(heights, default=0.0) > PEAK_NEAR_END
-    return is_high and edge_zone_that_does_not_count(theta, p, order, zone, answer.slots) == 0
+    return (
+        is_high
+        and length_of_edge_zone_without_pressure_errors(theta, p, order, zone, answer.slots) == 0
+    )
 
 
 def _elements_at_ends_of_linings(answer: ShoeResponse) -> list[tuple[int, slice]]:
@@ -371,7 +374,7 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
     """
     order = answer.order
     theta, p = answer.theta, answer.pressure
-    zone = edge_zone_that_does_not_count(theta, p, order, zone, answer.slots)
+    zone = length_of_edge_zone_without_pressure_errors(theta, p, order, zone, answer.slots)
     modulus = shoe.lining.material.young_modulus_of_equivalent_half_plane
     missing = 0.0
     # Under each tip outside the end zones the exact pressure may be higher than the computed peak.

@@ -27,21 +27,21 @@ from drumlin.fem.error_control.estimate import (
     QUANTITIES,
     Errors,
     Factors,
-    errors_from_differences,
-    relative_differences_of_two_levels,
+    estimate_errors_from_response_differences,
+    relative_differences_of_responses_on_two_levels,
 )
 from drumlin.fem.error_control.levels import (
     LEVELS,
     ResponseFunction,
     SolvedLevel,
-    solve_on_finer_and_finer_levels,
+    solve_brake_on_finer_and_finer_mesh_levels,
 )
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.corner import response_with_power_laws_at_corners
 from drumlin.fem.hp.division import Level
 from drumlin.fem.mesh.degree import nodal_basis_of_shoe_mesh
 from drumlin.fem.mesh.from_file import mean_compression_of_lining
-from drumlin.fem.mesh.smooth_outline import moves_onto_smooth_outline
+from drumlin.fem.mesh.smooth_outline import node_displacements_onto_smooth_outline
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.meshes import ELEMENTS, RaisedDegree, read_mesh_file_of_shoe
@@ -109,7 +109,7 @@ reaction by 5e-7. If the limit is far larger, the errors of straight sides are n
 """
 
 
-def solve_meshes_of_files(
+def solve_brake_on_mesh_files(
     brake: Brake, respond: ResponseFunction, tolerance: float | None, cache: Cache | None = None
 ) -> SolvedLevel:
     """Solve a brake on the meshes of its shoes' files, with stated errors.
@@ -140,7 +140,9 @@ def solve_meshes_of_files(
     error: Errors | None = None
     stopped = ""
     prepare = partial(prepared_model_of_mesh_files, brake, cache=cache)
-    levels = solve_on_finer_and_finer_levels(brake, respond, cache, MESH_LEVELS, prepare=prepare)
+    levels = solve_brake_on_finer_and_finer_mesh_levels(
+        brake, respond, cache, MESH_LEVELS, prepare=prepare
+    )
     try:
         for scene, response in levels:
             responses.append(response_with_power_laws_at_corners(brake, response))
@@ -148,11 +150,11 @@ def solve_meshes_of_files(
             if len(responses) == 1:
                 continue
             if len(responses) == 2:
-                shape = _errors_of_straight_sides(brake, respond, responses[0], cache)
-                shape = shape + _errors_of_rounded_coordinates(brake, cache)
+                shape = _errors_by_straight_element_sides(brake, respond, responses[0], cache)
+                shape = shape + _errors_by_rounded_mesh_coordinates(brake, cache)
                 shape = shape + _errors_of_gaps_below_rounding(brake, responses[0], cache)
-            error = _errors_of_last_level(brake, responses, shape)
-            of_level = _errors_of_last_level(brake, responses, 0.0)
+            error = _estimated_errors_on_last_mesh_level(brake, responses, shape)
+            of_level = _estimated_errors_on_last_mesh_level(brake, responses, 0.0)
             if not _would_further_level_help(error, of_level, aim):
                 break
     except NoAnswer as refusal:
@@ -212,17 +214,19 @@ def prepared_model_of_mesh_files(
         raise NoAnswer(f"at degree {level.degree}: {refusal}") from refusal
 
 
-def _errors_of_last_level(brake: Brake, responses: list[Response], shape: Floats | float) -> Errors:
+def _estimated_errors_on_last_mesh_level(
+    brake: Brake, responses: list[Response], shape: Floats | float
+) -> Errors:
     """The estimated errors of the response on the last of at least two levels.
 
     `shape` are the errors (1 + 4 shoes,) by straight sides and by rounded coordinates.
     """
     *former, before, last = responses
-    moved = relative_differences_of_two_levels(brake, before, last)
+    moved = relative_differences_of_responses_on_two_levels(brake, before, last)
     if former:
-        steps = relative_differences_of_two_levels(brake, former[-1], before).steps
+        steps = relative_differences_of_responses_on_two_levels(brake, former[-1], before).steps
         moved = moved._replace(steps=moved.steps + FORMER_SHARE * steps)
-    errors = errors_from_differences(moved, last, DEGREE_FACTORS, shape)
+    errors = estimate_errors_from_response_differences(moved, last, DEGREE_FACTORS, shape)
     return errors_with_singular_points_included(errors, brake, last)[0]
 
 
@@ -242,7 +246,7 @@ def _would_further_level_help(error: Errors, of_level: Errors, aim: Tolerance) -
     )
 
 
-def _errors_of_straight_sides(
+def _errors_by_straight_element_sides(
     brake: Brake, respond: ResponseFunction, first: Response, cache: Cache
 ) -> Floats | float:
     """The relative errors (1 + 4 shoes,) that straight sides on curved outlines cause.
@@ -250,7 +254,7 @@ def _errors_of_straight_sides(
     They are 0 if the sides already follow the curves. `first` is the response on the first level,
     whose contact is the first guess.
     """
-    if not _has_straight_sides_on_curves(brake, cache):
+    if not _has_mesh_straight_sides_on_curved_outline(brake, cache):
         return 0.0
     # Both solves have the elements of the first pass on the first level. The straight ones are
     # still in the cache.
@@ -264,7 +268,7 @@ def _errors_of_straight_sides(
         )
     except NoAnswer as refusal:
         raise NoAnswer(f"with sides that follow the curves: {refusal}") from refusal
-    moved = relative_differences_of_two_levels(brake, of_smooth, of_straight)
+    moved = relative_differences_of_responses_on_two_levels(brake, of_smooth, of_straight)
     torque, of_shoes = moved.steps[:1], moved.steps[1:].reshape(-1, len(QUANTITIES)).copy()
     pressure, peak = (QUANTITIES.index(name) for name in ("pressure", "peak"))
     # The difference of a peak may be small by accident; it counts as at least the difference of p.
@@ -274,7 +278,7 @@ def _errors_of_straight_sides(
     return factors * steps + OUTLINE_FACTORS.cancelled * moved.chance
 
 
-def _errors_of_rounded_coordinates(brake: Brake, cache: Cache) -> Floats:
+def _errors_by_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Floats:
     """The relative errors (1 + 4 shoes,) that rounded coordinates of mesh files cause."""
     of_shoes = []
     for shoe in brake.shoes:
@@ -306,13 +310,13 @@ def _errors_of_gaps_below_rounding(brake: Brake, response: Response, cache: Cach
     return np.array([0.0, *rows.ravel()])
 
 
-def _has_straight_sides_on_curves(brake: Brake, cache: Cache) -> bool:
+def _has_mesh_straight_sides_on_curved_outline(brake: Brake, cache: Cache) -> bool:
     """Whether the mesh of a file has straight sides that lie noticeably off its smooth outline."""
     for shoe in brake.shoes:
         read = read_mesh_file_of_shoe(brake, shoe, cache)
         if read is not None:
             basis = nodal_basis_of_shoe_mesh(read.mesh, MESH_LEVELS[0].degree, shoe, brake.size)
-            largest = abs(moves_onto_smooth_outline(basis)).max()
+            largest = abs(node_displacements_onto_smooth_outline(basis)).max()
             if largest > NEGLIGIBLE_MOVE * shoe.lining.thickness:
                 return True
     return False

@@ -42,7 +42,7 @@ from drumlin.response.response import (
     length_of_uncompared_edge_zone,
     reference_force_of_reaction_errors,
 )
-from drumlin.response.resultants import edge_zone_that_does_not_count
+from drumlin.response.resultants import length_of_edge_zone_without_pressure_errors
 
 QUANTITIES = ("pressure", "torque", "peak", "reaction")
 """Names of the quantities of a shoe that have a stated error.
@@ -139,7 +139,7 @@ class LevelDifferences(NamedTuple):
     chance: Floats
 
 
-def estimate_errors_from_two_levels(
+def estimate_errors_from_two_mesh_levels(
     brake: Brake, before: Response, last: Response, factors: Factors = FACTORS
 ) -> Errors:
     """Estimate the relative errors of the response `last` on the finer of two levels.
@@ -147,11 +147,11 @@ def estimate_errors_from_two_levels(
     The errors follow from the difference to the response `before` on the coarser level, and are
     meant as upper bounds.
     """
-    moved = relative_differences_of_two_levels(brake, before, last)
-    return errors_from_differences(moved, last, factors)
+    moved = relative_differences_of_responses_on_two_levels(brake, before, last)
+    return estimate_errors_from_response_differences(moved, last, factors)
 
 
-def errors_from_differences(
+def estimate_errors_from_response_differences(
     moved: LevelDifferences, last: Response, factors: Factors, further: Floats | float = 0.0
 ) -> Errors:
     """The estimated relative errors of a response, from its differences to a coarser response.
@@ -201,7 +201,9 @@ def _relative_changes_of_shoes_by_cause(shoes: Sequence[ShoeResponse], name: str
     return np.array([torque_of_brake, *chain(*rows)])
 
 
-def relative_differences_of_two_levels(brake: Brake, a: Response, b: Response) -> LevelDifferences:
+def relative_differences_of_responses_on_two_levels(
+    brake: Brake, a: Response, b: Response
+) -> LevelDifferences:
     """The relative differences of two responses of one brake, `a` and, on finer elements, `b`.
 
     The result also holds the changes that forces would have if the columns of hp elements
@@ -247,8 +249,12 @@ def _relative_shoe_response_differences_of_levels(
         pressure = float(a.pressure.any())
         return (pressure, torque, peak, reaction), (0.0,) * len(QUANTITIES)
     singular = length_of_uncompared_edge_zone(b.length_of_shortest_lining, unit)
-    edge = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, singular, b.slots)
-    peak_zone = edge_zone_that_does_not_count(b.theta, b.pressure, b.order, zone, b.slots)
+    edge = length_of_edge_zone_without_pressure_errors(
+        b.theta, b.pressure, b.order, singular, b.slots
+    )
+    peak_zone = length_of_edge_zone_without_pressure_errors(
+        b.theta, b.pressure, b.order, zone, b.slots
+    )
     step = PressureDifference.pressure_difference_of_two_responses(a, b, edge, peak_zone)
     pressure = step.relative_norm_outside_end_zones(edge)
     peak = max(peak, math.sqrt(pressure * step.relative_difference_near_peak(peak_zone)))

@@ -23,13 +23,13 @@ from drumlin.fem.error_control.estimate import (
     QUANTITIES,
     Errors,
     Factors,
-    relative_differences_of_two_levels,
+    relative_differences_of_responses_on_two_levels,
     sum_of_penalty_and_round_off_errors,
 )
 from drumlin.fem.error_control.levels import (
     LEVELS,
     ResponseFunction,
-    solve_on_finer_and_finer_levels,
+    solve_brake_on_finer_and_finer_mesh_levels,
 )
 from drumlin.fem.error_control.singular_points import (
     CONTACT_END_BITS,
@@ -72,7 +72,7 @@ def solve_on_first_level(
     `respond` computes the response on a prepared model, and `cache` keeps the condensed bodies.
     Raises NoAnswer if the first level has no solution.
     """
-    levels = solve_on_finer_and_finer_levels(brake, respond, cache, LEVELS[:1])
+    levels = solve_brake_on_finer_and_finer_mesh_levels(brake, respond, cache, LEVELS[:1])
     solved = next(levels, None)
     if solved is None:
         raise NoAnswer("the first level has no solution")
@@ -85,7 +85,7 @@ def errors_of_first_level(brake: Brake, first: Response, last: Response) -> dict
     The errors are relative and have the names of QUANTITIES. Errors at singular points, by the
     penalty and by round-off are not included.
     """
-    moved = relative_differences_of_two_levels(brake, first, last)
+    moved = relative_differences_of_responses_on_two_levels(brake, first, last)
     factors = FIRST_LEVEL_FACTORS.error_factors_of_refinement_differences(len(last.shoes))
     found = factors * moved.steps + FIRST_LEVEL_FACTORS.cancelled * moved.chance
     worst = np.reshape(found[1:], (-1, len(QUANTITIES))).max(axis=0).tolist()

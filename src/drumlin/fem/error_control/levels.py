@@ -16,7 +16,7 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Level, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
+from drumlin.fem.preparation.cache import index_of_first_shoe_of_equal_shape as equal_shapes
 from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -172,7 +172,7 @@ class SolvedLevel(NamedTuple):
     response: Response
 
 
-def solve_on_finer_and_finer_levels(
+def solve_brake_on_finer_and_finer_mesh_levels(
     brake: Brake,
     respond: ResponseFunction,
     cache: Cache | None = None,
@@ -237,20 +237,25 @@ def solve_on_finer_and_finer_levels(
             last, points = response, points_after(response)
             # The passes end when the new points agree with the points of any earlier pass. Ends of
             # the contact that return to an earlier position would otherwise alternate for ever.
-            if _do_points_agree_with_earlier_pass(brake, points_of_passes, points):
+            if _do_singular_points_repeat_earlier_pass(brake, points_of_passes, points):
                 break
         if solved is not None:
             yield solved
 
 
-def _do_points_agree_with_earlier_pass(
+def _do_singular_points_repeat_earlier_pass(
     brake: Brake, points_of_passes: Sequence[PointsByShape], points: PointsByShape
 ) -> bool:
     """Whether the singular points agree with the points of an earlier pass on the level."""
-    return any(not _has_new_singular_points(brake, earlier, points) for earlier in points_of_passes)
+    return any(
+        not _has_any_lining_new_singular_points(brake, earlier, points)
+        for earlier in points_of_passes
+    )
 
 
-def _has_new_singular_points(brake: Brake, before: PointsByShape, now: PointsByShape) -> bool:
+def _has_any_lining_new_singular_points(
+    brake: Brake, before: PointsByShape, now: PointsByShape
+) -> bool:
     """Whether the pressure has singular points where the elements on which it was solved are large.
 
     Such a point is an end of the contact that has moved by more than UNRESOLVED_LENGTH, or a kink
@@ -264,12 +269,12 @@ def _has_new_singular_points(brake: Brake, before: PointsByShape, now: PointsByS
     now : singular points of the response on this division
     """
     return any(
-        _has_new_singular_points_on_lining(brake.shoes[i].arcs, before[i], points)
+        _has_lining_new_singular_points(brake.shoes[i].arcs, before[i], points)
         for i, points in now.items()
     )
 
 
-def _has_new_singular_points_on_lining(
+def _has_lining_new_singular_points(
     arcs: Sequence[tuple[float, float]],
     before: Sequence[SingularPoint],
     now: Sequence[SingularPoint],

@@ -38,11 +38,11 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.contact.active_set import SET_ROUND_OFF
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.preparation.bodies import load_factors_under_actuation_force
+from drumlin.fem.preparation.bodies import load_column_factors_under_all_loads
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.body import FRAME, sparse_stiffness_of_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.ring import ring_stiffness
+from drumlin.fem.substructure.ring import stiffness_of_drum_ring_without_supports
 
 LONG_DOUBLE = np.longdouble
 """Floating-point type with more digits than double, in which residuals are computed."""
@@ -213,7 +213,7 @@ def assemble_full_system_of_group(
     counts = [len(gap) for gap in group.gaps_of_unloaded_linings]
     starts = np.cumsum([0, *sizes])
     layout = _Layout(starts, np.cumsum([starts[-1], *counts]))
-    blocks = _blocks_of_full_matrix(group, shoe_blocks, ring, stiffnesses)
+    blocks = _blocks_of_full_system_matrix(group, shoe_blocks, ring, stiffnesses)
     matrix = _sparse_matrix_from_blocks(blocks, [*sizes, *counts])
     ends = layout.block_starts[1 : len(members) + 1]
     return FullSystem(
@@ -229,7 +229,7 @@ def assemble_full_system_of_group(
     )
 
 
-def _blocks_of_full_matrix(
+def _blocks_of_full_system_matrix(
     group: ShoeGroup,
     shoe_blocks: list[_ShoeBlock],
     ring: _RingBlock | None,
@@ -260,8 +260,8 @@ def _blocks_of_full_matrix(
         )
         if ring is not None:
             N, T = ring.couplings[group.members[k]]
-            drag = group.brake.signed_friction_per_pressure(group.shoes[k])
-            drags = drag * group.friction_ratios_at_nodes_of_shoe(k)[:, None]
+            drag = group.brake.signed_friction_stress_over_pressure(group.shoes[k])
+            drags = drag * group.node_friction_over_shoe_friction(k)[:, None]
             blocks[ring_row][at], blocks[at][ring_row] = -(N - T.multiply(drags)).T, N
     return blocks
 
@@ -293,7 +293,7 @@ def _torque_factors_of_full_system_unknowns(group: ShoeGroup, layout: _Layout) -
     for k, body in enumerate(group.substructures_of_shoes):
         at = slice(layout.pressure_starts[k], layout.pressure_starts[k + 1])
         friction = group.brake.friction_of_shoe(group.shoes[k])
-        lever[at] = friction * body.coupling.lever * group.friction_ratios_at_nodes_of_shoe(k)
+        lever[at] = friction * body.coupling.lever * group.node_friction_over_shoe_friction(k)
     return lever
 
 
@@ -317,8 +317,8 @@ def _assemble_shoe_block_of_full_system(
     constrained = (constraints.T @ K @ constraints).tocsr()
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
     N, T = body.coupling.N.astype(LONG_DOUBLE), body.coupling.T.astype(LONG_DOUBLE)
-    drag = LONG_DOUBLE(group.brake.signed_friction_per_pressure_in_shoe_frame(shoe))
-    drags = drag * group.friction_ratios_at_nodes_of_shoe(k)[:, None].astype(LONG_DOUBLE)
+    drag = LONG_DOUBLE(group.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe))
+    drags = drag * group.node_friction_over_shoe_friction(k)[:, None].astype(LONG_DOUBLE)
     pushing = (N - drags * T).T
     contact_modes = modes.contact_modes.astype(LONG_DOUBLE)
     test_modes = modes.test_modes.astype(LONG_DOUBLE)
@@ -355,7 +355,7 @@ def _loads_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Floats:
     """
     body, shoe = group.substructures_of_shoes[k], group.shoes[k]
     share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.largest_actuation_force
-    acting = load_factors_under_actuation_force(body, shoe, shoe.actuation.force).astype(
+    acting = load_column_factors_under_all_loads(body, shoe, shoe.actuation.force).astype(
         LONG_DOUBLE
     )
     load = body.condensed.unit_loads_on_reduced_unknowns.astype(LONG_DOUBLE) @ (
@@ -373,7 +373,7 @@ def _assemble_ring_block_of_full_system(scene: PreparedModel, brake: Brake) -> _
     # The function is called only for models with an elastic ring.
     assert ring is not None and part is not None
     basis = ring.basis
-    K = ring_stiffness(basis, part, precise=True).tocsr()
+    K = stiffness_of_drum_ring_without_supports(basis, part, precise=True).tocsr()
     # Nodes on a fixed edge of the ring do not move, so that their displacements are no unknowns.
     keep = np.ones(2 * basis.N, dtype=bool)
     keep[2 * ring.held] = keep[2 * ring.held + 1] = False
@@ -452,7 +452,7 @@ def _scale_factors_of_full_system(matrix: Any, first: int) -> Floats:
 # The following functions solve the full system.
 
 
-def solve_full_system_by_refinement(
+def solve_full_system_by_iterative_refinement(
     system: FullSystem, active: Bools, order: str = "COLAMD"
 ) -> RefinedSolution:
     """Solve a full system by iterative refinement, and find its contact set.

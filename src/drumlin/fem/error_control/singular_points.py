@@ -26,7 +26,7 @@ from drumlin.brake.components import Lining
 from drumlin.brake.friction import FrictionCurve
 from drumlin.fem.hp.corner import logarithmic_pressures_at_pointed_gap_kinks
 from drumlin.fem.hp.division import SMALLEST_COLUMN, UNRESOLVED_LENGTH, Singularity, SingularPoint
-from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
+from drumlin.fem.preparation.cache import index_of_first_shoe_of_equal_shape as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import polynomial_values_at_gauss_points
 
@@ -85,7 +85,7 @@ def singular_points_of_all_linings(
     response : an earlier response, or None. Without a response the kinks of a table of clearances
         are left out, because their strength depends on the pressure.
     alike : for each shoe the index of the first shoe of the same shape, see
-        `cache.first_shoes_of_equal_shape`; if it is empty, this function finds the indices
+        `cache.index_of_first_shoe_of_equal_shape`; if it is empty, this function finds the indices
     error : planned relative error of p on the next level (e in `LevelRule`); with 0 every kink of a
         table near the contact is a singular point
     """
@@ -94,7 +94,7 @@ def singular_points_of_all_linings(
     for i, (shoe, first) in enumerate(zip(brake.shoes, first_alike, strict=True)):
         answer = None if response is None else response.shoes[i]
         points_of_shoe = _singular_points_of_lining(shoe, answer, brake.scale_factor, error)
-        curve = brake.friction_curve_of_shoe(shoe)
+        curve = brake.friction_over_pressure_of_shoe(shoe)
         if answer is not None and answer.contact_arcs and len(curve.mu) > 1:
             points_of_shoe += _singular_points_at_kinks_of_friction(
                 shoe, answer, curve, brake.scale_factor, error
@@ -162,7 +162,7 @@ def _singular_points_at_steps_of_lining(
     length = shoe.lining.step / shoe.frame.unit
     points: list[SingularPoint] = []
     for phi in shoe.frame.phi_coordinates_as_list(
-        clearance.coordinates_of_block_step_ends(shoe.lining)
+        clearance.coordinates_of_step_ends_between_blocks(shoe.lining)
     ):
         if start < phi < end:
             presses = answer is None or _is_angle_near_contact(phi, arcs)
@@ -191,7 +191,7 @@ def _singular_points_at_kinks_of_gap(
     arcs : contacts of the lining [rad]
     """
     (start, end), frame = shoe.arc, shoe.frame
-    angle = np.array(clearance.coordinates_of_clearance_rows(shoe.lining))
+    angle = np.array(clearance.coordinates_of_clearance_table_rows(shoe.lining))
     change = pressure_changes_by_kinks_of_gap(shoe.lining, scale_factor)
     near = [
         start < phi < end and _is_angle_near_contact(phi, arcs)
@@ -202,7 +202,7 @@ def _singular_points_at_kinks_of_gap(
     # The neglected kinks together may change p by at most this value of the L2 norm.
     norm = math.sqrt(float(np.sum(weight * p**2)))
     negligible = NEGLIGIBLE_KINKS * level_error * norm
-    kinks = _angles_of_strongest_kinks(angle[inside], change[inside], negligible)
+    kinks = _angles_of_strongest_gap_or_friction_kinks(angle[inside], change[inside], negligible)
     points = [
         SingularPoint(phi, end - start, Singularity.KINK)
         for phi in frame.phi_coordinates_as_list(kinks)
@@ -232,7 +232,7 @@ def _singular_points_at_kinks_of_friction(
     level_error : planned error of p on the next level
     """
     theta, p = answer.curve()
-    kinks_of_curve = np.diff(curve.slopes_between_rows).tolist()
+    kinks_of_curve = np.diff(curve.friction_slopes_between_table_rows).tolist()
     places, changes = [], []
     for row, pressure in zip(kinks_of_curve, curve.pressure.tolist(), strict=True):
         crossed = np.flatnonzero((p[:-1] < pressure) != (p[1:] < pressure))
@@ -248,7 +248,7 @@ def _singular_points_at_kinks_of_friction(
         answer.theta, answer.pressure, answer.order
     )
     norm = math.sqrt(float(np.sum(weight * stress**2)))
-    kinks = _angles_of_strongest_kinks(
+    kinks = _angles_of_strongest_gap_or_friction_kinks(
         angle, change * spacing**1.5 / math.sqrt(120), NEGLIGIBLE_KINKS * level_error * norm
     )
     # The elements are graded as at a step between blocks whose length is the lining's thickness.
@@ -294,21 +294,21 @@ def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Flo
     mean square of the change of p is thus E s/sqrt(48) on a half-plane, and E s h/(sqrt(720) t) on
     a layer. The sum of both is an upper bound for a layer on a support.
     """
-    if len(lining.linings_apart) > 1:
-        # The rows are those of `coordinates_of_clearance_rows`: the rows on each lining.
+    if len(lining.linings_with_touching_ones_joined) > 1:
+        # The rows are those of `coordinates_of_clearance_table_rows`: the rows on each lining.
         changes = []
-        for part in lining.linings_apart:
-            rows = np.array(clearance.coordinates_of_clearance_rows(part))
+        for part in lining.linings_with_touching_ones_joined:
+            rows = np.array(clearance.coordinates_of_clearance_table_rows(part))
             on_part = (part.start < rows) & (rows < part.end)
             changes.append(pressure_changes_by_kinks_of_gap(part, scale_factor)[on_part])
         return np.concatenate(changes)
-    angle = np.array(clearance.coordinates_of_clearance_rows(lining))
+    angle = np.array(clearance.coordinates_of_clearance_table_rows(lining))
     if len(angle) == 0:
         return angle
     middles = 0.5 * (angle[1:] + angle[:-1])
     ends = np.concatenate([[lining.start], middles, [lining.end]])
     spacing = np.maximum(np.diff(ends), 0.0)
-    slope = np.abs(clearance.clearance_slope_changes(lining)) / scale_factor
+    slope = np.abs(clearance.clearance_slope_change_at_each_table_row(lining)) / scale_factor
     material = lining.material
     half_plane = (
         material.young_modulus_of_equivalent_half_plane / material.E_through / math.sqrt(48)
@@ -318,7 +318,9 @@ def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Flo
     return np.asarray(material.E_through * slope * stiffness * np.sqrt(spacing))
 
 
-def _angles_of_strongest_kinks(angle: Floats, change: Floats, negligible: float) -> Floats:
+def _angles_of_strongest_gap_or_friction_kinks(
+    angle: Floats, change: Floats, negligible: float
+) -> Floats:
     """The sorted angles (m,) [rad] of kinks of gap or friction, without the weakest kinks.
 
     Parameters

@@ -35,7 +35,7 @@ from drumlin.fem.hp.columns import (
 from drumlin.fem.hp.element import (
     gauss_points_and_weights_on_0_to_1,
     points_of_square_grid,
-    replace_each_by_schur_complement,
+    replace_matrices_by_schur_complements,
     shape_function_values_and_slopes,
 )
 from drumlin.fem.substructure.elasticity import isotropic_and_orthotropic_elastic_constants
@@ -147,7 +147,7 @@ def _index_arrays_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]
     )
 
 
-def _symmetric_and_antisymmetric_forces(V: Floats, p: int) -> Floats:
+def _split_forces_into_symmetric_and_antisymmetric(V: Floats, p: int) -> Floats:
     """The forces (2, ..., p + 1, m) on the symmetric and the antisymmetric unknowns of a column.
 
     The element column is symmetric about its middle. V (..., 2 (p + 1), m) are the forces on its
@@ -205,7 +205,9 @@ def angular_factors_of_column_stiffness(
     """
     count, n = angles.shape
     at, by = circle_points_and_slopes_at_gauss_points(angles, p, flat=flat)
-    strain = _strains_times_root_of_gauss_weights(angles, at, by, p, flat=flat)  # (2 c, k a, 3, q)
+    strain = _strains_by_unit_displacements_of_columns(
+        angles, at, by, p, flat=flat
+    )  # (2 c, k a, 3, q)
     trace = strain[:, :, 0] + strain[:, :, 1]
     whole = np.sqrt(2) * strain.reshape(2 * count, 2 * n, -1)
     parts = [trace, whole]
@@ -224,7 +226,7 @@ def angular_factors_of_column_stiffness(
     return factors.reshape(2, count, n * n, 4 * len(parts))
 
 
-def _strains_times_root_of_gauss_weights(
+def _strains_by_unit_displacements_of_columns(
     angles: Floats, at: Floats, by: Floats, p: int, *, flat: bool
 ) -> Floats:
     """The strains xx, yy and sqrt(2) xy due to unit displacements of element columns.
@@ -263,7 +265,9 @@ def _strains_times_root_of_gauss_weights(
     strain[..., 0, 1, :], strain[..., 1, 1, :] = sy, cy
     strain[..., 0, 2, :] = np.sqrt(0.5) * (cy + sx)
     strain[..., 1, 2, :] = np.sqrt(0.5) * (cx - sy)
-    by_symmetry = _symmetric_and_antisymmetric_forces(strain.reshape(count, 2, 2 * n, -1), p)
+    by_symmetry = _split_forces_into_symmetric_and_antisymmetric(
+        strain.reshape(count, 2, 2 * n, -1), p
+    )
     return by_symmetry.reshape(2 * count, 2 * n, 3, -1)
 
 
@@ -324,7 +328,7 @@ def condensed_arc_element_stiffness(
             K.take(functions.mixed, 1),
             K.take(functions.inner, 1),
         )
-        condensed[layer] = replace_each_by_schur_complement(outer, mixed, inner)
+        condensed[layer] = replace_matrices_by_schur_complements(outer, mixed, inner)
     return condensed.reshape(len(constants), 2, -1, 4 * p, 4 * p)
 
 
@@ -349,16 +353,18 @@ def condensed_arc_column_stiffness(
     half = numbering_of_element_column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
     folded = None
     if loads is not None:
-        folded = _symmetric_and_antisymmetric_forces(loads, p).reshape(-1, p + 1, loads.shape[-1])
+        folded = _split_forces_into_symmetric_and_antisymmetric(loads, p).reshape(
+            -1, p + 1, loads.shape[-1]
+        )
     K = condensed_element_column_stiffness(
         parts.reshape(len(parts), -1, 4 * p, 4 * p), half, folded
     )
     symmetric, antisymmetric = K.reshape(2, -1, *K.shape[1:])
     blocks = _ColumnBlocks(K.shape[-1] - half.sides, half.line, 2 * (p + 1) * contact)
     whole = np.empty((len(symmetric), blocks.number_of_unknowns, blocks.number_of_unknowns))
-    _fill_blocks_of_column_sides(whole, symmetric, antisymmetric, blocks)
+    _write_stiffness_of_column_sides(whole, symmetric, antisymmetric, blocks)
     if contact:
-        _fill_blocks_of_contact_nodes(whole, symmetric, antisymmetric, blocks, p)
+        _write_stiffness_of_column_contact_nodes(whole, symmetric, antisymmetric, blocks, p)
     return whole
 
 
@@ -383,22 +389,22 @@ class _ColumnBlocks(NamedTuple):
         return self.extra + 2 * self.line + self.contact
 
     @property
-    def unknowns_of_left_side(self) -> slice:
+    def slice_of_left_side_unknowns(self) -> slice:
         """The positions of the left side's unknowns among all unknowns of an element column."""
         return slice(self.extra, self.extra + self.line)
 
     @property
-    def unknowns_of_loads_and_left_side(self) -> slice:
+    def slice_of_load_and_left_side_unknowns(self) -> slice:
         """The positions of the unknowns of loads and left side among those of an element column."""
         return slice(self.extra + self.line)
 
     @property
-    def unknowns_of_contact(self) -> slice:
+    def slice_of_contact_unknowns(self) -> slice:
         """The positions of the contact's unknowns among all unknowns of an element column."""
         return slice(self.extra + self.line, self.extra + self.line + self.contact)
 
     @property
-    def unknowns_of_right_side(self) -> slice:
+    def slice_of_right_side_unknowns(self) -> slice:
         """The positions of the right side's unknowns among all unknowns of an element column."""
         return slice(self.extra + self.line + self.contact, None)
 
@@ -413,7 +419,7 @@ class _ColumnBlocks(NamedTuple):
         return mirror
 
 
-def _fill_blocks_of_column_sides(
+def _write_stiffness_of_column_sides(
     whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _ColumnBlocks
 ) -> None:
     """Write the stiffness on the unknowns of loads and of both column sides into `whole`.
@@ -426,9 +432,9 @@ def _fill_blocks_of_column_sides(
     """
     S, A, mirror = symmetric, antisymmetric, blocks.signs_of_mirrored_displacements
     left, lines, right = (
-        blocks.unknowns_of_loads_and_left_side,
-        blocks.unknowns_of_left_side,
-        blocks.unknowns_of_right_side,
+        blocks.slice_of_load_and_left_side_unknowns,
+        blocks.slice_of_left_side_unknowns,
+        blocks.slice_of_right_side_unknowns,
     )
     np.add(S[:, left, left], A[:, left, left], out=whole[:, left, left])
     # The blocks are written into existing arrays, because new arrays would double the time.
@@ -443,7 +449,7 @@ def _fill_blocks_of_column_sides(
     right_right *= mirror[:, None]
 
 
-def _fill_blocks_of_contact_nodes(
+def _write_stiffness_of_column_contact_nodes(
     whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _ColumnBlocks, p: int
 ) -> None:
     """Write the stiffness of the contact nodes, and their coupling with both sides, into `whole`.
@@ -457,10 +463,10 @@ def _fill_blocks_of_contact_nodes(
     """
     functions = nodal_functions_along_element_column(p)
     left, lines, middle, right = (
-        blocks.unknowns_of_loads_and_left_side,
-        blocks.unknowns_of_left_side,
-        blocks.unknowns_of_contact,
-        blocks.unknowns_of_right_side,
+        blocks.slice_of_load_and_left_side_unknowns,
+        blocks.slice_of_left_side_unknowns,
+        blocks.slice_of_contact_unknowns,
+        blocks.slice_of_right_side_unknowns,
     )
     (even, odd), place = functions.sign, middle.start + functions.place
     S, A = symmetric[:, place] * even[:, None], antisymmetric[:, place] * odd[:, None]

@@ -18,9 +18,9 @@ from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
     LoadedEnd,
+    angles_of_contact_nodes_on_each_lining,
     function_from_depth_and_angle_to_point,
     node_positions_of_element_row,
-    positions_of_contact_nodes,
     unit_actuation_loads_on_end_face,
 )
 from drumlin.fem.substructure.body import (
@@ -36,7 +36,7 @@ from drumlin.fem.substructure.interface import ContactLine
 from drumlin.response.response import edge_zone_angle_in_shoe_frame
 
 
-def grid_of_all_nodes_of_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
+def element_grid_of_whole_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
     """The grid of all nodes and hp elements of a shoe.
 
     Its node set "hinge" is the face that the hinge holds. An elastic shoe also has the node set
@@ -103,7 +103,7 @@ def _element_blocks_under_linings_and_in_slots(
     """
     p, first = div.degree, div.index_of_first_body_layer
     blocks = []
-    for start, end in div.columns_of_linings:
+    for start, end in div.element_column_range_of_each_lining:
         columns = slice(start * p, end * p + 1)
         blocks.append(ElementBlock(under[:, columns], depth, along[columns], div.part))
     for start, end in div.slots if first < div.number_of_element_layers else ():
@@ -137,7 +137,7 @@ def _node_sets_of_hinge_and_actuation(
     """
     if div.index_of_first_body_layer == div.number_of_element_layers:
         return {"hinge": back[back >= 0]}
-    grip = shoe.grip(radius)
+    grip = shoe.interval_of_body_back_held_by_support(radius)
     if grip is None:
         return {"hinge": faces[0], "actuation": faces[1]}
     return {"hinge": back[(along > grip[0] - 1e-9) & (along < grip[1] + 1e-9)]}
@@ -166,7 +166,10 @@ def condensed_shoe_body(
     """
     system = partial(_equations_of_shoe_before_condensation, shoe, div, grid)
     return condensed_body_with_cholesky_factor(
-        found, GridUnknowns.without_further_unit_loads(grid, elastic_layers_of_shoe(shoe), system)
+        found,
+        GridUnknowns.grid_unknowns_without_further_unit_loads(
+            grid, elastic_layers_of_shoe(shoe), system
+        ),
     )
 
 
@@ -222,7 +225,10 @@ def _equations_of_shoe_before_condensation(
     """
     contact = basis.convert_grid_node_numbers(np.arange(div.contact_nodes))
     constraints = multi_point_constraints_of_body(
-        basis, contact, basis.convert_grid_node_numbers(grid.sets["hinge"]), shoe.pin_in_shoe_frame
+        basis,
+        contact,
+        basis.convert_grid_node_numbers(grid.sets["hinge"]),
+        shoe.pin_position_in_shoe_frame,
     )
     if "actuation" in grid.sets:
         forces = _spread_end_face_forces_to_all_nodes(
@@ -277,7 +283,7 @@ def contact_line_of_lining_face_nodes(shoe: Shoe, radius: float, div: ShoeDivisi
     div : division of the shoe into columns and layers of elements
     """
     p = div.degree
-    of_linings = positions_of_contact_nodes(div)
+    of_linings = angles_of_contact_nodes_on_each_lining(div)
     firsts = np.cumsum([0, *map(len, of_linings)])[:-1]
     pieces = []
     for first, nodes in zip(firsts, of_linings, strict=True):
@@ -285,7 +291,7 @@ def contact_line_of_lining_face_nodes(shoe: Shoe, radius: float, div: ShoeDivisi
     phi = np.concatenate(of_linings)
     return ContactLine(
         np.arange(len(phi)),
-        shoe.at(np.zeros(1), phi, radius),
+        shoe.points_at_depth_and_coordinate_phi(np.zeros(1), phi, radius),
         phi,
         np.concatenate(pieces, axis=1),
         edge=edge_zone_angle_in_shoe_frame(shoe, radius),

@@ -22,7 +22,10 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.fem.hp.element import replace_by_schur_complement, replace_each_by_schur_complement
+from drumlin.fem.hp.element import (
+    replace_matrices_by_schur_complements,
+    replace_matrix_by_schur_complement,
+)
 
 UnknownsAt = tuple[slice, slice]
 """Two slices for the same unknowns: in an element's stiffness, and in its column's stiffness.
@@ -162,7 +165,7 @@ def condensed_element_column_stiffness(
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
         C[:, unknowns.rest - loads.shape[1] + 2 :, :extra] = -loads[:, 2:]
-    return replace_each_by_schur_complement(K, C, inner)
+    return replace_matrices_by_schur_complements(K, C, inner)
 
 
 def _add_element_stiffness_to_columns(
@@ -228,10 +231,10 @@ def join_and_condense_neighbouring_substructures(
         K[rest, :extra] += B.K[beyond:, :extra]
         C[:, :extra] += B.K[extra:beyond, :extra]
     inner = A.K[before:, before:] + B.K[extra:beyond, extra:beyond]
-    return ColumnSubstructure(replace_by_schur_complement(K, C, inner), A.left, B.right)
+    return ColumnSubstructure(replace_matrix_by_schur_complement(K, C, inner), A.left, B.right)
 
 
-def assemble_row_of_element_columns(
+def assemble_and_condense_row_of_element_columns(
     pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
 ) -> ColumnSubstructure:
     """The stiffness of a row of element columns, condensed to its two ends and its contact nodes.
@@ -307,7 +310,7 @@ def eliminate_nodes_on_column_side(
         K[added, added] += end[ends, ends]
         C[line - part :, added] += end[on, ends]
         inner[line - part :, line - part :] += end[on, on]
-    replace_by_schur_complement(K, C, inner)
+    replace_matrix_by_schur_complement(K, C, inner)
     return ColumnSubstructure(K, piece.left, 0) if right else ColumnSubstructure(K, 0, piece.right)
 
 

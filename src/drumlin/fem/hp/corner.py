@@ -21,14 +21,14 @@ from drumlin.base.arrays import Complexes, Floats
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import (
-    is_elasticity_matrix_orthotropic,
     plane_stress_elasticity_matrix,
+    which_elasticity_matrices_are_orthotropic,
 )
 from drumlin.brake.fields import AnyMaterial
 from drumlin.response.response import Response, ShoeResponse, length_of_uncompared_edge_zone
 from drumlin.response.resultants import (
-    edge_zone_that_does_not_count,
     gauss_lobatto_points,
+    length_of_edge_zone_without_pressure_errors,
     polynomial_values_at_gauss_points,
 )
 
@@ -295,11 +295,14 @@ def pressure_exponents_at_both_lining_corners(brake: Brake, index: int) -> tuple
     and the second exponent to the lining's end.
     """
     shoe, ring = brake.shoes[index], brake.ring
-    lining, inward_friction = shoe.lining, brake.signed_friction_per_pressure_in_shoe_frame(shoe)
+    lining, inward_friction = (
+        shoe.lining,
+        brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
+    )
     drum = None if ring is None else ring.section
     materials = [lining.material] if drum is None else [lining.material, drum.material]
     if any(
-        is_elasticity_matrix_orthotropic(plane_stress_elasticity_matrix(material))
+        which_elasticity_matrices_are_orthotropic(plane_stress_elasticity_matrix(material))
         for material in materials
     ):
         width_ratio = 1.0 if drum is None else lining.width / drum.width
@@ -360,7 +363,7 @@ def response_with_power_laws_at_corners(brake: Brake, response: Response) -> Res
     1/2, which falls slowly. A power function with the same force and the same moment in a few
     columns as the computed p is far more exact there. The response of long contacts is not changed,
     because the stated error of their pressure excludes the zones at the lining's ends, see
-    `edge_zone_that_does_not_count`.
+    `length_of_edge_zone_without_pressure_errors`.
     """
     shoes = tuple(
         _shoe_response_with_pressure_power_laws(brake, i, shoe)
@@ -414,7 +417,7 @@ def corners_with_unbounded_pressure(
     """The pressed corners of the lining of shoe `index` at which its pressure p is unbounded.
 
     The list is empty for a long contact, because the stated error of its pressure excludes the
-    zones at the lining's ends, see `edge_zone_that_does_not_count`.
+    zones at the lining's ends, see `length_of_edge_zone_without_pressure_errors`.
     """
     theta, p = response.theta, response.pressure
     if max(p[0], p[-1]) <= 0:
@@ -424,7 +427,7 @@ def corners_with_unbounded_pressure(
         brake.shoes[index].lining.length_of_shortest_lining, brake.unit
     )
     slots = brake.shoes[index].lining.slots
-    if edge_zone_that_does_not_count(theta, p, response.order, zone, slots) > 0:
+    if length_of_edge_zone_without_pressure_errors(theta, p, response.order, zone, slots) > 0:
         return []
     # The exponents are ordered by the shoe's own angle phi, which may grow opposite to theta.
     exponents = pressure_exponents_at_both_lining_corners(brake, index)[
@@ -596,7 +599,7 @@ def _is_unbounded_pressure_at_slot_in_stated_error(
     if not np.any(response.pressure[edges] > 0):
         return False
     zone = length_of_uncompared_edge_zone(lining.length_of_shortest_lining, brake.unit)
-    counts = edge_zone_that_does_not_count(
+    counts = length_of_edge_zone_without_pressure_errors(
         response.theta, response.pressure, response.order, zone, lining.slots
     )
     return counts == 0 and min(pressure_exponents_at_both_lining_corners(brake, index)) < 0

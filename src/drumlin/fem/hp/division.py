@@ -211,15 +211,18 @@ class ShoeDivision:
     slots: tuple[tuple[int, int], ...] = ()
 
     @property
-    def columns_of_linings(self) -> list[tuple[int, int]]:
+    def element_column_range_of_each_lining(self) -> list[tuple[int, int]]:
         """For each lining, the number of its first column and of the first column behind it."""
         ends = [0, *(column for slot in self.slots for column in slot), len(self.angles) - 1]
         return list(zip(ends[::2], ends[1::2], strict=True))
 
     @property
-    def angles_of_each_lining(self) -> list[Floats]:
+    def element_column_ends_on_each_lining(self) -> list[Floats]:
         """The positions phi of the ends of the columns under each lining [rad]."""
-        return [self.angles[first : last + 1] for first, last in self.columns_of_linings]
+        return [
+            self.angles[first : last + 1]
+            for first, last in self.element_column_range_of_each_lining
+        ]
 
     @property
     def dictionary_key_of_division(self) -> tuple[int, bytes, bytes, bytes, bytes]:
@@ -252,7 +255,9 @@ class ShoeDivision:
     @property
     def contact_nodes(self) -> int:
         """Number of nodes on the faces of all linings."""
-        return sum((len(ends) - 1) * self.degree + 1 for ends in self.angles_of_each_lining)
+        return sum(
+            (len(ends) - 1) * self.degree + 1 for ends in self.element_column_ends_on_each_lining
+        )
 
 
 def element_sizes_growing_from_both_ends(
@@ -316,7 +321,7 @@ def relative_element_size_far_from_contact(
     return max(size, min(1.0, size * 2.0**doublings))
 
 
-def piece_ends_from_piece_sizes(sizes: Sequence[float], start: float, end: float) -> Floats:
+def interval_ends_from_interval_sizes(sizes: Sequence[float], start: float, end: float) -> Floats:
     """The ends (m + 1,) of m pieces in a row, from their sizes (m,), between `start` and `end`."""
     return np.append(start + np.concatenate([[0.0], np.cumsum(sizes[:-1])]), end)
 
@@ -376,7 +381,8 @@ def divide_shoe_into_hp_elements(
     layers = thickness_of_each_shoe_layer(shoe, radius)
     # Each lining has contacts, grading points and columns of its own.
     found = [
-        _division_of_one_lining(shoe, radius, level, points, exponents, arc) for arc in shoe.arcs
+        _divide_one_lining_into_element_columns(shoe, radius, level, points, exponents, arc)
+        for arc in shoe.arcs
     ]
     angles, slots = _element_column_ends_under_linings_and_slots(shoe, radius, level, found)
     before, after = _element_column_ends_beyond_lining(
@@ -429,7 +435,7 @@ class _LiningDivision(NamedTuple):
     singular_size: float
 
 
-def _division_of_one_lining(
+def _divide_one_lining_into_element_columns(
     shoe: Shoe,
     radius: float,
     level: Level,
@@ -486,7 +492,11 @@ def _element_column_ends_under_linings_and_slots(
     for before, lining in pairwise(linings):
         first = GradingPoint(float(before.angles[-1]), before.end_sizes[1], level.ratio)
         last = GradingPoint(float(lining.angles[0]), lining.end_sizes[0], level.ratio)
-        in_slot = [at for at in shoe.grip(radius) or () if first.at < at < last.at]
+        in_slot = [
+            at
+            for at in shoe.interval_of_body_back_held_by_support(radius) or ()
+            if first.at < at < last.at
+        ]
         grip_ends = [GradingPoint(at, grip_size, level.ratio) for at in in_slot]
         ends = _element_column_ends_between_grading_points([first, *grip_ends, last], level)
         angles += [ends[1:], lining.angles[1:]]
@@ -516,7 +526,7 @@ def _element_column_ends_between_grading_points(points: list[GradingPoint], leve
         sizes = element_sizes_growing_from_both_ends(
             b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio
         )
-        ends.append(piece_ends_from_piece_sizes(sizes, a.at, b.at)[:-1])
+        ends.append(interval_ends_from_interval_sizes(sizes, a.at, b.at)[:-1])
     return np.append(np.concatenate(ends), points[-1].at)
 
 
@@ -688,7 +698,7 @@ def _grading_points_along_lining(
         distance = min(point.at - start, end - point.at)
         inner.append(grading_point_at_singular_point(point, level, contact.thickness, distance))
     grading_points = _grading_points_without_close_ones(first, last, inner)
-    grip = shoe.grip(radius)
+    grip = shoe.interval_of_body_back_held_by_support(radius)
     if grip is None:
         return grading_points
     # The ends of the grip are grading points, and replace other grading points that are too near to
@@ -747,13 +757,13 @@ def _element_column_ends_beyond_lining(
         sizes = element_sizes_growing_from_both_ends(
             start - near, left, size_at_hinge, level.ratio, largest
         )
-        before = start - piece_ends_from_piece_sizes(sizes, 0.0, start - near)
+        before = start - interval_ends_from_interval_sizes(sizes, 0.0, start - near)
     if far - end > 1e-9:
         size_at_load = min(size_at_hinge, far - end) if grades_loaded_end else far - end
         sizes = element_sizes_growing_from_both_ends(
             far - end, right, size_at_load, level.ratio, largest
         )
-        after = end + piece_ends_from_piece_sizes(sizes, 0.0, far - end)
+        after = end + interval_ends_from_interval_sizes(sizes, 0.0, far - end)
     return before, after
 
 
@@ -947,7 +957,7 @@ def _depths_and_parts_of_element_layers(
         if layer.part == "shoe":
             inner = level.hinge * t
         sizes = element_sizes_growing_from_both_ends(t, outer, inner, level.through, t)
-        ends = piece_ends_from_piece_sizes(sizes, 0.0, t)[1:]
+        ends = interval_ends_from_interval_sizes(sizes, 0.0, t)[1:]
         depths.append(at + (ends / t if straight else ends))
         part += [layer.part] * len(sizes)
         at = float(depths[-1][-1])

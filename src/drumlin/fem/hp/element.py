@@ -307,7 +307,7 @@ def _gradients_times_root_of_gauss_areas(xy: Any, p: int) -> Any:
     return G
 
 
-def replace_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
+def replace_matrix_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
     """The Schur complement K - C^T inner^-1 C (k, k) of a stiffness, written into K.
 
     It is the stiffness on the k kept unknowns after the elimination of m other unknowns. C (m, k)
@@ -330,7 +330,7 @@ def replace_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
     return K
 
 
-def replace_each_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
+def replace_matrices_by_schur_complements(K: Floats, C: Floats, inner: Floats) -> Floats:
     """The Schur complements K - C^T inner^-1 C of b matrices, written into K (b, k, k).
 
     `inner` (b, m, m) is the stiffness on the m unknowns that are eliminated, and C (b, m, k) their
@@ -338,7 +338,7 @@ def replace_each_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> Flo
     functions for many matrices would make more copies.
     """
     for own in zip(K, C, inner, strict=True):
-        replace_by_schur_complement(*own)
+        replace_matrix_by_schur_complement(*own)
     return K
 
 
@@ -412,7 +412,7 @@ def condensed_element_stiffness(
     for part, outer, coupling, inner in _stiffness_blocks_of_element_batches(
         xy, elasticity, p, along
     ):
-        condensed[part] = replace_each_by_schur_complement(outer, coupling, inner)
+        condensed[part] = replace_matrices_by_schur_complements(outer, coupling, inner)
     return condensed.reshape(*shape, 8 * p, 8 * p)
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
+from drumlin.brake.elasticity import ElasticLayer, which_elasticity_matrices_are_orthotropic
 from drumlin.fem.hp.element import (
     condense_inner_forces_to_element_boundary,
     condensed_element_stiffness,
@@ -181,7 +181,8 @@ class ColumnGrid:
         isotropic.
         """
         if not any(
-            is_elasticity_matrix_orthotropic(layers[name].elasticity) for name in self.subdomains
+            which_elasticity_matrices_are_orthotropic(layers[name].elasticity)
+            for name in self.subdomains
         ):
             return None
         points = gauss_points_of_elements(xy, self.degree)
@@ -204,7 +205,9 @@ class ColumnGrid:
         )
         return assemble_sparse_stiffness(K, self.element_nodes_boundary_nodes_first, self.N)
 
-    def expansion_forces(self, layers: Mapping[str, ElasticLayer], strains: Strains) -> Floats:
+    def nodal_forces_of_layer_expansion(
+        self, layers: Mapping[str, ElasticLayer], strains: Strains
+    ) -> Floats:
         """The nodal forces (2 N,) [N] that are equivalent to free strains of the layers.
 
         Free strains, such as thermal expansion, cause no stress in a layer that is not bonded to
@@ -408,7 +411,7 @@ class GridUnknowns:
     further: Floats
 
     @classmethod
-    def without_further_unit_loads(
+    def grid_unknowns_without_further_unit_loads(
         cls,
         grid: ColumnGrid,
         layers: Mapping[str, ElasticLayer],

@@ -16,7 +16,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Ring, Section
-from drumlin.brake.elasticity import is_elasticity_matrix_orthotropic
+from drumlin.brake.elasticity import which_elasticity_matrices_are_orthotropic
 from drumlin.fem.hp.arc import (
     angular_factors_of_column_stiffness,
     condensed_arc_column_stiffness,
@@ -24,7 +24,7 @@ from drumlin.fem.hp.arc import (
 )
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_row_of_element_columns,
+    assemble_and_condense_row_of_element_columns,
     eliminate_nodes_on_column_side,
     numbering_of_element_column_unknowns,
     rotate_node_axes_of_matrix,
@@ -33,7 +33,7 @@ from drumlin.fem.hp.columns import (
 from drumlin.fem.hp.division import (
     Level,
     element_sizes_growing_from_both_ends,
-    piece_ends_from_piece_sizes,
+    interval_ends_from_interval_sizes,
 )
 from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
 from drumlin.fem.hp.shoe import (
@@ -61,7 +61,7 @@ from drumlin.fem.substructure.ring import (
     RingSubstructure,
     couple_ring_with_linings,
     fixed_nodes_of_ring,
-    ring_stiffness,
+    stiffness_of_drum_ring_without_supports,
     unknowns_of_statically_determinate_support,
 )
 from drumlin.response.resultants import (
@@ -168,7 +168,7 @@ def divide_ring_into_hp_elements(
             pieces = element_sizes_growing_from_both_ends(
                 b - a, before, after, level.ratio, level.largest
             )
-        angles.append(piece_ends_from_piece_sizes(pieces, a, b)[1:])
+        angles.append(interval_ends_from_interval_sizes(pieces, a, b)[1:])
         contact += [covered] * len(pieces)
 
     # The layers grow from the friction surface through the thickness.
@@ -178,7 +178,7 @@ def divide_ring_into_hp_elements(
     )
     ends = origin + np.concatenate(angles)
     return RingDivision(
-        level.degree, ends, np.array(contact), piece_ends_from_piece_sizes(layers, 0.0, t)
+        level.degree, ends, np.array(contact), interval_ends_from_interval_sizes(layers, 0.0, t)
     )
 
 
@@ -212,7 +212,7 @@ def condensed_ring_in_hp_elements(
     assert ring is not None and ring.section is not None
     ends = []
     for shoe, line in zip(brake.shoes, linings, strict=True):
-        for phi in line.values_of_each_lining(line.phi):
+        for phi in line.split_nodal_values_by_lining(line.phi):
             at_ends = phi[:: line.interpolation_degree_along_contact_line]
             ends.append(np.sort(shoe.frame.theta(at_ends)))
     div = divide_ring_into_hp_elements(ring.section, radius, ends, level, singular_layer_size)
@@ -289,7 +289,7 @@ def _condense_ring_to_contact_nodes(
         load_on_contact=-rotate_node_axes_of_vectors(A[:extra, extra:], back).T,
         load_on_frame=np.zeros((FRAME, extra)),
         load_work=-A[:extra, :extra],
-        inner=GridUnknowns.without_further_unit_loads(
+        inner=GridUnknowns.grid_unknowns_without_further_unit_loads(
             grid, elastic_layers_of_ring(section), system
         ),
         columns=LoadColumns(((RIM, extra),)),
@@ -321,7 +321,7 @@ def _ring_stiffness_under_and_between_linings(
         elastic_layers_of_ring(section), ("drum",) * layers
     )
     A = angular_factors_of_column_stiffness(
-        along, p, directed=bool(is_elasticity_matrix_orthotropic(elasticity).any())
+        along, p, directed=bool(which_elasticity_matrices_are_orthotropic(elasticity).any())
     )
     K = condensed_arc_element_stiffness(radius + sign * div.depths, A, elasticity, p)
     loads = (
@@ -350,7 +350,7 @@ def _ring_stiffness_under_and_between_linings(
             kind_of = np.arange(last - first)
         kinds_made = [ColumnSubstructure(each, line, line) for each in made]
         row = [kinds_made[k] for k in kind_of]
-        runs.append(assemble_row_of_element_columns(row, 2 * contact, FRAME * free).K)
+        runs.append(assemble_and_condense_row_of_element_columns(row, 2 * contact, FRAME * free).K)
     return runs
 
 
@@ -556,5 +556,5 @@ def _equations_of_ring_before_condensation(
     )
     loads = constraints.matrix.T @ rim[basis.dofs]
     return InnerSystem.body_system_from_stiffness_of_all_nodes(
-        ring_stiffness(basis, ring), constraints, loads
+        stiffness_of_drum_ring_without_supports(basis, ring), constraints, loads
     )

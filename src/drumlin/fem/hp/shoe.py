@@ -16,7 +16,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
+from drumlin.brake.elasticity import ElasticLayer, which_elasticity_matrices_are_orthotropic
 from drumlin.fem.hp.arc import (
     angular_factors_of_column_stiffness,
     condensed_arc_column_stiffness,
@@ -24,7 +24,7 @@ from drumlin.fem.hp.arc import (
 )
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_row_of_element_columns,
+    assemble_and_condense_row_of_element_columns,
     condensed_element_column_stiffness,
     eliminate_nodes_on_column_side,
     numbering_of_element_column_unknowns,
@@ -148,13 +148,13 @@ def function_from_depth_and_angle_to_point(shoe: Shoe, radius: float) -> PointMa
     `radius` is the radius of the drum [m].
     """
     return (
-        _point_function_of_straight_beam_shoe(shoe, radius)
+        _function_from_depth_and_angle_of_beam_shoe(shoe, radius)
         if isinstance(shoe.body, Beam)
-        else partial(shoe.at, size=radius)
+        else partial(shoe.points_at_depth_and_coordinate_phi, size=radius)
     )
 
 
-def _point_function_of_straight_beam_shoe(shoe: Shoe, radius: float) -> PointMap:
+def _function_from_depth_and_angle_of_beam_shoe(shoe: Shoe, radius: float) -> PointMap:
     """The function from depths and positions to points [m] of a shoe with a straight beam.
 
     Depths from 0 to 1 are in the lining, from 1 to 2 in the block between lining and beam, and from
@@ -186,7 +186,11 @@ def _point_function_of_straight_beam_shoe(shoe: Shoe, radius: float) -> PointMap
         in_beam = beam / 2 - (depth - 2) * beam
         y = np.where(depth > 2, in_beam, y)
         return np.moveaxis(
-            shoe.frame.convert_to_shoe_frame(axis.convert_to_brake_frame(x, y)), -1, 0
+            shoe.frame.convert_vectors_to_shoe_frame(
+                axis.convert_beam_coordinates_to_brake_points(x, y)
+            ),
+            -1,
+            0,
         )
 
     return beam_shoe_point_at_depth_and_angle
@@ -293,7 +297,7 @@ class _ColumnKinds(NamedTuple):
     which: Ints
 
 
-def kinds_of_equal_element_columns(
+def group_equal_element_columns_of_shoe(
     shoe: Shoe, div: ShoeDivision, *, directed: bool
 ) -> _ColumnKinds:
     """The kinds of element columns of a shoe; the stiffness is computed once for each kind.
@@ -353,14 +357,14 @@ def _condensed_hp_columns_of_shoe(
     layers by name, and `radius` [m] is the drum's radius.
     """
     elasticity = elasticity_times_width_of_layers(layers, div.part)
-    directed = bool(is_elasticity_matrix_orthotropic(elasticity).any())
-    kinds = kinds_of_equal_element_columns(shoe, div, directed=directed)
+    directed = bool(which_elasticity_matrices_are_orthotropic(elasticity).any())
+    kinds = group_equal_element_columns_of_shoe(shoe, div, directed=directed)
     whole = _ShoeInElements(shoe, radius, div, layers, elasticity, directed, kinds)
     # The columns inside a grip are fixed at their back, the edge farthest from the contact. All
     # other columns are free there.
     which = kinds.which
     under, before = len(div.angles) - 1, len(div.before) - 1
-    ends = shoe.grip(radius)
+    ends = shoe.interval_of_body_back_held_by_support(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     body = div.index_of_first_body_layer
     rigid = body == div.number_of_element_layers
@@ -471,13 +475,19 @@ def rotation_angles_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
 
     In the element columns the displacements are measured along the radius and around the drum.
     """
-    angles = [axis_angles_at_contact_nodes(ends, div.degree) for ends in div.angles_of_each_lining]
+    angles = [
+        axis_angles_at_contact_nodes(ends, div.degree)
+        for ends in div.element_column_ends_on_each_lining
+    ]
     return -angles_of_displacement_axes(shoe, np.concatenate(angles))
 
 
-def positions_of_contact_nodes(div: ShoeDivision) -> list[Floats]:
+def angles_of_contact_nodes_on_each_lining(div: ShoeDivision) -> list[Floats]:
     """The positions phi (n_k,) [rad] of the contact nodes on each lining."""
-    return [node_positions_of_element_row(ends, div.degree) for ends in div.angles_of_each_lining]
+    return [
+        node_positions_of_element_row(ends, div.degree)
+        for ends in div.element_column_ends_on_each_lining
+    ]
 
 
 def condense_shoe_to_contact_nodes(
@@ -500,10 +510,10 @@ def condense_shoe_to_contact_nodes(
     NoAnswer
         for a singular stiffness
     """
-    phi = np.concatenate(positions_of_contact_nodes(div))
+    phi = np.concatenate(angles_of_contact_nodes_on_each_lining(div))
     R = rigid_body_displacements_of_nodes(
         function_from_depth_and_angle_to_point(shoe, radius)(np.zeros(1), phi),
-        shoe.pin_in_shoe_frame,
+        shoe.pin_position_in_shoe_frame,
     )
     row = _condensed_hp_columns_of_shoe(shoe, radius, div, layers)
     if div.index_of_first_body_layer < div.number_of_element_layers and not any(row.grip):
@@ -527,10 +537,10 @@ def condensed_shoe_with_held_back(shoe: Shoe, S: Floats, R: Floats) -> Condensed
     """
     zeros = np.zeros((len(R), FRAME))
     return CondensedShoe(
-        S=stiffness_of_frame_and_contact_nodes(S, R),
+        S=stiffness_of_hinge_face_and_contact_nodes(S, R),
         loads=np.vstack([np.eye(FRAME), zeros]),
         work=np.zeros((FRAME, FRAME)),
-        centre=shoe.pin_in_shoe_frame,
+        centre=shoe.pin_position_in_shoe_frame,
         rigid_mode_forces=zeros,
         force_imbalance=0.0,
         columns=LoadColumns(((ACTUATION, FRAME),)),
@@ -554,7 +564,7 @@ def _condense_shoe_that_hinge_holds(
     row : element columns of the shoe
     R : (2n, 3) rigid-body modes of the contact nodes
     """
-    faces = _modes_at_hinge_and_loads_at_end(shoe, radius, div)
+    faces = _hinge_face_modes_and_end_face_loads(shoe, radius, div)
     # The parts of the body before and behind the lining are attached to the first and the last
     # column under the lining. The assembled columns have the unknowns [frame | contact nodes | unit
     # loads].
@@ -579,7 +589,7 @@ def _condense_shoe_that_hinge_holds(
         A,
         faces.end,
         R,
-        shoe.pin_in_shoe_frame,
+        shoe.pin_position_in_shoe_frame,
         contact_forces_in_shoe_frame,
         contact_stiffness_in_shoe_frame,
     )
@@ -600,7 +610,7 @@ class _EndFacesOfBody(NamedTuple):
     end_forces: Floats
 
 
-def _modes_at_hinge_and_loads_at_end(
+def _hinge_face_modes_and_end_face_loads(
     shoe: Shoe, radius: float, div: ShoeDivision
 ) -> _EndFacesOfBody:
     """The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face.
@@ -614,7 +624,7 @@ def _modes_at_hinge_and_loads_at_end(
     end = unit_actuation_loads_on_end_face(place(depths, far), depths, div.degree)
     return _EndFacesOfBody(
         rotate_axes_of_all_nodes_by_one_angle(
-            rigid_body_displacements_of_nodes(place(depths, near), shoe.pin_in_shoe_frame),
+            rigid_body_displacements_of_nodes(place(depths, near), shoe.pin_position_in_shoe_frame),
             angles_of_displacement_axes(shoe, near),
         ),
         end,
@@ -658,7 +668,7 @@ def condensed_shoe_with_balanced_loads(
     corrected = stiffness_without_forces_by_rigid_motion(S, R, forces_in_frame(A[frame, contact]).T)
     actuation = end.columns.column_slice_of_each_load[ACTUATION]
     return CondensedShoe(
-        S=stiffness_of_frame_and_contact_nodes(corrected.S, R),
+        S=stiffness_of_hinge_face_and_contact_nodes(corrected.S, R),
         loads=np.concatenate([on_frame, load]),
         work=-A[loads, loads],
         centre=end.centre,
@@ -700,12 +710,12 @@ def _contact_stiffness_of_linings_on_rigid_body(
     element columns under all linings, and `div` is the division of the shoe.
     """
     blocks, count = [], 0
-    for first, last in div.columns_of_linings:
+    for first, last in div.element_column_range_of_each_lining:
         own = row[count : count + last - first]
         count += last - first
         own[0] = eliminate_nodes_on_column_side(own[0])
         own[-1] = eliminate_nodes_on_column_side(own[-1], right=True)
-        blocks.append(assemble_row_of_element_columns(own, 2).K)
+        blocks.append(assemble_and_condense_row_of_element_columns(own, 2).K)
     S = np.zeros((sum(map(len, blocks)),) * 2)
     count = 0
     for block in blocks:
@@ -732,15 +742,15 @@ def _assemble_columns_of_linings_and_slots(
     div : division of the shoe into columns and layers of elements
     """
     before: ColumnSubstructure | None = None
-    for k, (first, last) in enumerate(div.columns_of_linings):
+    for k, (first, last) in enumerate(div.element_column_range_of_each_lining):
         own = columns[first:last]
         if before is not None:
             own[0] = eliminate_nodes_on_column_side(own[0], before.K, before.right)
         if k < len(div.slots):
-            slot = assemble_row_of_element_columns(columns[slice(*div.slots[k])], 0)
+            slot = assemble_and_condense_row_of_element_columns(columns[slice(*div.slots[k])], 0)
             own[-1] = eliminate_nodes_on_column_side(own[-1], slot.K, slot.left, right=True)
             own[-1] = own[-1]._replace(right=slot.right)
-        before = assemble_row_of_element_columns(own, 2)
+        before = assemble_and_condense_row_of_element_columns(own, 2)
     assert before is not None
     return before.K
 
@@ -764,12 +774,14 @@ def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns, div: ShoeDivision)
     # The parts of the body beyond the lining are condensed to the nodes at the end of the lining.
     before, after = columns.before, columns.after
     body_before = (
-        eliminate_nodes_on_column_side(assemble_row_of_element_columns(before, 0)).K
+        eliminate_nodes_on_column_side(assemble_and_condense_row_of_element_columns(before, 0)).K
         if before
         else None
     )
     body_after = (
-        eliminate_nodes_on_column_side(assemble_row_of_element_columns(after, 0), right=True).K
+        eliminate_nodes_on_column_side(
+            assemble_and_condense_row_of_element_columns(after, 0), right=True
+        ).K
         if after
         else None
     )
@@ -792,7 +804,7 @@ def _join_first_column_to_body_at_hinge(
     """
     if not before:
         return eliminate_nodes_on_column_side(_constrain_element_column_side_to_hinge(first, held))
-    body = assemble_row_of_element_columns(
+    body = assemble_and_condense_row_of_element_columns(
         [_constrain_element_column_side_to_hinge(before[0], held), *before[1:]], 0
     )
     return eliminate_nodes_on_column_side(first, body.K, len(held))
@@ -813,7 +825,7 @@ def condensed_stiffness_of_body_behind_lining(
     if not after:
         return end
     last = eliminate_nodes_on_column_side(after[-1], end, part, right=True)
-    return assemble_row_of_element_columns([*after[:-1], last], 0).K
+    return assemble_and_condense_row_of_element_columns([*after[:-1], last], 0).K
 
 
 def _constrain_element_column_side_to_hinge(
@@ -886,7 +898,7 @@ def stiffness_without_forces_by_rigid_motion(
     return _CorrectedStiffness(corrected, before)
 
 
-def stiffness_of_frame_and_contact_nodes(S: Floats, R: Floats) -> Floats:
+def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
     """The stiffness on the frame and the contact nodes, from the contact nodes' stiffness S alone.
 
     S (2n, 2n) is enough, since a rigid-body motion of frame and contact nodes together, by the

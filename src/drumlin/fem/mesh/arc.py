@@ -69,7 +69,7 @@ def element_kind_of_mesh(mesh: Any) -> MeshKind:
     return next(kind for kind in MESH_KINDS.values() if kind.mesh is type(mesh))
 
 
-def _move_nearest_angles_to_places(angles: Floats, places: tuple[float, ...]) -> Floats:
+def _move_nearest_element_ends_to_angles(angles: Floats, places: tuple[float, ...]) -> Floats:
     """The angles [rad] of element ends, changed so that each of the `places` [rad] is one of them.
 
     The inner angle nearest to a place is moved to this place. The place is added as a new angle if
@@ -146,7 +146,7 @@ def parametric_mesh_of_shoe(
         else divide_lining_into_elements(shoe, radius, elements)
     )
     if isinstance(shoe.body, Beam):
-        reason = shoe.reason_against_several_linings("the mesh of a straight beam")
+        reason = shoe.reason_if_several_linings_are_not_allowed("the mesh of a straight beam")
         if reason is not None:
             raise BadInput(f"--kind = {kind!r}: shoe {shoe.name!r}: {reason}")
         return mesh_of_straight_beam_shoe(shoe, radius, division, MESH_KINDS[kind].mesh)
@@ -163,7 +163,10 @@ def parametric_mesh_of_shoe(
     mesh = shape.from_mesh(grid)
     depth, phi = mesh.doflocs
     return shape(
-        shoe.at(depth, phi, radius), mesh.t, _subdomains=subdomains, _boundaries=boundaries
+        shoe.points_at_depth_and_coordinate_phi(depth, phi, radius),
+        mesh.t,
+        _subdomains=subdomains,
+        _boundaries=boundaries,
     )
 
 
@@ -183,7 +186,9 @@ def _depths_and_angles_of_arc_mesh(
         layers += [(name, plate.thickness) for name, plate in shoe.body.plates.items()]
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        angles = _move_nearest_angles_to_places(angles, shoe.grip(radius) or ())
+        angles = _move_nearest_element_ends_to_angles(
+            angles, shoe.interval_of_body_back_held_by_support(radius) or ()
+        )
         before = element_ends_beyond_lining(phi_1, body[0], division)[:0:-1]
         after = element_ends_beyond_lining(phi_2, body[1], division)[1:]
         angles = np.concatenate([before, angles, after])
@@ -225,7 +230,7 @@ def _element_edges_on_each_boundary(
     # The boundary "hinge" is one of three faces: the back of a rigid shoe's lining, the body's end
     # face nearer to the pin, or the part of the body's back that the support holds (the grip).
     on = {"contact": outer & (depth < FACE_SLACK * radius)}
-    grip = shoe.grip(radius) if shoe.body is not None else None
+    grip = shoe.interval_of_body_back_held_by_support(radius) if shoe.body is not None else None
     if shoe.body is None:
         on["hinge"] = outer & (depth > layout.thickness_of_lining_and_backing * (1 - FACE_SLACK))
     elif grip is None:

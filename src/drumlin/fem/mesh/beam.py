@@ -124,7 +124,7 @@ class _BeamShape(NamedTuple):
         y = np.where(depth > 1, in_block, y)
         in_beam = beam_face - (depth - 2) * self.beam
         y = np.where(depth > 2, in_beam, y)
-        return self.axis.convert_to_brake_frame(x, y)
+        return self.axis.convert_beam_coordinates_to_brake_points(x, y)
 
     def _distances_along_beam(self, s: Floats) -> Floats:
         """The distances from the hinge along the beam [m] at positions s of the lining's back.
@@ -177,7 +177,7 @@ def mesh_of_straight_beam_shoe(
     mesh = shape.from_mesh(grid)
     depth, s = mesh.doflocs
     return shape(
-        shoe.frame.convert_to_shoe_frame(form.points_in_brake_frame(depth, s)).T.copy(),
+        shoe.frame.convert_vectors_to_shoe_frame(form.points_in_brake_frame(depth, s)).T.copy(),
         mesh.t,
         _subdomains={name: np.flatnonzero(layer == i) for i, name in enumerate(PARTS)},
         _boundaries={name: np.flatnonzero(where) for name, where in on.items()},

@@ -266,7 +266,12 @@ def _check_elements_are_valid_and_connected(mesh: Any, shoe: Shoe, fault: str) -
 
 def _text_with_count_of_faulty_elements(mesh: Any, elements: Ints, shoe: Shoe) -> str:
     """The subject of a sentence about faulty elements: "2 elements are (the first at x = ...)"."""
-    ((x,), (y,)) = shoe.points(mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1, keepdims=True)) * 1e3
+    ((x,), (y,)) = (
+        shoe.convert_points_to_brake_frame(
+            mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1, keepdims=True)
+        )
+        * 1e3
+    )
     count = len(np.unique(elements))
     return (
         f"{count} element{'s are' if count > 1 else ' is'} "
@@ -307,7 +312,7 @@ def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
     basis = nodal_basis_of_mesh(mesh)
     line = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
-    off, word = shoe.off(line, radius), shoe.surface.word
+    off, word = shoe.distance_from_friction_surface(line, radius), shoe.surface.word
     most, deep = float(np.abs(off).max()), -float(off.min())
     if most > CONTACT_OFFSET * radius:
         surface = "plane" if shoe.flat else f"drum's radius {mm_text(radius)}"
@@ -317,7 +322,9 @@ def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault
             f"(coordinates are read in {shoe.mesh_unit})"
         )
     # The lining's elements must lie behind its face, which must not reach deep into the drum.
-    behind = shoe.off(mesh.p[:, mesh.t[:, mesh.subdomains["lining"]]].mean(axis=1), radius)
+    behind = shoe.distance_from_friction_surface(
+        mesh.p[:, mesh.t[:, mesh.subdomains["lining"]]].mean(axis=1), radius
+    )
     if behind.mean() < 0 and not shoe.mesh_interference:
         raise BadInput(
             f"{fault}: the lining's elements lie in the {word}; must lie behind the group contact"
@@ -340,7 +347,7 @@ def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault
     # The contact must have the same ends as the lining in the brake's file.
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
     xy = mesh.p[:, nodes]
-    phi = shoe.phi_of_points_in_shoe_frame(xy, radius)
+    phi = shoe.surface_coordinates_of_points_in_shoe_frame(xy, radius)
     # Each node belongs to the lining that it is nearest to.
     distances = [np.maximum(start - phi, phi - end) for start, end in shoe.arcs]
     nearest = np.argmin(distances, axis=0)
@@ -393,7 +400,7 @@ def _check_hinge_is_nearer_to_pin(mesh: Any, shoe: Shoe, fault: str) -> None:
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
     if "actuation" in nodes and not shoe.has_support_on_back_of_body:
         away = {
-            name: math.dist(shoe.pin_in_shoe_frame, mesh.p[:, nodes[name]].mean(axis=1))
+            name: math.dist(shoe.pin_position_in_shoe_frame, mesh.p[:, nodes[name]].mean(axis=1))
             for name in ("hinge", "actuation")
         }
         if away["hinge"] > away["actuation"]:

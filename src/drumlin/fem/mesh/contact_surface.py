@@ -146,7 +146,7 @@ def _contact_nodes_in_order_of_angle(
     middles = mesh.dofs.facet_dofs[0, facets] if has_middles else np.zeros(0, dtype=np.int64)
     nodes = np.concatenate([corners, middles])
     xy = mesh.doflocs[:, nodes]
-    phi = shoe.phi_of_points_in_shoe_frame(xy, radius)
+    phi = shoe.surface_coordinates_of_points_in_shoe_frame(xy, radius)
     order = np.argsort(phi)
     nodes, xy = nodes[order], xy[:, order]
     normal = np.abs(_unit_normals_away_from_drum(xy, shoe))
@@ -157,7 +157,7 @@ def _contact_nodes_in_order_of_angle(
         nodes=nodes,
         middle=(np.arange(len(nodes)) >= len(corners))[order],
         phi=phi[order],
-        off=shoe.off(xy, radius),
+        off=shoe.distance_from_friction_surface(xy, radius),
         slack=slack,
     )
 

@@ -78,15 +78,15 @@ def largest_rounding_errors_of_coordinates(points: Floats) -> Floats:
     exponents = np.floor(np.log10(np.where(size > 0, size, 1.0))) + 1
     found = np.zeros(points.shape)
     for steps in (
-        _values_of_last_decimal(points),
-        _values_of_last_significant_digit(points, exponents),
+        _place_values_of_last_decimal(points),
+        _place_values_of_last_significant_digit(points, exponents),
     ):
         if steps is not None:
             found = np.maximum(found, 0.5 * steps)
     return found
 
 
-def _values_of_last_decimal(points: Floats) -> Floats | None:
+def _place_values_of_last_decimal(points: Floats) -> Floats | None:
     """The value of the last decimal of coordinates that all have the same number of decimals.
 
     For two decimals the value is 0.01. It is repeated for each coordinate (n, k). None is returned
@@ -101,7 +101,7 @@ def _values_of_last_decimal(points: Floats) -> Floats | None:
     return None
 
 
-def _values_of_last_significant_digit(points: Floats, exponents: Floats) -> Floats | None:
+def _place_values_of_last_significant_digit(points: Floats, exponents: Floats) -> Floats | None:
     """The value (n, k) of the last digit of coordinates with the same number of significant digits.
 
     For 12.34 with four digits the value is 0.01. None is returned if the coordinates have

@@ -209,7 +209,7 @@ class NodalBasis:
         """Weights (elements, points) [m^2] of the quadrature points, which add up to the area."""
         return self._gradients_and_areas[1]
 
-    def places_in_elements(self, elements: Ints, at: Floats) -> Floats:
+    def positions_of_points_in_elements(self, elements: Ints, at: Floats) -> Floats:
         """The places (2, m, q) [m] of q points in each of m elements.
 
         `at` (m, q, 2) are the points in the reference triangle or square.
@@ -250,7 +250,7 @@ def nodal_basis_of_shoe_mesh(mesh: Any, degree: int, shoe: Shoe, radius: float) 
     """
     basis = nodal_basis_of_mesh(mesh, degree)
     # On a plane the sides of the mesh have the right shape already.
-    return basis if shoe.flat else _basis_with_sides_on_contact_line(basis, shoe, radius)
+    return basis if shoe.flat else _basis_with_contact_nodes_at_mesh_offsets(basis, shoe, radius)
 
 
 def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
@@ -262,10 +262,12 @@ def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
     # The mapping of the mesh gives the places of the nodes.
     shape = (2, mesh.nelements, len(elem.doflocs))
     places = np.broadcast_to(mesh.mapping().F(elem.doflocs.T), shape)
-    return nodal_basis_with_places(mesh, elem, places)
+    return nodal_basis_with_given_node_positions(mesh, elem, places)
 
 
-def nodal_basis_with_places(mesh: Any, elem: NodalElement, places: Floats) -> NodalBasis:
+def nodal_basis_with_given_node_positions(
+    mesh: Any, elem: NodalElement, places: Floats
+) -> NodalBasis:
     """The basis on a mesh for elements of the type `elem`, with its nodes at given places.
 
     Parameters
@@ -297,7 +299,9 @@ def nodal_basis_with_places(mesh: Any, elem: NodalElement, places: Floats) -> No
     )
 
 
-def _basis_with_sides_on_contact_line(basis: NodalBasis, shoe: Shoe, radius: float) -> NodalBasis:
+def _basis_with_contact_nodes_at_mesh_offsets(
+    basis: NodalBasis, shoe: Shoe, radius: float
+) -> NodalBasis:
     """The basis whose contact nodes have the distances off the drum that the mesh's nodes have.
 
     The distances of the mesh's own nodes are interpolated along each side.
@@ -305,16 +309,22 @@ def _basis_with_sides_on_contact_line(basis: NodalBasis, shoe: Shoe, radius: flo
     mesh = basis.mesh
     facets = mesh.boundaries["contact"]
     own = nodal_basis_of_mesh(mesh)
-    given = shoe.off(own.doflocs[:, nodes_along_element_edges(own, facets)], radius)
+    given = shoe.distance_from_friction_surface(
+        own.doflocs[:, nodes_along_element_edges(own, facets)], radius
+    )
     at = gauss_lobatto_points(basis.elem.degree)
     target = lagrange_shape_function_values(len(given) - 1, at).T @ given
     xy = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
     outward = -shoe.sign * xy / np.hypot(*xy)
-    moves = (target - shoe.off(xy, radius)) * outward
-    return basis.basis_with_moved_nodes(moves_of_nodes_that_follow_sides(basis, facets, moves))
+    moves = (target - shoe.distance_from_friction_surface(xy, radius)) * outward
+    return basis.basis_with_moved_nodes(
+        node_displacements_that_follow_moved_sides(basis, facets, moves)
+    )
 
 
-def moves_of_nodes_that_follow_sides(basis: NodalBasis, facets: Ints, moves: Floats) -> Floats:
+def node_displacements_that_follow_moved_sides(
+    basis: NodalBasis, facets: Ints, moves: Floats
+) -> Floats:
     """The moves (2, N) [m] of all nodes if the nodes on some sides are moved.
 
     The nodes inside the elements at these sides follow their side, so that the elements keep their
@@ -337,7 +347,7 @@ def moves_of_nodes_that_follow_sides(basis: NodalBasis, facets: Ints, moves: Flo
         of_side = moves[:, :, which[elements]]
         reversed_ = mesh.t[a, elements] > mesh.t[b, elements]
         of_side = np.where(reversed_, of_side[:, ::-1], of_side)
-        along, share = _places_along_side_and_fractions_of_its_move(elem, a, b)
+        along, share = _node_places_along_side_and_shares_of_its_move(elem, a, b)
         shapes = lagrange_shape_function_values(elem.degree, along) * share
         following = np.einsum("ckm,kn->cnm", of_side, shapes)
         change[:, basis.element_dofs[inside][:, elements]] += following[:, inside]
@@ -345,7 +355,7 @@ def moves_of_nodes_that_follow_sides(basis: NodalBasis, facets: Ints, moves: Flo
     return change
 
 
-def _places_along_side_and_fractions_of_its_move(
+def _node_places_along_side_and_shares_of_its_move(
     elem: NodalElement, a: int, b: int
 ) -> tuple[Floats, Floats]:
     """How the nodes of an element follow one side: place along the side, and share of its move.

@@ -49,7 +49,7 @@ from drumlin.fem.mesh.plane_cells import (
     PlaneCells,
     convert_plane_cells_to_one_kind,
 )
-from drumlin.fem.mesh.vtu import check_unpacked_vtu_size_fits_memory
+from drumlin.fem.mesh.vtu import check_decompressed_vtu_size_fits_memory
 
 FORMATS = (".msh", ".inp", ".vtu")
 """The suffixes of mesh files that drumlin reads and writes."""
@@ -83,7 +83,7 @@ def write_shoe_mesh_to_file(path: Path, mesh: Any, shoe: Shoe) -> None:
     edges = {
         name: nodes_along_element_edges(basis, facets) for name, facets in mesh.boundaries.items()
     }
-    xy = shoe.points(basis.doflocs).T
+    xy = shoe.convert_points_to_brake_frame(basis.doflocs).T
     with temporary_file_replacing_output(path) as partial:
         if path.suffix == ".inp":
             nodes = {name: np.unique(along) for name, along in edges.items()}
@@ -267,7 +267,7 @@ def _read_mesh_file_by_its_format(path: Path, suffix: str, data: bytes, shoe: Sh
     if suffix == ".msh" and is_text_in_gmsh_format_4(data):
         return read_mesh_in_gmsh_format_4(data.decode(errors="replace"))
     if suffix == ".vtu":
-        check_unpacked_vtu_size_fits_memory(data)
+        check_decompressed_vtu_size_fits_memory(data)
     return content_of_meshio_mesh(meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh"))
 
 

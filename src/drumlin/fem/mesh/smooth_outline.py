@@ -12,8 +12,8 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.fem.mesh.degree import (
     NodalBasis,
-    moves_of_nodes_that_follow_sides,
     nodal_basis_of_mesh,
+    node_displacements_that_follow_moved_sides,
 )
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.resultants import gauss_lobatto_points
@@ -55,7 +55,7 @@ class _Bends(NamedTuple):
     vertices: Ints
 
 
-def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
+def node_displacements_onto_smooth_outline(basis: NodalBasis) -> Floats:
     """The moves (2, N) [m] of all nodes by which the chords of curved lines become arcs.
 
     The lines are the outline of the shoe and the interfaces of its layers. Sides on the contact
@@ -64,7 +64,7 @@ def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
     facets, kinds = _sides_on_outline_and_interfaces(basis.mesh)
     moving = ~np.isin(facets, basis.mesh.boundaries["contact"])
     facets, kinds = facets[moving], kinds[moving]
-    bends = _bends_between_neighbouring_sides(basis.mesh, facets, kinds)
+    bends = _bends_between_neighbouring_outline_sides(basis.mesh, facets, kinds)
     # The arc that replaces a side has the mean curvature of the bends at the side's two ends.
     total, count = np.zeros(len(facets)), np.zeros(len(facets))
     for side, forward in ((bends.before, bends.ends_before), (bends.after, bends.starts_after)):
@@ -83,7 +83,7 @@ def moves_onto_smooth_outline(basis: NodalBasis) -> Floats:
     bulge = angle * along * (1 - along) / (roots[0] + roots[1])
     arc = xy[:, :1] + along * chord[:, None] + bulge * np.array([chord[1], -chord[0]])[:, None]
     moves = np.where(count > 0, arc - xy, 0.0)
-    return moves_of_nodes_that_follow_sides(basis, facets, moves)
+    return node_displacements_that_follow_moved_sides(basis, facets, moves)
 
 
 def _layer_number_of_each_element(mesh: Any) -> Ints:
@@ -108,7 +108,7 @@ def _sides_on_outline_and_interfaces(mesh: Any) -> tuple[Ints, Ints]:
     return facets, both[0, facets] * (len(mesh.subdomains) + 1) + both[1, facets]
 
 
-def _bends_between_neighbouring_sides(mesh: Any, facets: Ints, kinds: Ints) -> _Bends:
+def _bends_between_neighbouring_outline_sides(mesh: Any, facets: Ints, kinds: Ints) -> _Bends:
     """The bends of all lines: vertices where just two sides of a line meet, at a small angle.
 
     Parameters
@@ -159,7 +159,7 @@ def singular_corners_of_mesh(mesh: Any) -> Ints:
     """
     facets, kinds = _sides_on_outline_and_interfaces(mesh)
     vertices, sides = np.unique(mesh.facets[:, facets], return_counts=True)
-    bends = _bends_between_neighbouring_sides(mesh, facets, kinds)
+    bends = _bends_between_neighbouring_outline_sides(mesh, facets, kinds)
     corners = np.union1d(vertices[sides > 2], np.setdiff1d(vertices, bends.vertices))
     # Corners of one layer are singular only if they are re-entrant.
     layer = np.broadcast_to(_layer_number_of_each_element(mesh)[:-1], mesh.t.shape)

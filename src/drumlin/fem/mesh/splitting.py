@@ -23,7 +23,7 @@ from drumlin.fem.mesh.degree import (
     TRIANGLE_CORNERS,
     NodalBasis,
     NodalElement,
-    nodal_basis_with_places,
+    nodal_basis_with_given_node_positions,
 )
 from drumlin.fem.mesh.edges import element_edges_between_vertices
 
@@ -71,7 +71,7 @@ class ElementParts:
     lines: Mapping[str, Ints]
 
 
-def split_mesh_towards_points(
+def split_mesh_into_triangles_towards_points(
     shape: NodalBasis, finest: FinestSides, most: int
 ) -> ElementParts | None:
     """The triangles that a mesh is split into, small at singular points; None without a split.
@@ -89,7 +89,7 @@ def split_mesh_towards_points(
     NoAnswer
         if more triangles are needed
     """
-    parts = _whole_triangles_of_mesh(shape.mesh)
+    parts = _triangles_of_unsplit_mesh(shape.mesh)
     marked = _which_triangles_have_too_long_side(parts, finest)
     if not marked.any():
         return None
@@ -101,7 +101,7 @@ def split_mesh_towards_points(
     return parts
 
 
-def _whole_triangles_of_mesh(mesh: Any) -> ElementParts:
+def _triangles_of_unsplit_mesh(mesh: Any) -> ElementParts:
     """The elements of a mesh as triangles; quadrilaterals are cut along their shorter diagonal."""
     t, corners = mesh.t.T, TRIANGLE_CORNERS
     parent = np.arange(len(t))
@@ -187,7 +187,7 @@ def _bisect_marked_and_touched_triangles(
         (a, b, c), (pa, pb, pc) = t[split].T, at[split].transpose(1, 0, 2)
         middle = count + np.searchsorted(halved, unique_number_of_each_side(t[split, :2]))
         pm = (pa + pb) / 2
-        xy[:, middle] = shape.places_in_elements(parent[split], pm[:, None])[:, :, 0]
+        xy[:, middle] = shape.positions_of_points_in_elements(parent[split], pm[:, None])[:, :, 0]
         new_t = [np.column_stack([c, a, middle]), np.column_stack([b, c, middle])]
         new_at = [np.stack([pc, pa, pm], axis=1), np.stack([pb, pc, pm], axis=1)]
         t = np.concatenate([t[~split], *new_t])
@@ -195,7 +195,9 @@ def _bisect_marked_and_touched_triangles(
         parent = np.concatenate([parent[~split], parent[split], parent[split]])
 
 
-def nodal_basis_on_parts(shape: NodalBasis, parts: ElementParts, degree: int) -> NodalBasis:
+def nodal_basis_on_split_triangles(
+    shape: NodalBasis, parts: ElementParts, degree: int
+) -> NodalBasis:
     """The basis of the given degree on the triangles into which a mesh's elements are split.
 
     `shape` is a basis on the elements before the split. It gives the places of the nodes, so that
@@ -209,7 +211,7 @@ def nodal_basis_on_parts(shape: NodalBasis, parts: ElementParts, degree: int) ->
     x, y = elem.doflocs.T
     barycentric = np.column_stack([1 - x - y, x, y])
     inside = barycentric @ at
-    places = shape.places_in_elements(parts.parent, inside)
+    places = shape.positions_of_points_in_elements(parts.parent, inside)
     groups = {
         name: np.flatnonzero(np.isin(parts.parent, members))
         for name, members in shape.mesh.subdomains.items()
@@ -219,4 +221,4 @@ def nodal_basis_on_parts(shape: NodalBasis, parts: ElementParts, degree: int) ->
         name: element_edges_between_vertices(mesh, line)[0] for name, line in parts.lines.items()
     }
     mesh = replace(mesh, _subdomains=groups, _boundaries=boundaries)
-    return nodal_basis_with_places(mesh, elem, places)
+    return nodal_basis_with_given_node_positions(mesh, elem, places)

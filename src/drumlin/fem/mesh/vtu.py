@@ -29,7 +29,7 @@ _RAW_APPENDED = re.compile(rb"<AppendedData[^>]*>")
 """Pattern of the XML tag before the appended data of a .vtu file, which may be raw bytes."""
 
 
-def check_unpacked_vtu_size_fits_memory(data: bytes) -> None:
+def check_decompressed_vtu_size_fits_memory(data: bytes) -> None:
     """Refuse the content of a .vtu file whose arrays have more than MOST_UNPACKED bytes unpacked.
 
     Other faults of the file are found later, when it is read.
@@ -53,8 +53,8 @@ def check_unpacked_vtu_size_fits_memory(data: bytes) -> None:
         lzma.LZMADecompressor if "LZMA" in str(root.get("compressor")) else zlib.decompressobj
     )
     room = MOST_UNPACKED
-    for packed in _packed_blocks_of_arrays(root, raw, width, order):
-        room -= _size_of_unpacked_block(packed, unpacker, room)
+    for packed in _compressed_blocks_of_vtu_arrays(root, raw, width, order):
+        room -= _size_of_decompressed_block(packed, unpacker, room)
 
 
 def _split_vtu_into_xml_and_raw_bytes(data: bytes) -> tuple[bytes, bytes | None]:
@@ -66,7 +66,7 @@ def _split_vtu_into_xml_and_raw_bytes(data: bytes) -> tuple[bytes, bytes | None]
     return data[: found.end()] + data[end:], data[found.end() : end].split(b"_", 1)[1]
 
 
-def _packed_blocks_of_arrays(
+def _compressed_blocks_of_vtu_arrays(
     root: Any, raw: bytes | None, width: int, order: Any
 ) -> Iterator[bytes]:
     """Yield the packed blocks of all arrays of a .vtu file, one after the other.
@@ -82,7 +82,7 @@ def _packed_blocks_of_arrays(
     if raw is not None:
         at = 0
         while at + width <= len(raw):
-            sizes = _packed_sizes_of_array_blocks(raw[at:], width, order)
+            sizes = _compressed_sizes_of_vtu_array_blocks(raw[at:], width, order)
             at += width * (3 + len(sizes))
             for size in sizes:
                 yield raw[at : at + size]
@@ -97,7 +97,7 @@ def _packed_blocks_of_arrays(
         text = (array.text or "").strip()
         if kind == "appended":
             text = rest[int(array.get("offset", "0")) :]
-        sizes = _packed_sizes_of_array_blocks(
+        sizes = _compressed_sizes_of_vtu_array_blocks(
             base64.b64decode(text[: _number_of_base64_letters(width)])[:width], width, order, text
         )
         at = _number_of_base64_letters(width * (3 + len(sizes)))
@@ -107,7 +107,7 @@ def _packed_blocks_of_arrays(
             content = content[size:]
 
 
-def _packed_sizes_of_array_blocks(
+def _compressed_sizes_of_vtu_array_blocks(
     data: bytes, width: int, order: Any, text: str | None = None
 ) -> list[int]:
     """The packed sizes [bytes] of the blocks of an array in a .vtu file, from the array's header.
@@ -137,7 +137,7 @@ def _number_of_base64_letters(count: int) -> int:
     return -(-count // 3) * 4
 
 
-def _size_of_unpacked_block(packed: bytes, unpacker: Callable[[], Any], room: int) -> int:
+def _size_of_decompressed_block(packed: bytes, unpacker: Callable[[], Any], room: int) -> int:
     """The size [bytes] of a packed block when it is unpacked.
 
     ValueError is raised if the size is above `room` bytes. `unpacker` makes an object with a method

@@ -14,13 +14,13 @@ from drumlin.brake.further_loads import ForceAtPoint
 from drumlin.brake.heat import HeatedLayer, heated_layers_of_shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.preparation.load_places import (
-    factors_of_forces_and_mass,
-    has_loads_at_their_places,
-    unit_loads_of_forces_and_mass,
+    has_load_columns_of_forces_and_mass,
+    load_column_factors_of_forces_and_mass,
+    unit_loads_at_points_and_mass,
 )
 from drumlin.fem.substructure.body import CondensedBody
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.expansion import Strains, expansion_forces
+from drumlin.fem.substructure.expansion import Strains, nodal_forces_of_thermal_expansion
 from drumlin.fem.substructure.interface import (
     ContactLine,
     Coupling,
@@ -41,7 +41,7 @@ class ActuatedBody(Protocol):
         """The point (2,) [m] in the shoe's frame at which the unit loads of the actuation act."""
 
     @property
-    def unit_load_vectors_by_name(self) -> LoadColumns:
+    def load_matrix_columns_by_load_name(self) -> LoadColumns:
         """The load columns of the body: which columns belong to which named load."""
 
 
@@ -96,7 +96,7 @@ class ShoeSubstructure:
     of_file: ShoeMesh | None = field(default=None, kw_only=True)
 
     @property
-    def unit_load_vectors_by_name(self) -> LoadColumns:
+    def load_matrix_columns_by_load_name(self) -> LoadColumns:
         """The load columns of the body: which columns belong to which named load."""
         return self.condensed.columns
 
@@ -204,7 +204,7 @@ def make_shoe_substructure(
     # round-off.
     if HEAT in condensed.columns.column_slice_of_each_load:
         reaction_to_load[:, condensed.columns.column_slice_of_each_load[HEAT]] = 0.0
-    x, y = line.xy - shoe.pin_in_shoe_frame[:, None]
+    x, y = line.xy - shoe.pin_position_in_shoe_frame[:, None]
     return kind(
         mesh=division.mesh,
         basis=division.basis,
@@ -245,7 +245,7 @@ def _half_flexibility_of_contact_nodes(
     return condensed.nodal_forces_over_cholesky_factor(np.concatenate(forces, axis=1))
 
 
-def free_strains_of_heated_layers(shoe: Shoe, radius: float) -> Strains:
+def free_thermal_strains_of_heated_layers(shoe: Shoe, radius: float) -> Strains:
     """The free thermal strains of each heated layer of a shoe, as functions of points.
 
     The result has a function from points to strains by the name of each heated layer, in the shoe's
@@ -256,18 +256,22 @@ def free_strains_of_heated_layers(shoe: Shoe, radius: float) -> Strains:
     for heated in heated_layers_of_shoe(shoe):
         names = heated.part.plates if heated.key == "body" else (heated.key,)
         for name in names:
-            strains[name] = partial(_free_strains_at_points, shoe, radius, heated)
+            strains[name] = partial(_free_thermal_strains_at_points, shoe, radius, heated)
     return strains
 
 
-def _free_strains_at_points(
+def _free_thermal_strains_at_points(
     shoe: Shoe, radius: float, heated: HeatedLayer, points: Floats
 ) -> Floats:
     """The free thermal strains (2, ...) of a heated layer of a shoe at points (2, ...) [m]."""
-    return np.asarray(heated.free_strains_at_depths(shoe.off(points, radius)))
+    return np.asarray(
+        heated.free_thermal_strains_at_depths(shoe.distance_from_friction_surface(points, radius))
+    )
 
 
-def loads_of_shoe_besides_actuation(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
+def nodal_forces_of_unit_loads_besides_actuation(
+    basis: Any, shoe: Shoe, radius: float
+) -> dict[str, Floats]:
     """The nodal forces (2 nodes, l) of all unit loads of a shoe except its actuation, by name.
 
     The unit loads are the load of free thermal strains, unit forces at the points of further
@@ -279,44 +283,48 @@ def loads_of_shoe_besides_actuation(basis: Any, shoe: Shoe, radius: float) -> di
     shoe : the shoe
     radius : radius of the drum [m]; on a plane the length of phi = 1
     """
-    loads = unit_loads_of_forces_and_mass(basis, shoe, radius)
-    strains = free_strains_of_heated_layers(shoe, radius)
+    loads = unit_loads_at_points_and_mass(basis, shoe, radius)
+    strains = free_thermal_strains_of_heated_layers(shoe, radius)
     if strains:
-        loads[HEAT] = expansion_forces(basis, elastic_layers_of_shoe(shoe), strains)[:, None]
+        loads[HEAT] = nodal_forces_of_thermal_expansion(
+            basis, elastic_layers_of_shoe(shoe), strains
+        )[:, None]
     return loads
 
 
-def load_factors_under_actuation_force(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
+def load_column_factors_under_all_loads(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
     """The factors (l,) of a body's load columns under an actuation force [N] and all other loads.
 
     A load column is the load vector of a unit load. The load on the body is the sum of all columns
     times their factors. Contact, reactions, fields and refinement take the loads of a shoe from
     this function. The thermal load does not depend on the force, and its factor is one.
     """
-    factors, _ = load_factors_and_pin_moment_per_newton(body, shoe)
+    factors, _ = load_column_factors_and_pin_moment_per_newton(body, shoe)
     acting = abs(force) * factors
-    if shoe.has_further_loads:
-        acting = acting + load_factors_of_further_loads(body, shoe)
-    columns = body.unit_load_vectors_by_name
+    if shoe.has_loads_besides_actuation:
+        acting = acting + load_column_factors_of_loads_besides_actuation(body, shoe)
+    columns = body.load_matrix_columns_by_load_name
     if HEAT in columns.column_slice_of_each_load:
-        acting = acting + columns.factors_of_all_load_columns({HEAT: np.ones(1)})
+        acting = acting + columns.column_factors_of_all_loads({HEAT: np.ones(1)})
     return acting
 
 
-def load_factors_of_further_loads(body: ActuatedBody, shoe: Shoe) -> Floats:
+def load_column_factors_of_loads_besides_actuation(body: ActuatedBody, shoe: Shoe) -> Floats:
     """The factors (l,) of a body's load columns under further forces and forces on the shoe's mass.
 
     If the body has load columns for these loads, the loads act at their own places. Otherwise the
     body is rigid, or its model has no such columns, and the resultant of the loads acts where the
     actuation acts.
     """
-    columns = body.unit_load_vectors_by_name
-    if not has_loads_at_their_places(columns):
-        return load_factors_of_resultant(body, shoe, shoe.further_load)
-    return columns.factors_of_all_load_columns(factors_of_forces_and_mass(shoe))
+    columns = body.load_matrix_columns_by_load_name
+    if not has_load_columns_of_forces_and_mass(columns):
+        return load_column_factors_of_load_at_actuation(
+            body, shoe, shoe.resultant_of_loads_besides_actuation
+        )
+    return columns.column_factors_of_all_loads(load_column_factors_of_forces_and_mass(shoe))
 
 
-def load_factors_of_force_at_point(
+def load_column_factors_of_force_at_point(
     body: ActuatedBody, shoe: Shoe, index: int, force: ForceAtPoint
 ) -> Floats:
     """The factors (l,) of a body's load columns under one of the further forces on a shoe.
@@ -324,43 +332,51 @@ def load_factors_of_force_at_point(
     `force` is the force and its point in the frame of the brake. `index` is the number of the force
     among the further forces of the shoe, counted from 0.
     """
-    columns = body.unit_load_vectors_by_name
+    columns = body.load_matrix_columns_by_load_name
     at_place = columns.column_slice_of_each_load.get(FURTHER_FORCES)
     if at_place is None:
-        return load_factors_of_resultant(body, shoe, force.resultant)
+        return load_column_factors_of_load_at_actuation(body, shoe, force.resultant)
     factors = np.zeros(columns.number_of_load_columns)
     first = at_place.start + 2 * index
-    factors[first : first + 2] = shoe.frame.convert_to_shoe_frame(np.array(force.force))
+    factors[first : first + 2] = shoe.frame.convert_vectors_to_shoe_frame(np.array(force.force))
     return factors
 
 
-def force_of_load_factors(body: ActuatedBody, shoe: Shoe, load: Floats) -> Floats:
+def sum_of_forces_with_load_column_factors(body: ActuatedBody, shoe: Shoe, load: Floats) -> Floats:
     """The sum (2,) [N] of the forces on a shoe under load factors (l,), in the shoe's frame."""
-    columns = body.unit_load_vectors_by_name
-    force = columns.factors_of_load_with_name(ACTUATION, load)[:2]
-    if has_loads_at_their_places(columns):
-        force = force + shoe.frame.convert_to_shoe_frame(shoe.further_load[:2])
+    columns = body.load_matrix_columns_by_load_name
+    force = columns.column_factors_of_one_named_load(ACTUATION, load)[:2]
+    if has_load_columns_of_forces_and_mass(columns):
+        force = force + shoe.frame.convert_vectors_to_shoe_frame(
+            shoe.resultant_of_loads_besides_actuation[:2]
+        )
     return np.asarray(force)
 
 
-def load_factors_of_resultant(body: ActuatedBody, shoe: Shoe, resultant: Floats) -> Floats:
+def load_column_factors_of_load_at_actuation(
+    body: ActuatedBody, shoe: Shoe, resultant: Floats
+) -> Floats:
     """The factors (l,) of a body's load columns under a load that acts where the actuation acts.
 
     `resultant` (3,) has the force x, force y [N] and the moment about the brake's origin [N m].
     """
-    centre_x, centre_y = shoe.points(body.load_centre[:, None])[:, 0].tolist()
+    centre_x, centre_y = shoe.convert_points_to_brake_frame(body.load_centre[:, None])[
+        :, 0
+    ].tolist()
     fx, fy, moment = resultant.tolist()
     couple = shoe.frame.sense * (moment - (centre_x * fy - centre_y * fx))
-    own = np.array([*shoe.frame.convert_to_shoe_frame(np.array([fx, fy])), couple])
-    return body.unit_load_vectors_by_name.factors_of_all_load_columns({ACTUATION: own})
+    own = np.array([*shoe.frame.convert_vectors_to_shoe_frame(np.array([fx, fy])), couple])
+    return body.load_matrix_columns_by_load_name.column_factors_of_all_loads({ACTUATION: own})
 
 
-def moment_of_further_loads_about_pin(shoe: Shoe) -> float:
+def moment_of_loads_besides_actuation_about_pin(shoe: Shoe) -> float:
     """Moment [N m] about the pin of all loads except the actuation, in the shoe's frame."""
-    return shoe.frame.sense * shoe.moment_of_further_loads_about_point(shoe.pin)
+    return shoe.frame.sense * shoe.moment_of_loads_besides_actuation_about_point(shoe.pin)
 
 
-def load_factors_and_pin_moment_per_newton(body: ActuatedBody, shoe: Shoe) -> tuple[Floats, float]:
+def load_column_factors_and_pin_moment_per_newton(
+    body: ActuatedBody, shoe: Shoe
+) -> tuple[Floats, float]:
     """The factors (l,) of a body's load columns under its actuation, and the moment about the pin.
 
     Both are for an actuation force of 1 N and in the shoe's frame; the moment [m] is thus a lever
@@ -368,10 +384,12 @@ def load_factors_and_pin_moment_per_newton(body: ActuatedBody, shoe: Shoe) -> tu
     Columns of other loads have the factor zero.
     """
     own, moment = actuation_force_and_moments_per_newton(body.load_centre, shoe)
-    return body.unit_load_vectors_by_name.factors_of_all_load_columns({ACTUATION: own}), moment
+    return body.load_matrix_columns_by_load_name.column_factors_of_all_loads(
+        {ACTUATION: own}
+    ), moment
 
 
-def load_factors_of_push_on_shoe(
+def load_column_factors_of_one_sided_support_push(
     body: ActuatedBody, shoe: Shoe, push: Actuation, size: float
 ) -> Floats:
     """The factors (l,) of a body's load columns under the push of a one-sided support.
@@ -387,10 +405,10 @@ def load_factors_of_push_on_shoe(
     push : force of the support [N] with its line of action
     size : size of the brake [m], on a drum its radius
     """
-    factors, _ = load_factors_and_pin_moment_per_newton(
+    factors, _ = load_column_factors_and_pin_moment_per_newton(
         body, shoe.model_copy(update={"actuation": push})
     )
-    on_loaded_end = shoe.is_nearer_to_loaded_end(push.point, size)
+    on_loaded_end = shoe.is_point_nearer_to_loaded_end_than_to_pin(push.point, size)
     return push.force * factors if on_loaded_end else np.zeros_like(factors)
 
 
@@ -402,10 +420,10 @@ def actuation_force_and_moments_per_newton(centre: Floats, shoe: Shoe) -> tuple[
     """
     # A negative force acts against the direction that the brake file gives.
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.unit_vector_of_force
-    fx, fy = shoe.frame.convert_to_shoe_frame(direction).tolist()
+    fx, fy = shoe.frame.convert_vectors_to_shoe_frame(direction).tolist()
     x, y = shoe.convert_points_to_shoe_frame(shoe.actuation.point.xy).tolist()
     centre_x, centre_y = centre.tolist()
-    pin_x, pin_y = shoe.pin_in_shoe_frame.tolist()
+    pin_x, pin_y = shoe.pin_position_in_shoe_frame.tolist()
     couple = (x - centre_x) * fy - (y - centre_y) * fx
     moment = (x - pin_x) * fy - (y - pin_y) * fx
     return np.array([fx, fy, couple]), moment
@@ -421,7 +439,7 @@ def support_reaction_of_shoe(
     body : the substructure of the shoe
     p : (n,) pressure at the contact nodes [Pa]
     dragging : (n,) pressures [Pa] whose product with `drag` is the friction per area, see
-        `GroupState.dragging_pressures_of_shoe`
+        `GroupState.friction_stress_over_coefficient_of_shoe`
     drag : friction coefficient mu times the sense s = +-1 of sliding
     load : (l,) factors of the load columns
     """

@@ -12,7 +12,7 @@ from drumlin.brake.fields import Point
 from drumlin.brake.further_loads import NO_LOADS, LoadsOfBrake
 from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.preparation.bodies import ShoeSubstructure
-from drumlin.fem.preparation.load_places import places_of_loads_on_body
+from drumlin.fem.preparation.load_places import points_where_shoe_body_is_loaded
 from drumlin.fem.substructure.ring import RingSubstructure
 
 CACHE_BYTES = 200_000_000
@@ -23,7 +23,7 @@ judgement: some hundred bodies of the size that a solve uses.
 """
 
 
-def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
+def cache_key_of_shoe_shape(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     """A key that is equal for two shoes if they can share one condensed body.
 
     It contains the geometry and the materials. Shoes with the same key have one shape. They may
@@ -35,14 +35,14 @@ def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     if isinstance(body, Beam):
         # A beam ends at the point of the force, so that its shape depends on this point.
         loaded = np.round(
-            shoe.frame.convert_to_shoe_frame(shoe.actuation.point.xy) / brake.size, 12
+            shoe.frame.convert_vectors_to_shoe_frame(shoe.actuation.point.xy) / brake.size, 12
         )
         behind = (body, *loaded.tolist())
     elif body is not None:
         first, last = sorted(shoe.frame.phi_coordinates_as_list((body.start, body.end)))
         arcs.append((first, last))
         behind = (body.shape, tuple(body.plates.items()))
-        grip = shoe.grip(brake.size)
+        grip = shoe.interval_of_body_back_held_by_support(brake.size)
         if grip is not None:
             arcs.append(grip)
     mesh: tuple[object, ...] | None = None
@@ -55,22 +55,22 @@ def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     return (
         brake.size,
         shoe.side,
-        tuple(np.round(shoe.pin_in_shoe_frame / brake.size, 12).tolist()),
+        tuple(np.round(shoe.pin_position_in_shoe_frame / brake.size, 12).tolist()),
         tuple(round(angle, 12) for angle in angles),
         (lining.thickness, lining.width, lining.material),
         shoe.backing,
         behind,
         mesh,
-        tuple(np.round(places_of_loads_on_body(shoe) / brake.size, 12).ravel().tolist()),
+        tuple(np.round(points_where_shoe_body_is_loaded(shoe) / brake.size, 12).ravel().tolist()),
     )
 
 
-def first_shoes_of_equal_shape(brake: Brake) -> tuple[int, ...]:
+def index_of_first_shoe_of_equal_shape(brake: Brake) -> tuple[int, ...]:
     """For each shoe of a brake, the index of the first shoe that has the same shape.
 
     Shoes of the same shape share one condensed body. The first shoe of a shape has its own index.
     """
-    shapes = [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes]
+    shapes = [cache_key_of_shoe_shape(brake, shoe) for shoe in brake.shoes]
     return tuple(map(shapes.index, shapes))
 
 
@@ -152,15 +152,19 @@ def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
         "friction": None,
     }
     changes = {
-        "lining": shoe.lining.copy_with(lining),
+        "lining": shoe.lining.copy_of_lining_with_changed_fields(lining),
         "actuation": shoe.actuation.model_copy(update=actuation),
         "forces": (),
         "mass": None,
     }
     # The load columns of an elastic body depend on the points of its forces and on its centre of
     # mass, and not on the forces themselves.
-    if not len(places_of_loads_on_body(shoe)):
-        return shoe.model_copy(update=changes).shoe_with_loads_of_brake(NO_LOADS)
+    if not len(points_where_shoe_body_is_loaded(shoe)):
+        return shoe.model_copy(update=changes).shoe_with_spring_lever_and_mass_loads(NO_LOADS)
     changes["mass"] = shoe.mass and shoe.mass.model_copy(update={"mass": 1.0})
-    at_places = [force._replace(force=(0.0, 0.0)) for force in shoe.further_forces_at_points]
-    return shoe.model_copy(update=changes).shoe_with_loads_of_brake(LoadsOfBrake(tuple(at_places)))
+    at_places = [
+        force._replace(force=(0.0, 0.0)) for force in shoe.forces_at_points_besides_actuation
+    ]
+    return shoe.model_copy(update=changes).shoe_with_spring_lever_and_mass_loads(
+        LoadsOfBrake(tuple(at_places))
+    )

@@ -13,7 +13,7 @@ from drumlin.brake.components import Beam
 from drumlin.fem.hp.body import (
     condensed_shoe_body,
     contact_line_of_lining_face_nodes,
-    grid_of_all_nodes_of_shoe,
+    element_grid_of_whole_shoe,
     nodal_forces_of_unit_actuations,
 )
 from drumlin.fem.hp.corner import pressure_exponents_at_both_lining_corners
@@ -33,8 +33,8 @@ from drumlin.fem.preparation.bodies import (
     DividedBody,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
-    loads_of_shoe_besides_actuation,
     make_shoe_substructure,
+    nodal_forces_of_unit_loads_besides_actuation,
 )
 from drumlin.fem.preparation.cache import (
     Cache,
@@ -42,7 +42,7 @@ from drumlin.fem.preparation.cache import (
     memory_of_condensed_body,
     shoe_without_loads_and_clearances,
 )
-from drumlin.fem.preparation.load_places import BODY_PARTS, places_of_loads_on_body
+from drumlin.fem.preparation.load_places import BODY_PARTS, points_where_shoe_body_is_loaded
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 
@@ -82,7 +82,7 @@ class _DivisionRule(NamedTuple):
     division: ShoeDivision
 
 
-def make_hp_bodies(
+def make_condensed_shoes_of_hp_elements(
     brake: Brake,
     level: Level,
     places: PointsByShape | None,
@@ -98,7 +98,7 @@ def make_hp_bodies(
     level : degree of the elements, and their sizes at singular points
     places : singular points of the pressure, for each shape of shoe
     alike : for each shoe the index of the first shoe of the same shape, see
-        `cache.first_shoes_of_equal_shape`
+        `cache.index_of_first_shoe_of_equal_shape`
     cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
     seconds : time of each phase [s], to which this function adds its own times
 
@@ -110,7 +110,7 @@ def make_hp_bodies(
     # Each shape is divided and condensed once.
     shapes = list(dict.fromkeys(alike))
     rules = {
-        i: _rule_that_divides_shoes_of_one_shape(brake, level, places or {}, alike, i)
+        i: _rule_for_dividing_shoes_of_one_shape(brake, level, places or {}, alike, i)
         for i in shapes
     }
     _require_few_contact_nodes(brake, rules, alike)
@@ -156,7 +156,7 @@ def _require_few_contact_nodes(
         )
 
 
-def _rule_that_divides_shoes_of_one_shape(
+def _rule_for_dividing_shoes_of_one_shape(
     brake: Brake, level: Level, places: PointsByShape, alike: Sequence[int], i: int
 ) -> _DivisionRule:
     """The rule that divides the shoes of one shape, whose first shoe has the index `i`."""
@@ -164,22 +164,22 @@ def _rule_that_divides_shoes_of_one_shape(
     points = places.get(i, ())
     # A cam touches the loaded ends of the shoes, so that the cam's forces depend on the
     # displacements of these ends. The elements become small towards the ends to compute them.
-    tip = brake.actuation is not None and brake.actuation.is_cam
+    tip = brake.actuation is not None and brake.actuation.is_cam_or_wedge
     powers = _smallest_pressure_exponents_at_lining_ends(brake, alike, i, points)
-    level = _level_for_loads_at_places(shoe, brake.size, level)
+    level = _refinement_level_for_loads_on_body(shoe, brake.size, level)
     division = divide_shoe_into_hp_elements(
         shoe, brake.size, level, points, grades_loaded_end=tip, exponents=powers
     )
     return _DivisionRule(shoe, level, points, tip, powers, division)
 
 
-def _level_for_loads_at_places(shoe: Shoe, radius: float, level: Level) -> Level:
+def _refinement_level_for_loads_on_body(shoe: Shoe, radius: float, level: Level) -> Level:
     """The level, with element columns no wider than the body is thick if forces act on the body.
 
     A force at a place of the body is spread over about the body's thickness, which wider columns
     would not resolve.
     """
-    if not len(places_of_loads_on_body(shoe)):
+    if not len(points_where_shoe_body_is_loaded(shoe)):
         return level
     body = sum(
         layer.thickness
@@ -212,9 +212,9 @@ def _condense_and_couple_hp_shoe(
     with add_elapsed_time(seconds, "condensation"):
         found = condense_shoe_to_contact_nodes(shoe, radius, division, elastic_layers_of_shoe(shoe))
         line = contact_line_of_lining_face_nodes(shoe, radius, division)
-        grid = grid_of_all_nodes_of_shoe(shoe, radius, division)
+        grid = element_grid_of_whole_shoe(shoe, radius, division)
         inner = condensed_shoe_body(shoe, division, found, grid)
-        if loads := loads_of_shoe_besides_actuation(grid, shoe, radius):
+        if loads := nodal_forces_of_unit_loads_besides_actuation(grid, shoe, radius):
             inner = inner.body_with_further_loads(loads)
     with add_elapsed_time(seconds, "coupling"):
         divided = DividedBody(grid, grid, line)
@@ -267,7 +267,7 @@ def _hp_element_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other:
     )
     if isinstance(shoe.body, Beam):
         division = replace(division, angles=rule.division.angles + turn)
-    grid = grid_of_all_nodes_of_shoe(other, radius, division)
+    grid = element_grid_of_whole_shoe(other, radius, division)
     if "actuation" not in grid.sets:
         return BodyNodes(grid.doflocs, np.zeros(grid.doflocs.shape))
     unit_loads, centre = nodal_forces_of_unit_actuations(division, grid)

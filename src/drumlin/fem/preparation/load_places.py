@@ -37,18 +37,18 @@ BODY_PARTS = ("table", "shoe")
 
 
 LOADS_AT_PLACES = (FURTHER_FORCES, FORCES_ON_MASS)
-"""Names of the load columns of `unit_loads_of_forces_and_mass`."""
+"""Names of the load columns of `unit_loads_at_points_and_mass`."""
 
 
-def places_of_loads_on_body(shoe: Shoe) -> Floats:
+def points_where_shoe_body_is_loaded(shoe: Shoe) -> Floats:
     """The points (k, 2) [m] at which an elastic shoe is loaded, in the shoe's own frame.
 
     They are the points of its further forces, and last its centre of mass if it has a mass. A rigid
     shoe has no such points, because only the resultant of its forces matters.
     """
-    if shoe.body is None or shoe.has_loads_at_actuation:
+    if shoe.body is None or shoe.do_all_loads_act_at_actuation:
         return np.zeros((0, 2))
-    points = [each.point for each in shoe.further_forces_at_points]
+    points = [each.point for each in shoe.forces_at_points_besides_actuation]
     if shoe.mass is not None:
         points.append((shoe.mass.point.x, shoe.mass.point.y))
     return shoe.convert_points_to_shoe_frame(np.reshape(points, (-1, 2)))
@@ -98,14 +98,16 @@ class _UnitLoadsAtPlace(NamedTuple):
     forces: Floats
     centre: Floats
 
-    def forces_of_load_at_point(self, force: Floats, point: Floats, couple: float = 0.0) -> Floats:
+    def nodal_forces_of_load_at_point(
+        self, force: Floats, point: Floats, couple: float = 0.0
+    ) -> Floats:
         """Nodal forces (2, N) of a force (2,) [N] at a point (2,) [m] and a couple [N m]."""
         x, y = point - self.centre
         factors = [*force, x * force[1] - y * force[0] + couple]
         return np.einsum("l,lcn->cn", factors, self.forces)
 
 
-def unit_loads_of_forces_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
+def unit_loads_at_points_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
     """The nodal forces (2 nodes, l) of unit loads at points of a shoe and on its mass, by name.
 
     Parameters
@@ -123,7 +125,7 @@ def unit_loads_of_forces_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
     The result is empty for a shoe without such loads, for a shoe without a body, and for a mesh
     file without elements of a body.
     """
-    places = places_of_loads_on_body(shoe)
+    places = points_where_shoe_body_is_loaded(shoe)
     if not len(places):
         return {}
     elements = quadrature_of_elements(basis)
@@ -139,32 +141,34 @@ def unit_loads_of_forces_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
         elements.nodes[on_body],
         basis.doflocs,
     )
-    at_places = [_unit_loads_at_place(body, shoe, layers, radius, place) for place in places]
+    at_places = [
+        _unit_loads_on_cross_section_at_point(body, shoe, layers, radius, place) for place in places
+    ]
     found: dict[str, Floats] = {}
-    forces = len(shoe.further_forces_at_points)
+    forces = len(shoe.forces_at_points_besides_actuation)
     if forces:
         columns = []
         for at_place, place in zip(at_places[:forces], places, strict=False):
-            columns += [at_place.forces_of_load_at_point(unit, place) for unit in np.eye(2)]
-        found[FURTHER_FORCES] = _nodal_forces_as_columns(columns)
+            columns += [at_place.nodal_forces_of_load_at_point(unit, place) for unit in np.eye(2)]
+        found[FURTHER_FORCES] = _stack_nodal_forces_as_columns(columns)
     if shoe.mass is not None:
         volume = np.zeros_like(elements.areas)
         for name, own in elements.parts.items():
             volume[own] = layers[name].width
         whole = _LoadedArea(*elements[:4], basis.doflocs)
         centre = shoe.convert_points_to_shoe_frame(np.zeros(2))
-        found[FORCES_ON_MASS] = _nodal_forces_as_columns(
+        found[FORCES_ON_MASS] = _stack_nodal_forces_as_columns(
             _unit_loads_on_mass(whole, volume, at_places[-1], places[-1], centre)
         )
     return found
 
 
-def _nodal_forces_as_columns(loads: list[Floats]) -> Floats:
+def _stack_nodal_forces_as_columns(loads: list[Floats]) -> Floats:
     """One array (2 nodes, k) of nodal forces, from a list of k arrays (2, nodes)."""
     return np.array(loads).transpose(2, 1, 0).reshape(-1, len(loads))
 
 
-def _unit_loads_at_place(
+def _unit_loads_on_cross_section_at_point(
     body: _LoadedArea,
     shoe: Shoe,
     layers: Mapping[str, ElasticLayer],
@@ -180,7 +184,7 @@ def _unit_loads_at_place(
     def position_along_body(xy: Floats) -> Floats:
         """The position (...) of points (2, ...) along the body: an angle, or a length [m]."""
         if along is None:
-            return shoe.phi_of_points_in_shoe_frame(xy, radius)
+            return shoe.surface_coordinates_of_points_in_shoe_frame(xy, radius)
         return np.asarray(np.tensordot(along, xy, axes=1))
 
     area = float(body.areas.sum())
@@ -235,24 +239,26 @@ def _unit_loads_on_mass(
         fx, fy, moment = whole.resultant(load)
         rest = wanted - [fx, fy]
         turned = place[0] * fy - place[1] * fx
-        corrected.append(load + at_place.forces_of_load_at_point(rest, place, turned - moment))
+        corrected.append(
+            load + at_place.nodal_forces_of_load_at_point(rest, place, turned - moment)
+        )
     return corrected
 
 
-def factors_of_forces_and_mass(shoe: Shoe) -> dict[str, Floats]:
-    """The factors of the loads of `unit_loads_of_forces_and_mass` under a shoe's loads, by name."""
+def load_column_factors_of_forces_and_mass(shoe: Shoe) -> dict[str, Floats]:
+    """The factors of the loads of `unit_loads_at_points_and_mass` under a shoe's loads, by name."""
     found = {}
-    forces = shoe.further_forces_at_points
+    forces = shoe.forces_at_points_besides_actuation
     if forces:
         in_brake = np.array([each.force for each in forces])
-        found[FURTHER_FORCES] = shoe.frame.convert_to_shoe_frame(in_brake).ravel()
+        found[FURTHER_FORCES] = shoe.frame.convert_vectors_to_shoe_frame(in_brake).ravel()
     if shoe.mass is not None:
         loads = shoe.loads_of_brake
-        gravity = shoe.frame.convert_to_shoe_frame(np.array(loads.gravity))
+        gravity = shoe.frame.convert_vectors_to_shoe_frame(np.array(loads.gravity))
         found[FORCES_ON_MASS] = shoe.mass.mass * np.append(gravity, loads.square_of_speed)
     return found
 
 
-def has_loads_at_their_places(columns: LoadColumns) -> bool:
+def has_load_columns_of_forces_and_mass(columns: LoadColumns) -> bool:
     """Whether a body has load columns for forces at points of the shoe, or on its mass."""
     return any(name in columns.column_slice_of_each_load for name in LOADS_AT_PLACES)

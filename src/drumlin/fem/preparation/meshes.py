@@ -30,15 +30,15 @@ from drumlin.fem.preparation.bodies import (
     DividedBody,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
-    loads_of_shoe_besides_actuation,
     make_shoe_substructure,
+    nodal_forces_of_unit_loads_besides_actuation,
 )
 from drumlin.fem.preparation.cache import (
     Cache,
     brake_without_loads_and_clearances,
+    cache_key_of_shoe_shape,
     digest_of_mesh_file_of_shoe,
     memory_of_condensed_body,
-    shape_key_of_shoe,
     shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time
@@ -119,7 +119,7 @@ OWN_DEGREE = RaisedDegree()
 """The degree that the mesh has in its file, without splitting of elements."""
 
 
-def make_mesh_bodies(
+def make_condensed_shoes_from_meshes(
     brake: Brake,
     elements: int,
     kind: str,
@@ -156,7 +156,7 @@ def make_mesh_bodies(
     setting = (elements, kind, raised)
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
     for i, shoe in enumerate(brake.shoes):
-        shape = shape_key_of_shoe(brake, shoe)
+        shape = cache_key_of_shoe_shape(brake, shoe)
         if shape not in made:
             own = raised._replace(points=raised.points[i : i + 1])
             key = (
@@ -168,7 +168,7 @@ def make_mesh_bodies(
             )
             make = partial(_mesh_condense_and_couple_shoe, brake, shoe, mesher, seconds, own, cache)
             made[shape] = cache.get(key, make, memory_of_condensed_body)
-    bodies = tuple(made[shape_key_of_shoe(brake, shoe)] for shoe in brake.shoes)
+    bodies = tuple(made[cache_key_of_shoe_shape(brake, shoe)] for shoe in brake.shoes)
     ring = None
     ring_under = partial(condense_meshed_drum_ring_to_contact_nodes, brake, elements)
     if brake.ring is not None:
@@ -233,7 +233,7 @@ class AssembledShoe:
     of_file: ShoeMesh | None = None
 
     @cached_property
-    def unit_load_vectors_by_name(self) -> LoadColumns:
+    def load_matrix_columns_by_load_name(self) -> LoadColumns:
         """The load columns of the shoe: which columns belong to which named load."""
         return LoadColumns.load_columns_of_named_loads(self.loads)
 
@@ -289,7 +289,7 @@ def mesh_and_assemble_shoe(
     with add_elapsed_time(seconds, "assembly"):
         K = sparse_stiffness_of_body(basis, elastic_layers_of_shoe(shoe))
     with add_elapsed_time(seconds, "ties"):
-        pin = shoe.pin_in_shoe_frame
+        pin = shoe.pin_position_in_shoe_frame
         line = contact_line_of_meshed_shoe(basis, mesh.boundaries["contact"], shoe, brake.size)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         constraints = multi_point_constraints_of_body(basis, line.nodes, rigid, pin)
@@ -304,7 +304,7 @@ def mesh_and_assemble_shoe(
             load_centre = pin
             actuated = np.zeros((constraints.matrix.shape[1], FRAME))
             actuated[-FRAME:] = np.eye(FRAME)
-        others = loads_of_shoe_besides_actuation(basis, shoe, brake.size)
+        others = nodal_forces_of_unit_loads_besides_actuation(basis, shoe, brake.size)
     loads = {ACTUATION: actuated} | {
         name: constraints.matrix.T @ forces for name, forces in others.items()
     }
@@ -334,21 +334,23 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
         basis = nodal_basis_of_shoe_mesh(mesh, degree, shoe, radius)
         if not raised.smooth:
             return basis
-        return basis.basis_with_moved_nodes(smooth_outline.moves_onto_smooth_outline(basis))
+        return basis.basis_with_moved_nodes(
+            smooth_outline.node_displacements_onto_smooth_outline(basis)
+        )
 
     if raised.level is None:
         return basis_of_degree(raised.degree)
     shape = basis_of_degree(SHAPE_DEGREE)
-    finest = _longest_sides_at_singular_points(mesh, raised, shoe, radius)
+    finest = _largest_allowed_sides_at_singular_points(mesh, raised, shoe, radius)
     # A mesh of triangles of degree p has about p^2 / 2 nodes for each triangle.
     most = 2 * MOST_RAISED_NODES // raised.degree**2
-    parts = splitting.split_mesh_towards_points(shape, finest, most)
+    parts = splitting.split_mesh_into_triangles_towards_points(shape, finest, most)
     if parts is None:
         return basis_of_degree(raised.degree)
-    return splitting.nodal_basis_on_parts(shape, parts, raised.degree)
+    return splitting.nodal_basis_on_split_triangles(shape, parts, raised.degree)
 
 
-def _longest_sides_at_singular_points(
+def _largest_allowed_sides_at_singular_points(
     mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float
 ) -> Any:
     """The singular points of a shoe with a mesh from a file, and the longest allowed sides there.
@@ -392,10 +394,10 @@ def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMesh |
     read = partial(
         read_shoe_mesh_with_notes, shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh"
     )
-    return cast("ShoeMesh", cache.get(key, read, _memory_of_mesh))
+    return cast("ShoeMesh", cache.get(key, read, _memory_of_mesh_read_from_file))
 
 
-def _memory_of_mesh(read: ShoeMesh) -> int:
+def _memory_of_mesh_read_from_file(read: ShoeMesh) -> int:
     """The approximate memory [bytes] of a mesh that was read from a file."""
     # Coordinates, elements and sides are some 60 numbers of 8 bytes for each node.
     return 500 * int(read.mesh.doflocs.shape[1])

@@ -7,14 +7,14 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.hp.division import Level
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
-from drumlin.fem.preparation.columns import PointsByShape, make_hp_bodies
+from drumlin.fem.preparation.cache import index_of_first_shoe_of_equal_shape as equal_shapes
+from drumlin.fem.preparation.columns import PointsByShape, make_condensed_shoes_of_hp_elements
 from drumlin.fem.preparation.meshes import (
     ELEMENTS,
     OWN_DEGREE,
     Mesher,
     RaisedDegree,
-    make_mesh_bodies,
+    make_condensed_shoes_from_meshes,
 )
 from drumlin.fem.preparation.scene import (
     PreparedModel,
@@ -48,7 +48,7 @@ def make_prepared_model(
     places : singular points of the pressure for each shape of shoe; they matter for hp elements
         only
     alike : for each shoe the index of the first shoe of the same shape, see
-        `cache.first_shoes_of_equal_shape`; if it is empty, the indices are computed here
+        `cache.index_of_first_shoe_of_equal_shape`; if it is empty, the indices are computed here
     elements : number of elements along each lining with a parametric mesh
     kind : kind of the elements of a parametric mesh, "quad2", "quad1", "tri2" or "tri1"
     mesher : function that makes the mesh of a shoe without a file, in place of
@@ -72,12 +72,14 @@ def make_prepared_model(
     cache = cache or Cache()
     alike = alike or equal_shapes(brake)
     if level is None:
-        made = make_mesh_bodies(brake, elements, kind, mesher, raised, cache, seconds)
+        made = make_condensed_shoes_from_meshes(
+            brake, elements, kind, mesher, raised, cache, seconds
+        )
     else:
-        made = make_hp_bodies(brake, level, places, alike, cache, seconds)
-    left_out = _messages_on_neglected_quantities(brake, len(set(alike))) + messages_on_rigid_parts(
-        brake
-    )
+        made = make_condensed_shoes_of_hp_elements(brake, level, places, alike, cache, seconds)
+    left_out = _messages_on_what_prepared_model_neglects(
+        brake, len(set(alike))
+    ) + messages_on_rigid_parts(brake)
     return PreparedModel(
         brake,
         made.bodies,
@@ -90,7 +92,7 @@ def make_prepared_model(
     )
 
 
-def _messages_on_neglected_quantities(brake: Brake, shapes: int) -> list[str]:
+def _messages_on_what_prepared_model_neglects(brake: Brake, shapes: int) -> list[str]:
     """Messages that name what a prepared model does not contain.
 
     `shapes` is the number of different shapes of shoe in the brake.

@@ -12,7 +12,7 @@ from drumlin.brake.heat import is_any_shoe_heated
 from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
-from drumlin.fem.preparation.cache import shape_key_of_shoe
+from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.ring import RingSubstructure
 from drumlin.laws import rigid
@@ -81,8 +81,8 @@ class PreparedModel:
 
     @cached_property
     def cache_keys_of_shoe_shapes(self) -> list[tuple[object, ...]]:
-        """The `shape_key_of_shoe` of each shoe; shoes that share a body have equal keys."""
-        return [shape_key_of_shoe(self.brake, shoe) for shoe in self.brake.shoes]
+        """The `cache_key_of_shoe_shape` of each shoe; shoes that share a body have equal keys."""
+        return [cache_key_of_shoe_shape(self.brake, shoe) for shoe in self.brake.shoes]
 
     @cached_property
     def locking_frictions_of_rigid_shoes(self) -> list[float]:
@@ -103,7 +103,11 @@ def reason_why_brake_is_not_modelled(brake: Brake) -> str | None:
             "its ring has no section to mesh: thickness, "
             "and width and material or bending_stiffness"
         )
-    if brake.actuation is not None and brake.actuation.is_cam and is_any_shoe_heated(brake):
+    if (
+        brake.actuation is not None
+        and brake.actuation.is_cam_or_wedge
+        and is_any_shoe_heated(brake)
+    ):
         return "a cam on heated shoes is not modelled: its travel would count their growth as well"
     for shoe in brake.shoes:
         reason = beam_mesh.reason_why_beam_shoe_has_no_mesh(shoe, brake.size)

@@ -19,7 +19,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, solve_lower_triangular_system
-from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
+from drumlin.brake.elasticity import ElasticLayer, which_elasticity_matrices_are_orthotropic
 from drumlin.fem.substructure.elasticity import (
     isotropic_and_orthotropic_elastic_constants,
     thickness_directions_of_layers,
@@ -240,7 +240,7 @@ class CondensedBody:
         Parameters
         ----------
         loads : nodal forces (2 nodes, k) of each further load on all nodes, by its name, in the
-            body's own frame; for thermal strain see `expansion.expansion_forces`
+            body's own frame; for thermal strain see `expansion.nodal_forces_of_thermal_expansion`
 
         Raises
         ------
@@ -300,7 +300,7 @@ def sparse_stiffness_of_body(
         gradients, dx = np.array([psi[0].grad for psi in basis.basis]), basis.dx
     K = _isotropic_element_stiffness(basis, layers, gradients, dx)
     for name, members in basis.mesh.subdomains.items():
-        if is_elasticity_matrix_orthotropic(layers[name].elasticity):
+        if which_elasticity_matrices_are_orthotropic(layers[name].elasticity):
             points = quadrature_points_of_elements(basis, precise=precise)[:, members]
             own = gradients[:, :, members]
             K[members] += _orthotropic_part_of_element_stiffness(

@@ -18,7 +18,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
-from drumlin.brake.elasticity import ElasticLayer, excess_stiffness_over_isotropic
+from drumlin.brake.elasticity import ElasticLayer, orthotropic_excess_of_normal_stiffness
 
 
 def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
@@ -34,7 +34,7 @@ def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
     if shoe.flat:
         around = behind = np.array([1.0, 0.0])
     elif isinstance(body, Beam):
-        behind = shoe.frame.convert_to_shoe_frame(
+        behind = shoe.frame.convert_vectors_to_shoe_frame(
             make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy).along
         )
     layers = {
@@ -64,7 +64,7 @@ def isotropic_and_orthotropic_elastic_constants(elasticity: Any) -> Any:
     part; a and b are the additional stiffness along and through the layer.
     """
     isotropic = np.stack([elasticity[..., 0, 1], elasticity[..., 2, 2]], axis=-1)
-    return np.concatenate([isotropic, excess_stiffness_over_isotropic(elasticity)], axis=-1)
+    return np.concatenate([isotropic, orthotropic_excess_of_normal_stiffness(elasticity)], axis=-1)
 
 
 def elasticity_times_width_of_layers(

@@ -44,7 +44,9 @@ def stress_belonging_to_free_strain(layer: ElasticLayer, strain: Floats, points:
     return stresses_from_displacement_gradients(free_strain, layer.stiffness, along)
 
 
-def expansion_forces(basis: Any, layers: Mapping[str, ElasticLayer], strains: Strains) -> Floats:
+def nodal_forces_of_thermal_expansion(
+    basis: Any, layers: Mapping[str, ElasticLayer], strains: Strains
+) -> Floats:
     """Nodal forces (2 nodes,) [N] that deform a body as the free strains of its layers do.
 
     Parameters
@@ -53,8 +55,8 @@ def expansion_forces(basis: Any, layers: Mapping[str, ElasticLayer], strains: St
     layers : elastic layers by subdomain
     strains : free strains of the subdomains that expand
     """
-    if hasattr(basis, "expansion_forces"):
-        return np.asarray(basis.expansion_forces(layers, strains))
+    if hasattr(basis, "nodal_forces_of_layer_expansion"):
+        return np.asarray(basis.nodal_forces_of_layer_expansion(layers, strains))
     gradients = np.array([psi[0].grad for psi in basis.basis])
     points = quadrature_points_of_elements(basis)
     forces = np.zeros((basis.N, 2))

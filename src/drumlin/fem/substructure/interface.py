@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, Floats, Ints, polar_angles_near_given_angle
+from drumlin.base.arrays import Bools, Floats, Ints, polar_angles_within_half_turn_of_angle
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.response import PressureOverWidth
 from drumlin.response.resultants import (
@@ -29,7 +29,7 @@ from drumlin.response.resultants import (
     LiningWithoutEndZones,
     lagrange_shape_function_derivatives,
     lagrange_shape_function_values,
-    nodes_with_slots,
+    polynomial_nodes_on_linings_and_slots,
     shape_functions_at_gauss_points,
     slots_between_nodes,
 )
@@ -73,9 +73,9 @@ class ContactLine:
         return weak_coupling_of_contact_line(self, width, directions)
 
     @cached_property
-    def inner_part_for_pressure_peak(self) -> LiningWithoutEndZones:
+    def lining_part_where_pressure_peak_is_sought(self) -> LiningWithoutEndZones:
         """The part of the contact line in which a peak of the pressure is sought."""
-        phi, on_lining = self.nodes_over_all_linings
+        phi, on_lining = self.node_angles_with_mask_of_linings
         return LiningWithoutEndZones(
             phi,
             self.interpolation_degree_along_contact_line,
@@ -83,21 +83,23 @@ class ContactLine:
             slots_between_nodes(phi, on_lining),
         )
 
-    def values_of_each_lining(self, values: Floats) -> list[Floats]:
+    def split_nodal_values_by_lining(self, values: Floats) -> list[Floats]:
         """The values (n,) at the contact nodes, divided into one array for each lining."""
         return np.split(values, self.further_linings)
 
     @cached_property
-    def nodes_over_all_linings(self) -> tuple[Floats, Bools]:
+    def node_angles_with_mask_of_linings(self) -> tuple[Floats, Bools]:
         """Angles (m,) [rad] of nodes on all linings and in the slots, and which are on linings.
 
         The nodes on linings are the nodes of `angles_and_mean_pressures`. Nodes are added in the
         slots between linings, so that a piecewise polynomial spans them, see
-        `resultants.nodes_with_slots`.
+        `resultants.polynomial_nodes_on_linings_and_slots`.
         """
         phi, _ = self.angles_and_mean_pressures(np.zeros(len(self.phi)))
-        parts = self.values_of_each_lining(phi)
-        return nodes_with_slots(parts, self.interpolation_degree_along_contact_line)
+        parts = self.split_nodal_values_by_lining(phi)
+        return polynomial_nodes_on_linings_and_slots(
+            parts, self.interpolation_degree_along_contact_line
+        )
 
     @property
     def node_distances_from_mid_plane(self) -> Floats:
@@ -105,7 +107,7 @@ class ContactLine:
         return np.zeros(1)
 
     @property
-    def width_shares_of_nodes_across_width(self) -> Floats:
+    def width_fraction_of_each_node_across_width(self) -> Floats:
         """The fraction (m,) of the width that each node across the width stands for: here 1."""
         return np.ones(1)
 
@@ -228,7 +230,7 @@ def make_contact_line_of_lining(
     dofs = nodes_along_element_edges(basis, facets)
     nodes = np.unique(dofs)
     xy = basis.doflocs[:, nodes]
-    phi = polar_angles_near_given_angle(middle, xy) if unit is None else xy[0] / unit
+    phi = polar_angles_within_half_turn_of_angle(middle, xy) if unit is None else xy[0] / unit
     by_angle = np.argsort(phi)
     nodes, phi = nodes[by_angle], phi[by_angle]
     position = np.empty(basis.N, dtype=np.int64)

@@ -54,7 +54,7 @@ class LoadColumns:
         """Number of columns of all unit loads of the body together."""
         return sum(size for _, size in self.sizes)
 
-    def factors_of_all_load_columns(self, acting: Mapping[str, Floats]) -> Floats:
+    def column_factors_of_all_loads(self, acting: Mapping[str, Floats]) -> Floats:
         """Factors (l,) of all load columns, zero for loads that do not act.
 
         Parameters
@@ -71,7 +71,7 @@ class LoadColumns:
             factors[self.column_slice_of_each_load[name]] = own
         return factors
 
-    def factors_of_load_with_name(self, name: str, factors: Floats) -> Floats:
+    def column_factors_of_one_named_load(self, name: str, factors: Floats) -> Floats:
         """The factors (k, ...) of load `name`, selected from the factors (l, ...) of all loads."""
         return factors[self.column_slice_of_each_load[name]]
 

@@ -104,9 +104,9 @@ class RingSubstructure:
         frame = np.zeros(FRAME)
         if self.rim_balance is None:
             return self.condensed.nodal_displacements_in_one_case(
-                nodal, frame, self.condensed.columns.factors_of_all_load_columns({})
+                nodal, frame, self.condensed.columns.column_factors_of_all_loads({})
             )
-        on_rim = self.condensed.columns.factors_of_all_load_columns(
+        on_rim = self.condensed.columns.column_factors_of_all_loads(
             {RIM: -self.rim_balance.factors @ nodal}
         )
         u = self.condensed.nodal_displacements_in_one_case(nodal, frame, on_rim)
@@ -241,7 +241,7 @@ def condense_meshed_drum_ring_to_contact_nodes(
     assert ring is not None and ring.section is not None
     mesh = mesh_of_drum_ring(ring.section, brake.size, brake.shoes, elements)
     basis = nodal_basis_of_mesh(mesh)
-    K = ring_stiffness(basis, ring)
+    K = stiffness_of_drum_ring_without_supports(basis, ring)
     arcs = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         angles = shoe.frame.theta(lining.phi)
@@ -269,7 +269,9 @@ def condense_meshed_drum_ring_to_contact_nodes(
     return couple_ring_with_linings(brake, linings, mesh, basis, line, condensed, held, rim_balance)
 
 
-def ring_stiffness(basis: Any, ring: Ring, *, precise: bool = False) -> Any:
+def stiffness_of_drum_ring_without_supports(
+    basis: Any, ring: Ring, *, precise: bool = False
+) -> Any:
     """Sparse stiffness (2 nodes, 2 nodes) [N/m] of a ring without any fixed node.
 
     All models of the ring take its stiffness from this function. The stiffness of an elastic
@@ -310,7 +312,7 @@ def couple_ring_with_linings(
     """
     matrices = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
-        in_brake = replace(lining, xy=shoe.frame.convert_to_brake_frame(lining.xy.T).T)
+        in_brake = replace(lining, xy=shoe.frame.convert_vectors_to_brake_frame(lining.xy.T).T)
         matrices.append(
             coupling_matrices_of_lining_and_ring(in_brake, line, shoe.lining.width, shoe.sign)
         )

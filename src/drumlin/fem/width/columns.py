@@ -21,7 +21,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.fem.hp.arc import nodal_functions_along_element_column
 from drumlin.fem.hp.columns import ColumnSubstructure
-from drumlin.fem.hp.element import replace_each_by_schur_complement
+from drumlin.fem.hp.element import replace_matrices_by_schur_complements
 from drumlin.fem.width.functions import WidthFunctions, WidthIntegrals
 from drumlin.fem.width.integrals import (
     SYMMETRIES,
@@ -78,13 +78,13 @@ class AlongRow(NamedTuple):
         return tuple(sorted((*self.left[0], *self.inside[0], *self.right[0])))
 
 
-def unknown_numbers_along_row(p: int) -> AlongRow:
+def unknown_numbers_along_node_row(p: int) -> AlongRow:
     """The numbers of the unknowns along a row of p + 1 nodes; x and y of a node are neighbours."""
     inside = tuple(range(2, 2 * p)), tuple(range(1, p))
     return AlongRow(((0, 1), (0,)), inside, ((2 * p, 2 * p + 1), (p,)))
 
 
-def unknown_numbers_along_row_with_symmetry(p: int, symmetry: int) -> AlongRow:
+def unknown_numbers_along_symmetric_half_row(p: int, symmetry: int) -> AlongRow:
     """The numbers of the symmetric or of the antisymmetric unknowns along a row of p + 1 nodes.
 
     `symmetry` is 0 for displacements that are symmetric about the column's middle, and 1 for
@@ -117,7 +117,7 @@ class ColumnLayers(NamedTuple):
     contact: bool
     back: BackEdge
 
-    def function_counts_of_node_row(self, row: int) -> tuple[int, int]:
+    def numbers_of_width_functions_at_node_row(self, row: int) -> tuple[int, int]:
         """Numbers of even and of odd functions of z that have unknowns at a row of nodes."""
         layers = len(self.counts)
         if row == layers * self.p and self.back != BackEdge.FREE:
@@ -126,20 +126,20 @@ class ColumnLayers(NamedTuple):
         near = {(row - 1) // self.p, row // self.p} if row else {0}
         return max(self.counts[layer] for layer in near if layer < layers)
 
-    def kind_and_function_of_row_unknowns(self, row: int) -> list[tuple[int, int]]:
+    def kind_and_width_function_of_row_unknowns(self, row: int) -> list[tuple[int, int]]:
         """The pairs (kind, number of the function of z) of the unknowns at a row of nodes.
 
         The kind is 1 for displacements along z and 0 for displacements in the section. Functions
         that are zero on the narrower parts come first.
         """
-        even, odd = self.function_counts_of_node_row(row)
+        even, odd = self.numbers_of_width_functions_at_node_row(row)
         found = []
         for piece in range(max((*self.even, *self.odd)), -1, -1):
             found += [(0, f) for f in range(even) if self.even[f] == piece]
             found += [(1, f) for f in range(odd) if self.odd[f] == piece]
         return found
 
-    def row_unknowns_without_contact(
+    def unknowns_of_node_row_besides_contact(
         self, row: int, along: tuple[tuple[int, ...], tuple[int, ...]]
     ) -> list[WidthUnknown]:
         """The unknowns at a row of nodes that do not belong to the contact.
@@ -147,7 +147,7 @@ class ColumnLayers(NamedTuple):
         `along` are the numbers along the row of displacements in the section, and of those along z.
         """
         found = []
-        for z, function in self.kind_and_function_of_row_unknowns(row):
+        for z, function in self.kind_and_width_function_of_row_unknowns(row):
             if not (self.contact and row == 0 and z == 0):
                 found += [WidthUnknown(z, a, row, function) for a in along[z]]
         return found
@@ -161,7 +161,9 @@ class ColumnLayers(NamedTuple):
         """
         rows = range(len(self.counts) * self.p + 1)
         return [
-            unknown for row in rows for unknown in self.row_unknowns_without_contact(row, along)
+            unknown
+            for row in rows
+            for unknown in self.unknowns_of_node_row_besides_contact(row, along)
         ]
 
     def unknowns_of_contact_nodes(self, along: AlongRow) -> list[WidthUnknown]:
@@ -210,8 +212,8 @@ class LayerPlan(NamedTuple):
     Attributes
     ----------
     outer, mixed, inner : positions of three blocks of an element's stiffness in the result of
-        `_stiffness_entries_of_elements`: boundary by boundary unknowns, inner by boundary unknowns,
-        and inner by inner unknowns
+        `_flat_stiffness_entries_of_each_element`: boundary by boundary unknowns, inner by boundary
+        unknowns, and inner by inner unknowns
     kept, rest : runs of the boundary unknowns that the column keeps, and of the boundary unknowns
         that it eliminates
     """
@@ -242,7 +244,7 @@ def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnP
 
     `along` are the numbers of the unknowns along each row of nodes.
     """
-    names = unknowns_of_column(stack, along)
+    names = unknown_names_of_element_column(stack, along)
     kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (names.kept, names.rest))
     layers = []
     for k, counts in enumerate(stack.counts):
@@ -284,7 +286,7 @@ class ColumnUnknownNames(NamedTuple):
     within: list[list[WidthUnknown]]
 
 
-def unknowns_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNames:
+def unknown_names_of_element_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNames:
     """The unknowns of a column with these layers, sorted by what its condensation does with them.
 
     `along` are the numbers of the unknowns along each row of nodes.
@@ -297,7 +299,9 @@ def unknowns_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNam
     ]
     # The column keeps the unknowns on its two sides and on its contact. It eliminates the other
     # nodes on the edges between its layers.
-    edges = [stack.row_unknowns_without_contact(k * p, along.inside) for k in range(last + 1)]
+    edges = [
+        stack.unknowns_of_node_row_besides_contact(k * p, along.inside) for k in range(last + 1)
+    ]
     boundary, within = [], []
     for k, counts in enumerate(stack.counts):
         rows = range(k * p, (k + 1) * p + 1)
@@ -307,7 +311,7 @@ def unknowns_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNam
         # column of elements.
         inside = []
         for row in rows[1:-1]:
-            own = stack.row_unknowns_without_contact(row, along.inside)
+            own = stack.unknowns_of_node_row_besides_contact(row, along.inside)
             inside += [u for u in own if _is_unknown_of_layer(u, rows, counts)]
         within.append(inside)
     return ColumnUnknownNames(kept, [u for edge in edges for u in edge], boundary, within)
@@ -351,7 +355,8 @@ def _flat_positions_of_element_stiffness_block(
 ) -> Ints:
     """Where a block of an element's stiffness stands in its flat list of entries.
 
-    The positions (rows, columns) are those in the result of `_stiffness_entries_of_elements`.
+    The positions (rows, columns) are those in the result of
+    `_flat_stiffness_entries_of_each_element`.
 
     Parameters
     ----------
@@ -382,7 +387,9 @@ def _flat_positions_of_element_stiffness_block(
     return np.ascontiguousarray(start + number)
 
 
-def _stiffness_entries_of_elements(section: SectionIntegrals, width: WidthIntegrals) -> Floats:
+def _flat_stiffness_entries_of_each_element(
+    section: SectionIntegrals, width: WidthIntegrals
+) -> Floats:
     """The entries of the stiffness of c elements, as a flat row for each element (c, entries).
 
     The entries that couple two of u_x and u_y come first, then the entries that couple u_x or u_y
@@ -456,10 +463,10 @@ def assembled_stiffness_of_columns(
     inner = np.zeros((count, plan.rest, plan.rest))
     for part, width, layer in zip(parts, widths, plan.layers, strict=True):
         # The inner unknowns of each element are eliminated first.
-        values = _stiffness_entries_of_elements(part, width)
+        values = _flat_stiffness_entries_of_each_element(part, width)
         own = values.take(layer.outer, axis=1)
         if layer.inner.size:
-            replace_each_by_schur_complement(
+            replace_matrices_by_schur_complements(
                 own, values.take(layer.mixed, axis=1), values.take(layer.inner, axis=1)
             )
         _add_element_blocks_to_columns(own, layer.kept, layer.kept, K)
@@ -482,7 +489,7 @@ def displacements_inside_elements(
     layer : how the elements of the layer are condensed
     boundary : (c, b, m) displacements of the b unknowns on the boundaries of the elements
     """
-    values = _stiffness_entries_of_elements(part, width)
+    values = _flat_stiffness_entries_of_each_element(part, width)
     forces = values.take(layer.mixed, axis=1) @ boundary
     return -np.asarray(np.linalg.solve(values.take(layer.inner, axis=1), forces), dtype=float)
 
@@ -495,7 +502,7 @@ def _condensed_stiffness_of_columns(
     The parameters are those of `assembled_stiffness_of_columns`.
     """
     K, C, inner = assembled_stiffness_of_columns(parts, widths, plan)
-    return replace_each_by_schur_complement(K, C, inner) if plan.rest else K
+    return replace_matrices_by_schur_complements(K, C, inner) if plan.rest else K
 
 
 def _add_element_blocks_to_columns(
@@ -519,15 +526,17 @@ def condense_columns_of_any_shape(
     widths : integrals over the width of each layer
     stack : the layers of the columns
     """
-    plan = condensation_plan_of_column(stack, unknown_numbers_along_row(stack.p))
-    order = _unknown_order_with_contact_by_nodes(stack, plan, 2)
+    plan = condensation_plan_of_column(stack, unknown_numbers_along_node_row(stack.p))
+    order = _order_of_column_unknowns_by_contact_nodes(stack, plan, 2)
     columns = _condensed_stiffness_of_columns(parts, widths, plan)
     if len(order):
         columns = columns[:, order[:, None], order]
     return [ColumnSubstructure(K, plan.line, plan.line) for K in columns]
 
 
-def _unknown_order_with_contact_by_nodes(stack: ColumnLayers, plan: ColumnPlan, sides: int) -> Ints:
+def _order_of_column_unknowns_by_contact_nodes(
+    stack: ColumnLayers, plan: ColumnPlan, sides: int
+) -> Ints:
     """The order (n,) of a column's unknowns in which x and y of a contact node are neighbours.
 
     The order is empty without contact. `sides` is 2 for all unknowns of a column, and 1 for its
@@ -562,7 +571,7 @@ def condense_mirror_symmetric_columns(
     """
     plans = [
         condensation_plan_of_column(
-            stack, unknown_numbers_along_row_with_symmetry(stack.p, symmetry)
+            stack, unknown_numbers_along_symmetric_half_row(stack.p, symmetry)
         )
         for symmetry in SYMMETRIES
     ]
@@ -573,7 +582,7 @@ def condense_mirror_symmetric_columns(
         [
             _sign_of_displacement_on_mirrored_side(unknown)
             for unknown in stack.unknowns_on_left_or_right_side_of_column(
-                unknown_numbers_along_row_with_symmetry(stack.p, 0).left
+                unknown_numbers_along_symmetric_half_row(stack.p, 0).left
             )
         ]
     )
@@ -656,7 +665,7 @@ def column_with_back_held_beside_grip(
     right : whether the grip lies on the column's right side; otherwise it lies on its left side
     """
     last = len(stack.counts) * stack.p
-    side = unknown_numbers_along_row_with_symmetry(stack.p, 0).left
+    side = unknown_numbers_along_symmetric_half_row(stack.p, 0).left
     held = [
         u.row == last and u.z == 0 for u in stack.unknowns_on_left_or_right_side_of_column(side)
     ]

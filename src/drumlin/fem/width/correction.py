@@ -21,10 +21,10 @@ from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.width.error import (
     CoarseAnswers,
-    coarse_solutions_with_and_without_widths,
-    distance_of_plane_stress_from_widths,
+    coarse_solutions_with_and_without_shoe_width,
+    distance_of_plane_stress_from_width_solution,
 )
-from drumlin.fem.width.prepare import reason_against_width_model
+from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.response.balance import (
     brake_with_forces_of_response,
     largest_imbalance_among_shoes,
@@ -84,14 +84,14 @@ def correct_response_for_shoe_widths(
     NoAnswer
         where a brake has no answer on the coarse elements, or a shoe loses its contact
     """
-    require_brake_that_width_model_applies_to(brake)
+    require_that_width_model_applies_to_brake(brake)
     try:
-        answers = coarse_solutions_with_and_without_widths(
+        answers = coarse_solutions_with_and_without_shoe_width(
             brake, response, penalty=penalty, cache=cache
         )
     except NoAnswer as error:
         raise NoAnswer(f"--finite-width: the correction is not known: {error}") from error
-    change = distance_of_plane_stress_from_widths(brake, *answers)
+    change = distance_of_plane_stress_from_width_solution(brake, *answers)
     if change.unknown:
         raise NoAnswer(f"--finite-width: the correction is not known: {change.unknown}")
     shoes = []
@@ -112,9 +112,9 @@ def correct_response_for_shoe_widths(
     )
 
 
-def require_brake_that_width_model_applies_to(brake: Brake) -> None:
+def require_that_width_model_applies_to_brake(brake: Brake) -> None:
     """Raise BadInput where the model of the width does not apply to a brake."""
-    reason = reason_against_width_model(brake)
+    reason = reason_why_width_model_does_not_apply(brake)
     if reason is not None:
         raise BadInput(f"--finite-width: does not apply to this brake: {reason}")
 
@@ -153,7 +153,9 @@ def shoe_response_corrected_for_widths(
     return replace(
         fine,
         pressure=pressure,
-        peak_pressure=LiningWithoutEndZones(fine.theta, fine.order, zone).peak(pressure),
+        peak_pressure=LiningWithoutEndZones(
+            fine.theta, fine.order, zone
+        ).peak_pressure_outside_end_zones(pressure),
         contact_arcs=contact_arcs_from_nodal_pressures(fine.theta, pressure, fine.order),
         **values,
     )

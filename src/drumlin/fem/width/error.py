@@ -19,7 +19,7 @@ import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.further_loads import brake_with_loads_at_actuation
+from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
 from drumlin.fem.error_control.levels import LEVEL_RULE, LEVELS
 from drumlin.fem.error_control.singular_points import (
     reason_if_any_contact_is_too_short,
@@ -27,12 +27,12 @@ from drumlin.fem.error_control.singular_points import (
 )
 from drumlin.fem.hp.division import Level, ShoeDivision
 from drumlin.fem.model import PENALTY, solve_prepared_model
-from drumlin.fem.preparation.cache import Cache, first_shoes_of_equal_shape
+from drumlin.fem.preparation.cache import Cache, index_of_first_shoe_of_equal_shape
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.width.prepare import (
-    level_for_narrow_shoes,
-    prepare_divided_brake_with_widths,
-    reason_against_width_model,
+    prepare_model_with_widths_on_given_elements,
+    reason_why_width_model_does_not_apply,
+    refinement_level_for_narrow_shoes,
 )
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import (
@@ -76,7 +76,7 @@ class CoarseSection(NamedTuple):
     plane: Response
 
 
-def plane_stress_solution_on_coarse_division(
+def plane_stress_solution_on_coarse_hp_elements(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> CoarseSection:
     """The coarse hp elements of a brake, with the answer of plane stress on them.
@@ -96,7 +96,7 @@ def plane_stress_solution_on_coarse_division(
         coarse = answered(WIDTH_LEVEL)
     except NoAnswer:
         return answered(LEVELS[0])
-    error = distance_of_plane_stress_from_widths(brake, coarse.plane, response)
+    error = distance_of_plane_stress_from_width_solution(brake, coarse.plane, response)
     if error.unknown or error.brake["pressure"] > COARSE_ENOUGH:
         return answered(LEVELS[0])
     return coarse
@@ -125,7 +125,10 @@ def plane_stress_solution_on_given_hp_elements(
     NoAnswer
         if plane stress has no answer on the level
     """
-    alike, level = first_shoes_of_equal_shape(brake), level_for_narrow_shoes(brake, level)
+    alike, level = (
+        index_of_first_shoe_of_equal_shape(brake),
+        refinement_level_for_narrow_shoes(brake, level),
+    )
     points = singular_points_of_all_linings(
         brake, response, alike, level.pressure_error_by_column_ratio
     )
@@ -144,7 +147,7 @@ class CoarseAnswers(NamedTuple):
     wide: Response
 
 
-def coarse_solutions_with_and_without_widths(
+def coarse_solutions_with_and_without_shoe_width(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> CoarseAnswers:
     """The answers of a brake in plane stress and with widths, both on the same coarse hp elements.
@@ -160,12 +163,12 @@ def coarse_solutions_with_and_without_widths(
     reason = reason_if_any_contact_is_too_short(brake, response)
     if reason is not None:
         raise NoAnswer(reason)
-    brake = brake_with_loads_at_actuation(brake)
+    brake = brake_with_all_loads_moved_to_actuation(brake)
     try:
-        section = plane_stress_solution_on_coarse_division(
+        section = plane_stress_solution_on_coarse_hp_elements(
             brake, response, penalty=penalty, cache=cache
         )
-        scene = prepare_divided_brake_with_widths(
+        scene = prepare_model_with_widths_on_given_elements(
             brake, section.divisions, WIDTH_DEGREE, cache=cache
         )
         wide = solve_prepared_model(scene, brake, penalty=penalty, start=response)
@@ -186,19 +189,19 @@ def estimate_error_of_plane_stress(
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     """
-    reason = reason_against_width_model(brake)
+    reason = reason_why_width_model_does_not_apply(brake)
     if reason is not None:
         return ModelError({}, unknown=reason)
     try:
-        answers = coarse_solutions_with_and_without_widths(
+        answers = coarse_solutions_with_and_without_shoe_width(
             brake, response, penalty=penalty, cache=cache
         )
     except NoAnswer as error:
         return ModelError({}, unknown=str(error))
-    return distance_of_plane_stress_from_widths(brake, *answers)
+    return distance_of_plane_stress_from_width_solution(brake, *answers)
 
 
-def distance_of_plane_stress_from_widths(
+def distance_of_plane_stress_from_width_solution(
     brake: Brake, plane: Response, wide: Response
 ) -> ModelError:
     """The relative distance of the answer of plane stress from the answer with widths.

@@ -21,7 +21,7 @@ from drumlin.fem.substructure.interface import (
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
-    integrals_over_width_of_part,
+    integrals_of_function_products_over_width,
     matrix_from_node_values_to_function_factors,
 )
 from drumlin.response.response import PressureOverWidth
@@ -69,7 +69,7 @@ class WidthFace(ContactLine):
         zeta_k is the polynomial of z that is 1 at the node k across the width.
         """
         to_functions = matrix_from_node_values_to_function_factors(self.functions, self.half)
-        even = integrals_over_width_of_part(self.functions, self.half).even
+        even = integrals_of_function_products_over_width(self.functions, self.half).even
         return np.asarray(to_functions.T @ even @ to_functions)
 
     @property
@@ -81,7 +81,7 @@ class WidthFace(ContactLine):
         return self.mass_matrix_across_width.sum(axis=1)
 
     @property
-    def width_shares_of_nodes_across_width(self) -> Floats:
+    def width_fraction_of_each_node_across_width(self) -> Floats:
         """The share (m,) of the whole width that each node across the width stands for."""
         widths = self.tributary_widths_of_nodes_across_width
         return np.asarray(widths / widths.sum())
@@ -115,11 +115,11 @@ class WidthFace(ContactLine):
         return (
             self.line.phi,
             p.reshape(-1, len(self.node_distances_from_mid_plane))
-            @ self.width_shares_of_nodes_across_width,
+            @ self.width_fraction_of_each_node_across_width,
         )
 
     @cached_property
-    def _distances_of_written_pressures(self) -> Floats:
+    def _mid_plane_distances_of_written_pressures(self) -> Floats:
         """The distances (k,) [m] from the mid-plane at which pressures are written to a file."""
         ends = np.array(self.functions.breaks)
         ends = ends[: self.functions.number_of_pieces_in_part(self.half) + 1]
@@ -132,9 +132,9 @@ class WidthFace(ContactLine):
     def _integration_weights_of_written_pressures(self) -> Floats:
         """The weights (k,) [m] of pressures at these distances in the integral over half the width.
 
-        The distances are `_distances_of_written_pressures`.
+        The distances are `_mid_plane_distances_of_written_pressures`.
         """
-        values = self._values_of_node_polynomials(self._distances_of_written_pressures)
+        values = self._values_of_node_polynomials(self._mid_plane_distances_of_written_pressures)
         half_widths = 0.5 * self.tributary_widths_of_nodes_across_width
         return np.asarray(np.linalg.lstsq(values, half_widths)[0], dtype=float)
 
@@ -162,18 +162,18 @@ class WidthFace(ContactLine):
         The distances z from the mid-plane divide each piece of the half width into FACE_STEPS equal
         intervals. The ends of the pieces are the breaks of `functions`.
         """
-        z = self._distances_of_written_pressures
+        z = self._mid_plane_distances_of_written_pressures
         half = self.pressure_at_distances_from_mid_plane(p, z)
         # The pressure is symmetric about the mid-plane.
         both, own = np.concatenate([-z[:0:-1], z]), self._integration_weights_of_written_pressures
         widths = np.concatenate([own[:0:-1], [2 * own[0]], own[1:]])
         return PressureOverWidth(both, np.hstack([half[:, :0:-1], half]), widths)
 
-    def nodal_pressures_of_surface(self, surface: PressureOverWidth) -> Floats:
+    def nodal_pressures_from_pressures_of_file(self, surface: PressureOverWidth) -> Floats:
         """The pressures (n m,) [Pa] at the nodes of the face, from pressures that a file has.
 
         The rows of `surface` are sorted by angle, as the nodes are.
         """
         half = surface.pressure[:, len(surface.z) // 2 :]
-        values = self._values_of_node_polynomials(self._distances_of_written_pressures)
+        values = self._values_of_node_polynomials(self._mid_plane_distances_of_written_pressures)
         return np.asarray(np.linalg.lstsq(values.T, half.T)[0].T.ravel(), dtype=float)

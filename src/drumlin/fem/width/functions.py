@@ -171,7 +171,9 @@ class WidthFunctions:
 
 
 @cache
-def integrals_over_width_of_part(functions: WidthFunctions, half: float) -> WidthIntegrals:
+def integrals_of_function_products_over_width(
+    functions: WidthFunctions, half: float
+) -> WidthIntegrals:
     """The integrals of products of functions of z over the whole width of a part of the shoe.
 
     `half` is the half width of the part [m]. The Gauss rule is exact for functions up to degree 11.
@@ -238,7 +240,7 @@ def has_parts_of_different_widths(shoe: Shoe) -> bool:
     return max(halves) > min(halves) * (1 + SAME_SIDE)
 
 
-def breaks_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
+def piece_ends_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
     """The breaks (m + 1,) [m] that divide the half width of a shoe into pieces.
 
     They are 0 at the mid-plane, the half widths of the parts, and in most shoes whose lining
@@ -270,5 +272,5 @@ def breaks_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> tupl
 
 def functions_across_width_of_shoe(shoe: Shoe, degree: int) -> WidthFunctions:
     """All functions across the width of a shoe up to a degree, on pieces between its breaks."""
-    breaks = breaks_across_half_width_of_shoe(shoe)
+    breaks = piece_ends_across_half_width_of_shoe(shoe)
     return WidthFunctions((0.0, breaks[-1]) if degree == 0 else breaks, degree)

@@ -211,7 +211,7 @@ def _scalar_products_of_rows(left: Floats, right: Floats) -> Floats:
     return np.asarray(left @ right.swapaxes(-1, -2))
 
 
-def section_integrals_between_circles(
+def cross_section_integrals_between_circles(
     inner: float,
     outer: float,
     lame: LameConstants,
@@ -274,7 +274,9 @@ def section_integrals_between_circles(
     return SectionIntegrals(*each)
 
 
-def section_integrals_of_any_shape(xy: Floats, lame: LameConstants, p: int) -> SectionIntegrals:
+def cross_section_integrals_of_any_shape(
+    xy: Floats, lame: LameConstants, p: int
+) -> SectionIntegrals:
     """The integrals over c elements of any shape, for displacements in the shoe's frame.
 
     Along a row the unknowns are the displacements of its nodes; x and y of a node are neighbours.

@@ -53,7 +53,7 @@ from drumlin.fem.error_control.levels import (
     LEVELS,
     ResponseFunction,
     SolvedLevel,
-    solve_on_finer_and_finer_levels,
+    solve_brake_on_finer_and_finer_mesh_levels,
 )
 from drumlin.fem.hp.division import Level, ShoeDivision
 from drumlin.fem.model import PENALTY, solve_prepared_model
@@ -62,15 +62,15 @@ from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.width.error import (
     WIDTH_DEGREE,
-    plane_stress_solution_on_coarse_division,
+    plane_stress_solution_on_coarse_hp_elements,
     relative_distances_of_shoe_responses,
 )
 from drumlin.fem.width.functions import has_parts_of_different_widths
 from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
     MakeFunctions,
-    prepare_brake_with_widths,
-    prepare_divided_brake_with_widths,
+    prepare_model_with_shoe_widths,
+    prepare_model_with_widths_on_given_elements,
 )
 from drumlin.response.response import Response
 
@@ -177,7 +177,7 @@ class SolidErrors(NamedTuple):
         return max(shoe["pressure"] for shoe in self.shoes)
 
     @property
-    def as_tolerance(self) -> Tolerance:
+    def tolerance_that_errors_just_meet(self) -> Tolerance:
         """The tolerance that these errors just meet."""
         return Tolerance(self.largest_pressure_error, self.torque)
 
@@ -185,7 +185,7 @@ class SolidErrors(NamedTuple):
         """Whether the errors of the torque and of each shoe's pressure are within a tolerance."""
         return self.largest_pressure_error <= tolerance.pressure and self.torque <= tolerance.torque
 
-    def sum_with_other_errors(self, other: "SolidErrors") -> "SolidErrors":
+    def sum_of_these_and_other_errors(self, other: "SolidErrors") -> "SolidErrors":
         """The sum of these errors and of `other` errors.
 
         The error of a peak pressure is at most 1, which means that it is unknown.
@@ -254,14 +254,14 @@ def solve_brake_with_widths_to_tolerance(
 ) -> Response:
     """Solve a brake with widths so that its estimated errors meet a tolerance.
 
-    The parameters and the raised exceptions are those of `solve_and_keep_brake_with_widths`.
+    The parameters and the raised exceptions are those of `solve_brake_with_widths_and_keep_model`.
     """
-    return solve_and_keep_brake_with_widths(
+    return solve_brake_with_widths_and_keep_model(
         brake, tolerance, must=must, penalty=penalty, cache=cache
     ).response
 
 
-def solve_and_keep_brake_with_widths(
+def solve_brake_with_widths_and_keep_model(
     brake: Brake,
     tolerance: Tolerance,
     *,
@@ -293,17 +293,17 @@ def solve_and_keep_brake_with_widths(
     share = Tolerance(SECTION_SHARE * tolerance.pressure, SECTION_SHARE * tolerance.torque)
     cache = cache or Cache()
     answer = partial(solve_prepared_model, penalty=penalty)
-    climb = solve_levels_up_to_tolerance(brake, share, answer, cache)
+    climb = refine_cross_section_up_to_tolerance(brake, share, answer, cache)
     plane, factors = climb.response, ErrorFactors(1.0, 1.0)
     largest_degree = LARGEST_STATED_DEGREE
     if has_shoe_with_parts_of_different_widths(brake):
         factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
         asked = Tolerance(share.pressure / factors.pressure, share.torque / factors.force)
         levels = LEVELS[: MOST_SECTION_LEVELS + 1] if must else LEVELS[:MOST_SECTION_LEVELS]
-        climb = solve_levels_up_to_tolerance(brake, asked, answer, cache, levels, plane)
+        climb = refine_cross_section_up_to_tolerance(brake, asked, answer, cache, levels, plane)
         if not must:
             largest_degree = MOST_DEGREE
-    section = coarsest_level_within_tolerance(brake, climb, share, factors)
+    section = coarsest_cross_section_mesh_within_tolerance(brake, climb, share, factors)
     compared = hp_elements_to_compare_width_degrees(brake, plane, penalty=penalty, cache=cache)
     left = Tolerance(
         max(tolerance.pressure - section.error.largest_pressure_error, share.pressure),
@@ -315,20 +315,22 @@ def solve_and_keep_brake_with_widths(
     )
     if not width.error.is_within_error_tolerance(left):
         # The hp elements need not be more exact than the degree across the width allows.
-        section = coarsest_level_within_tolerance(brake, climb, width.error.as_tolerance, factors)
-    found = section.error.sum_with_other_errors(width.error)
+        section = coarsest_cross_section_mesh_within_tolerance(
+            brake, climb, width.error.tolerance_that_errors_just_meet, factors
+        )
+    found = section.error.sum_of_these_and_other_errors(width.error)
     warning = ""
     if not found.is_within_error_tolerance(tolerance):
         warning = _message_on_unreached_error_tolerance(tolerance, found, width.degree)
         if must:
             raise NoAnswer(warning)
-    solved = solve_level_of_section_with_width_degree(
+    solved = solve_cross_section_mesh_with_width_degree(
         brake, section.level, width.degree, width.response, penalty=penalty, cache=cache
     )
     return _solved_level_with_errors_and_notes(solved, section.level, width.degree, found, warning)
 
 
-def solve_level_of_section_with_width_degree(
+def solve_cross_section_mesh_with_width_degree(
     brake: Brake,
     level: Level,
     degree: int | MakeFunctions,
@@ -356,13 +358,13 @@ def solve_level_of_section_with_width_degree(
         where the level has no answer
     """
 
-    def prepare(divided: Level, points: PointsByShape) -> PreparedModel:
+    def prepare_model_with_width_degree(divided: Level, points: PointsByShape) -> PreparedModel:
         """The prepared model of the brake, with small elements at the singular points."""
-        return prepare_brake_with_widths(brake, divided, degree, points, cache=cache)
+        return prepare_model_with_shoe_widths(brake, divided, degree, points, cache=cache)
 
     answer = partial(solve_prepared_model, penalty=penalty)
-    steps = solve_on_finer_and_finer_levels(
-        brake, answer, cache, [level], prepare=prepare, start=start
+    steps = solve_brake_on_finer_and_finer_mesh_levels(
+        brake, answer, cache, [level], prepare=prepare_model_with_width_degree, start=start
     )
     for solved in steps:
         return solved
@@ -399,7 +401,7 @@ def _solved_level_with_errors_and_notes(
     return SolvedLevel(solved.scene, stated)
 
 
-def solve_levels_up_to_tolerance(
+def refine_cross_section_up_to_tolerance(
     brake: Brake,
     tolerance: Tolerance,
     answer: ResponseFunction,
@@ -425,28 +427,33 @@ def solve_levels_up_to_tolerance(
         if no two levels have answers
     """
 
-    def prepare(level: Level, points: PointsByShape) -> PreparedModel:
+    def prepare_model_with_width_degree(level: Level, points: PointsByShape) -> PreparedModel:
         """The prepared model of the brake on a level, with SECTION_DEGREE across the width."""
-        return prepare_brake_with_widths(brake, level, SECTION_DEGREE, points, cache=cache)
+        return prepare_model_with_shoe_widths(brake, level, SECTION_DEGREE, points, cache=cache)
 
     climbed: list[SolvedLevel] = []
 
-    def solved_levels_that_are_kept() -> Iterator[SolvedLevel]:
+    def solve_levels_and_keep_each() -> Iterator[SolvedLevel]:
         """Yield the levels of the solve, and append each one to `climbed`."""
-        steps = solve_on_finer_and_finer_levels(
-            brake, answer, cache, levels, prepare=prepare if levels else None, start=start
+        steps = solve_brake_on_finer_and_finer_mesh_levels(
+            brake,
+            answer,
+            cache,
+            levels,
+            prepare=prepare_model_with_width_degree if levels else None,
+            start=start,
         )
         for step in steps:
             climbed.append(step)
             yield step
 
     last = solve_brake_to_tolerance(
-        brake, tolerance, answer, must=False, levels=solved_levels_that_are_kept()
+        brake, tolerance, answer, must=False, levels=solve_levels_and_keep_each()
     )
     return LevelClimb(climbed, last.response)
 
 
-def coarsest_level_within_tolerance(
+def coarsest_cross_section_mesh_within_tolerance(
     brake: Brake,
     climb: LevelClimb,
     tolerance: Tolerance,
@@ -469,7 +476,7 @@ def coarsest_level_within_tolerance(
     sections = []
     for step in climb.levels:
         moved = _relative_differences_from_better_response(brake, step.response, last)
-        error = moved.sum_with_other_errors(stated).errors_times_factors(factors)
+        error = moved.sum_of_these_and_other_errors(stated).errors_times_factors(factors)
         sections.append(SectionError(by_degree[step.response.shoes[0].order], error))
     within = (each for each in sections if each.error.is_within_error_tolerance(tolerance))
     return next(within, sections[-1])
@@ -516,11 +523,11 @@ def hp_elements_to_compare_width_degrees(
         otherwise with widths
     """
     if not has_shoe_with_parts_of_different_widths(brake):
-        coarse = plane_stress_solution_on_coarse_division(
+        coarse = plane_stress_solution_on_coarse_hp_elements(
             brake, plane, penalty=penalty, cache=cache
         )
         return ComparedSection(coarse.divisions, {})
-    wide = solve_level_of_section_with_width_degree(
+    wide = solve_cross_section_mesh_with_width_degree(
         brake, LEVELS[0], WIDTH_DEGREE, plane, penalty=penalty, cache=cache
     )
     return ComparedSection(wide.scene.divisions, {WIDTH_DEGREE: wide.response})
@@ -556,7 +563,9 @@ def smallest_width_degree_within_tolerance(
     def solve_with_degree_across_width(degree: int) -> Response:
         """The answer of the brake with a degree across the width, on the given hp elements."""
         if degree not in answers:
-            scene = prepare_divided_brake_with_widths(brake, section.divisions, degree, cache=cache)
+            scene = prepare_model_with_widths_on_given_elements(
+                brake, section.divisions, degree, cache=cache
+            )
             answers[degree] = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
         return answers[degree]
 

@@ -10,7 +10,7 @@ import numpy as np
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
-from drumlin.brake.friction import reason_if_friction_depends_on_pressure
+from drumlin.brake.friction import reason_against_pressure_dependent_friction
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.fem.hp.body import (
@@ -21,7 +21,7 @@ from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe_into_hp_ele
 from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
 from drumlin.fem.preparation.cache import (
     Cache,
-    first_shoes_of_equal_shape,
+    index_of_first_shoe_of_equal_shape,
     shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.columns import MOST_CONTACT_NODES, PointsByShape
@@ -80,7 +80,7 @@ class WidthBody(ShoeSubstructure):
         return int(self.basis.unknowns)
 
 
-def reason_against_width_model(brake: Brake) -> str | None:
+def reason_why_width_model_does_not_apply(brake: Brake) -> str | None:
     """The reason why the model of the width does not apply to a brake; None where it applies."""
     if brake.reason_why_not_meshable() is not None:
         return brake.reason_why_not_meshable()
@@ -92,10 +92,10 @@ def reason_against_width_model(brake: Brake) -> str | None:
             return f"shoe {shoe.name!r}: {reason}"
     model = "the model of the width"
     return (
-        brake.reason_against_several_linings(model)
+        brake.reason_if_several_linings_are_not_allowed(model)
         or reason_if_any_part_is_orthotropic(brake, model)
         or reason_if_any_shoe_is_heated(brake, model)
-        or reason_if_friction_depends_on_pressure(brake, model)
+        or reason_against_pressure_dependent_friction(brake, model)
         or plane_why_not(brake)
     )
 
@@ -114,7 +114,7 @@ def _reason_against_modelling_width_of_shoe(shoe: Shoe) -> str | None:
     return None
 
 
-def prepare_brake_with_widths(
+def prepare_model_with_shoe_widths(
     brake: Brake,
     level: Level,
     degree: int | MakeFunctions,
@@ -142,8 +142,8 @@ def prepare_brake_with_widths(
     NoAnswer
         for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
     """
-    alike = first_shoes_of_equal_shape(brake)
-    tip = brake.actuation is not None and brake.actuation.is_cam
+    alike = index_of_first_shoe_of_equal_shape(brake)
+    tip = brake.actuation is not None and brake.actuation.is_cam_or_wedge
 
     def division_of_shoe(i: int) -> ShoeDivision:
         """The division of the section of the shoe with index `i` into hp elements."""
@@ -152,17 +152,17 @@ def prepare_brake_with_widths(
             brake.shoes[i], brake.size, level, places, grades_loaded_end=tip
         )
 
-    reason = reason_against_width_model(brake)
+    reason = reason_why_width_model_does_not_apply(brake)
     if reason is not None:
         raise BadInput(f"the model of the width does not apply to this brake: {reason}")
     if not callable(degree) and not 0 <= degree <= LARGEST_WIDTH_DEGREE:
         raise BadInput(f"--across = {degree}: must be from 0 to {LARGEST_WIDTH_DEGREE}")
-    level = level_for_narrow_shoes(brake, level)
+    level = refinement_level_for_narrow_shoes(brake, level)
     divisions = {i: division_of_shoe(i) for i in dict.fromkeys(alike)}
-    return prepare_divided_brake_with_widths(brake, divisions, degree, cache=cache)
+    return prepare_model_with_widths_on_given_elements(brake, divisions, degree, cache=cache)
 
 
-def level_for_narrow_shoes(brake: Brake, level: Level) -> Level:
+def refinement_level_for_narrow_shoes(brake: Brake, level: Level) -> Level:
     """The level, with layers of elements at bonds at most as thick as half the width of any shoe.
 
     Beside a bond of two materials their lateral contractions become equal over a distance of half
@@ -177,7 +177,7 @@ def level_for_narrow_shoes(brake: Brake, level: Level) -> Level:
     return replace(level, back=size)
 
 
-def prepare_divided_brake_with_widths(
+def prepare_model_with_widths_on_given_elements(
     brake: Brake,
     divisions: Mapping[int, ShoeDivision],
     degree: int | MakeFunctions,
@@ -188,7 +188,8 @@ def prepare_divided_brake_with_widths(
 
     Parameters
     ----------
-    brake : the brake; the model of the width applies to it (`reason_against_width_model` is None)
+    brake : the brake; the model of the width applies to it (`reason_why_width_model_does_not_apply`
+    is None)
     divisions : divisions of the sections into hp elements, by the index of the first shoe of each
         shape
     degree : degree across the width, or a function from a shoe to its functions across the width
@@ -202,7 +203,7 @@ def prepare_divided_brake_with_widths(
     make = degree if callable(degree) else partial(functions_across_width_of_shoe, degree=degree)
     seconds: Seconds = {}
     cache = cache or Cache()
-    alike = first_shoes_of_equal_shape(brake)
+    alike = index_of_first_shoe_of_equal_shape(brake)
     made: dict[int, ShoeSubstructure] = {}
     # One body is condensed for each different shape of shoe.
     for i in dict.fromkeys(alike):
@@ -227,7 +228,7 @@ def prepare_divided_brake_with_widths(
             friction,
             seconds,
         )
-        made[i] = cache.get(key, body, _memory_of_condensed_body)
+        made[i] = cache.get(key, body, _memory_of_condensed_solid_shoe)
     bodies = tuple(made[i] for i in alike)
     left_out = (
         INTERIOR,
@@ -250,7 +251,7 @@ def _require_few_nodes_of_contact_face(
         )
 
 
-def _memory_of_condensed_body(body: ShoeSubstructure) -> int:
+def _memory_of_condensed_solid_shoe(body: ShoeSubstructure) -> int:
     """The approximate memory [bytes] of a body: six matrices (n, n) for n contact nodes."""
     return 8 * 6 * len(body.line.nodes) ** 2
 
@@ -327,10 +328,10 @@ def number_of_displacement_unknowns_of_shoe(
     for first, nodes in rows_of_nodes:
         if first == division.number_of_element_layers:
             continue
-        stack = layers.layers_of_element_column_from_index(
+        stack = layers.layers_of_element_column_from_given_layer(
             p, first, contact=False, back=BackEdge.FREE
         )
         for row in range((division.number_of_element_layers - first) * p + 1):
-            even, odd = stack.function_counts_of_node_row(row)
+            even, odd = stack.numbers_of_width_functions_at_node_row(row)
             count += (2 * even + odd) * nodes
     return count

@@ -18,7 +18,7 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 from drumlin.brake.brake import Shoe
-from drumlin.fem.hp.body import grid_of_all_nodes_of_shoe
+from drumlin.fem.hp.body import element_grid_of_whole_shoe
 from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.hp.grid import ColumnGrid
@@ -32,14 +32,14 @@ from drumlin.fem.width.columns import (
     assembled_stiffness_of_columns,
     condensation_plan_of_column,
     displacements_inside_elements,
-    unknown_numbers_along_row,
-    unknowns_of_column,
+    unknown_names_of_element_column,
+    unknown_numbers_along_node_row,
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
     matrix_from_node_values_to_function_factors,
 )
-from drumlin.fem.width.integrals import SectionIntegrals, section_integrals_of_any_shape
+from drumlin.fem.width.integrals import SectionIntegrals, cross_section_integrals_of_any_shape
 from drumlin.fem.width.shoe import WidthLayers, layers_with_width_functions
 
 
@@ -112,7 +112,7 @@ class WidthUnknowns:
     @cached_property
     def grid(self) -> ColumnGrid:
         """All nodes and elements of the section."""
-        return grid_of_all_nodes_of_shoe(self.shoe, self.radius, self.division)
+        return element_grid_of_whole_shoe(self.shoe, self.radius, self.division)
 
     @cached_property
     def layers(self) -> WidthLayers:
@@ -131,7 +131,8 @@ class WidthUnknowns:
     ) -> Floats:
         """The unknowns (nodes unknowns_per_node, m) of all nodes of the section in m load cases.
 
-        The unknowns are sorted by node; `even_and_odd_factors_of_nodes` splits them by function.
+        The unknowns are sorted by node; `factors_of_even_and_odd_functions_at_nodes` splits them by
+        function.
 
         Parameters
         ----------
@@ -150,12 +151,14 @@ class WidthUnknowns:
             forces[at] += unit @ loads
         u = self._displacements_with_frame_held(forces)
         # A motion of the frame moves the whole shoe as a rigid body and causes no strain.
-        modes = rigid_body_displacements_of_nodes(self.grid.doflocs, self.shoe.pin_in_shoe_frame)
+        modes = rigid_body_displacements_of_nodes(
+            self.grid.doflocs, self.shoe.pin_position_in_shoe_frame
+        )
         by_node = u.reshape(self.grid.N, self.unknowns_per_node, -1)
         by_node[:, :2] += (modes @ frame).reshape(self.grid.N, 2, -1)
         return u
 
-    def even_and_odd_factors_of_nodes(self, u: Floats) -> tuple[Floats, Floats]:
+    def factors_of_even_and_odd_functions_at_nodes(self, u: Floats) -> tuple[Floats, Floats]:
         """Split the unknowns u of all nodes into factors of even and factors of odd functions of z.
 
         The factors of even functions (nodes, even, 2) give displacements x and y, and the factors
@@ -207,7 +210,7 @@ class WidthUnknowns:
         at = self._numbers_of_displacements(nodes[line.row], line.function, line.component, line.z)
         return at, loads
 
-    def _which_unknowns_are_held(self) -> Bools:
+    def _which_unknowns_are_zero_with_frame_held(self) -> Bools:
         """True for each unknown (unknowns,) that is zero while the shoe's frame is held."""
         div, nodes = self.division, self.grid.sets["hinge"]
         held = np.zeros(self.grid.N * self.unknowns_per_node, dtype=bool)
@@ -226,63 +229,78 @@ class WidthUnknowns:
             held[numbers[line.z == 0]] = True
         return held
 
-    def columns_from_hinge_to_far_end(self) -> list[_Column]:
+    def element_columns_from_hinge_to_far_end(self) -> list[_Column]:
         """All columns of elements of the shoe, from the end at its hinge to the other end."""
         p, div = self.division.degree, self.division
         under, *beyond = (block.number for block in self.grid.blocks)
-        first, columns = div.index_of_first_body_layer, [self._columns_of_block(under, 0)]
+        first, columns = (
+            div.index_of_first_body_layer,
+            [self._element_columns_of_one_block(under, 0)],
+        )
         if beyond and len(div.before) > 1:
             # The nodes of this block go from the lining to the hinge.
-            columns.insert(0, self._columns_of_block(beyond.pop(0)[:, ::-1], first))
+            columns.insert(0, self._element_columns_of_one_block(beyond.pop(0)[:, ::-1], first))
         if beyond:
-            columns.append(self._columns_of_block(beyond.pop(0), first))
+            columns.append(self._element_columns_of_one_block(beyond.pop(0), first))
         assert all(column.nodes.shape[1] == p + 1 for block in columns for column in block)
         return [column for block in columns for column in block]
 
-    def _columns_of_block(self, number: Ints, first: int) -> list[_Column]:
+    def _element_columns_of_one_block(self, number: Ints, first: int) -> list[_Column]:
         """The element columns of a block of elements, from left to right.
 
         `number` (rows, nodes of a row) are the numbers of the block's nodes. `first` is the number
         of the block's first layer of elements, counted from the contact.
         """
         p = self.division.degree
-        stack = self.layers.layers_of_element_column_from_index(
+        stack = self.layers.layers_of_element_column_from_given_layer(
             p, first, contact=False, back=BackEdge.FREE
         )
-        along = unknown_numbers_along_row(p)
-        plan, names = condensation_plan_of_column(stack, along), unknowns_of_column(stack, along)
+        along = unknown_numbers_along_node_row(p)
+        plan, names = (
+            condensation_plan_of_column(stack, along),
+            unknown_names_of_element_column(stack, along),
+        )
         found = []
         for start in range(0, number.shape[1] - 1, p):
             nodes = number[:, start : start + p + 1]
 
-            def numbers(unknowns: list[WidthUnknown], nodes: Ints = nodes) -> Ints:
+            def numbers_of_column_unknowns(
+                unknowns: list[WidthUnknown], nodes: Ints = nodes
+            ) -> Ints:
                 """The numbers of a column's unknowns among the unknowns of the shoe."""
                 z, place, row, function = np.array(unknowns, dtype=int).reshape(-1, 4).T
                 node = nodes[row, np.where(z == 1, place, place // 2)]
                 return self._numbers_of_displacements(node, function, place % 2, z)
 
-            boundary = tuple(numbers(own) for own in names.boundary)
-            within = tuple(numbers(own) for own in names.within)
-            kept, rest = numbers(names.kept), numbers(names.rest)
+            boundary = tuple(numbers_of_column_unknowns(own) for own in names.boundary)
+            within = tuple(numbers_of_column_unknowns(own) for own in names.within)
+            kept, rest = (
+                numbers_of_column_unknowns(names.kept),
+                numbers_of_column_unknowns(names.rest),
+            )
             found.append(_Column(nodes, first, plan, kept, rest, boundary, within))
         return found
 
-    def _section_integrals_of_layers(self, column: _Column) -> list[SectionIntegrals]:
+    def _cross_section_integrals_of_layers(self, column: _Column) -> list[SectionIntegrals]:
         """For each layer of a column, the integrals over the section of the layer's element."""
         p, order = self.division.degree, reference_element_of_degree(self.division.degree).order
         found = []
         for k, lame in enumerate(self.layers.lame[column.first :]):
             nodes = column.nodes[k * p : (k + 1) * p + 1].ravel()[order]
-            found.append(section_integrals_of_any_shape(self.grid.doflocs[:, nodes][None], lame, p))
+            found.append(
+                cross_section_integrals_of_any_shape(self.grid.doflocs[:, nodes][None], lame, p)
+            )
         return found
 
-    def _assembled_column(self, column: _Column, held: Bools) -> AssembledColumns:
+    def _assembled_stiffness_of_element_column(
+        self, column: _Column, held: Bools
+    ) -> AssembledColumns:
         """The assembled stiffness of one column, with held unknowns decoupled from the others.
 
         The three blocks have no first axis, since they belong to a single column.
         """
-        widths = self.layers.width_integrals_of_layers(column.first)
-        parts = self._section_integrals_of_layers(column)
+        widths = self.layers.width_function_integrals_of_layers(column.first)
+        parts = self._cross_section_integrals_of_layers(column)
         made = assembled_stiffness_of_columns(parts, widths, column.plan)
         kept, rest = ~held[column.kept], ~held[column.rest]
         own = made.rest[0] * np.outer(rest, rest)
@@ -298,9 +316,9 @@ class WidthUnknowns:
 
         Raises NoAnswer for a singular stiffness.
         """
-        held = self._which_unknowns_are_held()
+        held = self._which_unknowns_are_zero_with_frame_held()
         forces = np.where(held[:, None], 0.0, forces)
-        columns = self.columns_from_hinge_to_far_end()
+        columns = self.element_columns_from_hinge_to_far_end()
         u = np.zeros(forces.shape)
         for line in reversed(self._cholesky_factors_of_node_lines(columns, held, forces.copy())):
             rest = line.forces - line.below.T @ u[line.later]
@@ -308,11 +326,11 @@ class WidthUnknowns:
         for column in columns:
             # The displacements of both sides give those of the other edges of elements, and these
             # give the displacements inside the elements.
-            made = self._assembled_column(column, held)
+            made = self._assembled_stiffness_of_element_column(column, held)
             right = forces[column.rest] - made.coupling @ u[column.kept]
             u[column.rest] = np.linalg.solve(made.rest, right)
-            parts = self._section_integrals_of_layers(column)
-            widths = self.layers.width_integrals_of_layers(column.first)
+            parts = self._cross_section_integrals_of_layers(column)
+            widths = self.layers.width_function_integrals_of_layers(column.first)
             for k, layer in enumerate(column.plan.layers):
                 if len(column.within[k]):
                     on_boundary = u[column.boundary[k]][None]
@@ -343,7 +361,7 @@ class WidthUnknowns:
         for column in columns:
             line = column.plan.line
             left, right = column.kept[:line], column.kept[line:]
-            made = self._assembled_column(column, held)
+            made = self._assembled_stiffness_of_element_column(column, held)
             L = _cholesky_factor(made.rest)
             coupling = dtrsm(1.0, L, made.coupling, lower=1)
             K = made.kept - coupling.T @ coupling

@@ -15,13 +15,13 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_row_of_element_columns,
+    assemble_and_condense_row_of_element_columns,
     eliminate_nodes_on_column_side,
     rotate_node_axes_of_matrix,
     rotate_node_axes_of_vectors,
 )
 from drumlin.fem.hp.division import ShoeDivision
-from drumlin.fem.hp.element import replace_by_schur_complement
+from drumlin.fem.hp.element import replace_matrix_by_schur_complement
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
     LoadedEnd,
@@ -30,7 +30,7 @@ from drumlin.fem.hp.shoe import (
     condensed_shoe_with_held_back,
     condensed_stiffness_of_body_behind_lining,
     function_from_depth_and_angle_to_point,
-    kinds_of_equal_element_columns,
+    group_equal_element_columns_of_shoe,
     node_coordinates_of_layers_and_columns,
     node_positions_of_element_row,
     rotate_axes_of_all_nodes_by_one_angle,
@@ -46,13 +46,13 @@ from drumlin.fem.width.columns import (
     column_with_back_held_beside_grip,
     condense_columns_of_any_shape,
     condense_mirror_symmetric_columns,
-    unknown_numbers_along_row_with_symmetry,
+    unknown_numbers_along_symmetric_half_row,
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
     WidthIntegrals,
     half_widths_of_parts,
-    integrals_over_width_of_part,
+    integrals_of_function_products_over_width,
     matrix_from_node_values_to_function_factors,
 )
 from drumlin.fem.width.integrals import (
@@ -60,8 +60,8 @@ from drumlin.fem.width.integrals import (
     LameConstants,
     SectionIntegrals,
     angular_factors_of_section_integrals,
-    section_integrals_between_circles,
-    section_integrals_of_any_shape,
+    cross_section_integrals_between_circles,
+    cross_section_integrals_of_any_shape,
 )
 
 
@@ -79,14 +79,17 @@ class WidthLayers(NamedTuple):
     halves: tuple[float, ...]
     lame: tuple[LameConstants, ...]
 
-    def width_integrals_of_layers(self, first: int) -> list[WidthIntegrals]:
+    def width_function_integrals_of_layers(self, first: int) -> list[WidthIntegrals]:
         """Integrals over the width for each layer from number `first` on.
 
         Layers are counted from the contact.
         """
-        return [integrals_over_width_of_part(self.functions, half) for half in self.halves[first:]]
+        return [
+            integrals_of_function_products_over_width(self.functions, half)
+            for half in self.halves[first:]
+        ]
 
-    def layers_of_element_column_from_index(
+    def layers_of_element_column_from_given_layer(
         self, p: int, first: int, *, contact: bool, back: BackEdge
     ) -> ColumnLayers:
         """The layers of an element column whose first layer is the shoe's layer `first`.
@@ -100,11 +103,11 @@ class WidthLayers(NamedTuple):
 
     def unknowns_across_body_thickness(self, div: ShoeDivision) -> "BodyLine":
         """The unknowns on a line of nodes through the thickness of the body."""
-        stack = self.layers_of_element_column_from_index(
+        stack = self.layers_of_element_column_from_given_layer(
             div.degree, div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
         )
         line = stack.unknowns_on_left_or_right_side_of_column(
-            unknown_numbers_along_row_with_symmetry(div.degree, 0).left
+            unknown_numbers_along_symmetric_half_row(div.degree, 0).left
         )
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
         return BodyLine(z, component, row, function)
@@ -131,12 +134,13 @@ class WidthLayers(NamedTuple):
         # of the layer. Functions that belong to wider layers only are zero there.
         share = np.zeros((len(self.halves) - first, line.function[line.z == 0].max() + 1))
         for row, half in zip(share, self.halves[first:], strict=True):
-            even = integrals_over_width_of_part(self.functions, half).even[0]
+            even = integrals_of_function_products_over_width(self.functions, half).even[0]
             row[: len(even)] = even / even[0]
         forces = [unit_actuation_loads_on_end_face(xy, depths, p, own).forces for own in share.T]
         turned = [rotate_axes_of_all_nodes_by_one_angle(own, angle) for own in forces]
         return EndFaceLoads(
-            unit_actuation_loads_on_end_face(xy, depths, p), line.values_on_unknowns(turned)
+            unit_actuation_loads_on_end_face(xy, depths, p),
+            line.values_on_unknowns_of_thickness_line(turned),
         )
 
 
@@ -167,7 +171,7 @@ class BodyLine(NamedTuple):
     row: Ints
     function: Ints
 
-    def values_on_unknowns(self, by_function: Sequence[Floats]) -> Floats:
+    def values_on_unknowns_of_thickness_line(self, by_function: Sequence[Floats]) -> Floats:
         """Values (n, m) on the unknowns of the line from values on nodes for each even function.
 
         `by_function` has an array (2 rows, m) for each of the first even functions, with x and y of
@@ -189,7 +193,7 @@ def layers_with_width_functions(
     """
     halves, lame = half_widths_of_parts(shoe), {}
     for name, (material, _) in materials_and_widths_of_shoe_parts(shoe).items():
-        # `prepare.reason_against_width_model` refuses brakes with orthotropic materials.
+        # `prepare.reason_why_width_model_does_not_apply` refuses brakes with orthotropic materials.
         assert isinstance(material, Material)
         E, nu = material.E, material.nu
         # With degree 0 lambda is that of plane stress, with all other degrees that of a solid.
@@ -224,7 +228,7 @@ first layer, counted from the contact, and the layers of the columns.
 """
 
 
-def _function_that_makes_columns(
+def _function_that_makes_element_columns(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
 ) -> tuple[ColumnsFrom, Ints]:
     """The function that makes the columns of a shoe's elements, and the kind of each column.
@@ -232,7 +236,7 @@ def _function_that_makes_columns(
     Columns of one kind have equal shape and equal stiffness.
     """
     p = div.degree
-    kinds_of_columns = kinds_of_equal_element_columns(shoe, div, directed=False)
+    kinds_of_columns = group_equal_element_columns_of_shoe(shoe, div, directed=False)
     along = kinds_of_columns.along
     plane = radius if shoe.flat else None
     radii = radius - shoe.sign * div.depths
@@ -255,17 +259,17 @@ def _function_that_makes_columns(
             )
             parts.append(
                 [
-                    section_integrals_between_circles(
+                    cross_section_integrals_between_circles(
                         radii[k], radii[k + 1], layers.lame[k], angular, p, plane
                     )
                     for k in range(first, div.number_of_element_layers)
                 ]
             )
         return condense_mirror_symmetric_columns(
-            parts, layers.width_integrals_of_layers(first), stack
+            parts, layers.width_function_integrals_of_layers(first), stack
         )
 
-    def condense_columns_of_cells(
+    def condense_columns_of_any_cell_shape(
         kinds: Ints, first: int, stack: ColumnLayers
     ) -> list[ColumnSubstructure]:
         """Condensed columns of elements of any shape, for example under a straight beam."""
@@ -277,12 +281,17 @@ def _function_that_makes_columns(
         )
         lame = layers.lame[first:]
         parts = [
-            section_integrals_of_any_shape(own, each, p) for own, each in zip(xy, lame, strict=True)
+            cross_section_integrals_of_any_shape(own, each, p)
+            for own, each in zip(xy, lame, strict=True)
         ]
-        return condense_columns_of_any_shape(parts, layers.width_integrals_of_layers(first), stack)
+        return condense_columns_of_any_shape(
+            parts, layers.width_function_integrals_of_layers(first), stack
+        )
 
     made = (
-        condense_columns_of_cells if kinds_of_columns.angular is None else condense_columns_on_arc
+        condense_columns_of_any_cell_shape
+        if kinds_of_columns.angular is None
+        else condense_columns_on_arc
     )
     return made, kinds_of_columns.which
 
@@ -295,9 +304,9 @@ def _condensed_element_columns_of_shoe(
     The parameters are those of `condense_shoe_with_width`, and `layers` are the shoe's layers.
     """
     p = div.degree
-    make, which = _function_that_makes_columns(shoe, radius, div, layers)
+    make, which = _function_that_makes_element_columns(shoe, radius, div, layers)
 
-    def condensed_columns_of_given_column_kinds(
+    def condensed_columns_from_given_layer_on(
         row: Ints, first: int, *, contact: bool, back: BackEdge
     ) -> list[ColumnSubstructure]:
         """The condensed columns of the given kinds, with the layers from number `first` on.
@@ -312,33 +321,33 @@ def _condensed_element_columns_of_shoe(
         columns = make(
             kinds,
             first,
-            layers.layers_of_element_column_from_index(p, first, contact=contact, back=back),
+            layers.layers_of_element_column_from_given_layer(p, first, contact=contact, back=back),
         )
         made = dict(zip(kinds.tolist(), columns, strict=True))
         return [made[kind] for kind in row.tolist()]
 
     under, before = len(div.angles) - 1, len(div.before) - 1
     # A grip on the back of a shoe holds the columns a to b - 1; without a grip a = b = 0.
-    ends = shoe.grip(radius)
+    ends = shoe.interval_of_body_back_held_by_support(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     back = (
         BackEdge.BONDED
         if div.index_of_first_body_layer == div.number_of_element_layers
         else BackEdge.FREE
     )
-    free = condensed_columns_of_given_column_kinds(
+    free = condensed_columns_from_given_layer_on(
         np.concatenate([which[:a], which[b:under]]), 0, contact=True, back=back
     )
-    gripped = condensed_columns_of_given_column_kinds(
+    gripped = condensed_columns_from_given_layer_on(
         which[a:b], 0, contact=True, back=BackEdge.GRIPPED
     )
-    rest = condensed_columns_of_given_column_kinds(
+    rest = condensed_columns_from_given_layer_on(
         which[under:], div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
     )
     row = [*free[:a], *gripped, *free[a:]]
     # A column beside the grip shares one of its sides with a gripped column. The grip holds the
     # node of this side that is farthest from the contact.
-    stack = layers.layers_of_element_column_from_index(p, 0, contact=True, back=BackEdge.FREE)
+    stack = layers.layers_of_element_column_from_given_layer(p, 0, contact=True, back=BackEdge.FREE)
     if a < b and a > 0:
         row[a - 1] = column_with_back_held_beside_grip(row[a - 1], stack, right=True)
     if a < b < under:
@@ -376,7 +385,7 @@ def condense_shoe_with_width(
     xy = np.repeat(
         function_from_depth_and_angle_to_point(shoe, radius)(np.zeros(1), phi), count, axis=1
     )
-    R = rigid_body_displacements_of_nodes(xy, shoe.pin_in_shoe_frame)
+    R = rigid_body_displacements_of_nodes(xy, shoe.pin_position_in_shoe_frame)
     if div.index_of_first_body_layer < div.number_of_element_layers and not any(row.grip):
         return _condense_hinged_shoe_with_width(shoe, radius, div, layers, row, R)
     # If a grip holds the back, the body's parts before and behind the lining bear no load. Each
@@ -385,10 +394,14 @@ def condense_shoe_with_width(
     if any(row.grip):
         before, after = row.before, row.after
         ends = [
-            eliminate_nodes_on_column_side(assemble_row_of_element_columns(before, 0)).K
+            eliminate_nodes_on_column_side(
+                assemble_and_condense_row_of_element_columns(before, 0)
+            ).K
             if before
             else None,
-            eliminate_nodes_on_column_side(assemble_row_of_element_columns(after, 0), right=True).K
+            eliminate_nodes_on_column_side(
+                assemble_and_condense_row_of_element_columns(after, 0), right=True
+            ).K
             if after
             else None,
         ]
@@ -396,7 +409,7 @@ def condense_shoe_with_width(
     first, last = (0 if end is None else len(end) for end in ends)
     columns[0] = eliminate_nodes_on_column_side(columns[0], ends[0], first)
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], ends[1], last, right=True)
-    S = assemble_row_of_element_columns(columns, 2 * count).K
+    S = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
     face = _FaceAxes.conversion_to_displacements_of_face_nodes(shoe, div, layers)
     return condensed_shoe_with_held_back(shoe, face.stiffness_of_face_nodes(S), R)
 
@@ -473,7 +486,7 @@ def _condense_hinged_shoe_with_width(
     p, place, pin = (
         div.degree,
         function_from_depth_and_angle_to_point(shoe, radius),
-        shoe.pin_in_shoe_frame,
+        shoe.pin_position_in_shoe_frame,
     )
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], p)
     near, far = div.before[-1], div.after[-1]
@@ -489,10 +502,13 @@ def _condense_hinged_shoe_with_width(
     # The assembled columns have the unknowns [frame | face | loads].
     columns = row.under.copy()
     # In a rigid-body motion the displacements are constant over z: only the function 1 has factors.
-    tied, modes = np.flatnonzero(line.z == 0), line.values_on_unknowns([modes])[line.z == 0]
+    tied, modes = (
+        np.flatnonzero(line.z == 0),
+        line.values_on_unknowns_of_thickness_line([modes])[line.z == 0],
+    )
     if row.before:
         held = _column_with_left_side_tied_to_frame(row.before[0], tied, modes)
-        body = assemble_row_of_element_columns([held, *row.before[1:]], 0)
+        body = assemble_and_condense_row_of_element_columns([held, *row.before[1:]], 0)
         columns[0] = eliminate_nodes_on_column_side(columns[0], body.K, len(line.z))
     else:
         own = columns[0].left - len(line.z)
@@ -502,7 +518,7 @@ def _condense_hinged_shoe_with_width(
     loaded = condensed_stiffness_of_body_behind_lining(row.after, end_forces)
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], loaded, len(end_forces), right=True)
     count = layers.functions.numbers_of_even_and_odd_functions(layers.halves[0])[0]
-    A = assemble_row_of_element_columns(columns, 2 * count).K
+    A = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
     face = _FaceAxes.conversion_to_displacements_of_face_nodes(shoe, div, layers)
     return condensed_shoe_with_balanced_loads(
         A, end, R, pin, face.forces_on_face_nodes, face.stiffness_of_face_nodes
@@ -531,5 +547,5 @@ def _column_with_left_side_tied_to_frame(
     K = np.ascontiguousarray(T.T @ KT)
     if len(free):
         inner = np.ascontiguousarray(piece.K[np.ix_(free, free)])
-        replace_by_schur_complement(K, np.ascontiguousarray(KT[free]), inner)
+        replace_matrix_by_schur_complement(K, np.ascontiguousarray(KT[free]), inner)
     return ColumnSubstructure(K, FRAME, piece.right)

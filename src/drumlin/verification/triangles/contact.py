@@ -17,18 +17,18 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import (
     NOT_HELD_TEXT,
     SupportForce,
-    forces_of_supports_on_shoe,
-    possible_bearings,
+    choices_of_supports_that_bear,
+    forces_of_one_sided_supports_on_shoe,
 )
 from drumlin.brake.support import Freedoms, displacements_in_rigid_body_motions
 from drumlin.verification.triangles.equations import ContactEquations
 from drumlin.verification.triangles.face import CondensedFace
 from drumlin.verification.triangles.one_sided import (
     ShoeInEquations,
-    equations_on_bearing_supports,
-    is_bearing_as_assumed,
+    contact_equations_on_supports_that_bear,
+    do_supports_bear_in_triangle_solution,
+    equations_of_one_sided_support_openings,
     one_sided_supports_of_shoes,
-    support_equations,
 )
 
 MOST_SETS_TRIED = 600
@@ -82,7 +82,7 @@ class ContactAtStart(NamedTuple):
     nodes: list[Bools]
     supports: frozenset[str] = frozenset()
 
-    def contact_at_start_of_shoes(self, members: Sequence[int]) -> "ContactAtStart":
+    def contact_at_start_of_some_shoes(self, members: Sequence[int]) -> "ContactAtStart":
         """The nodes and supports in contact at the start, for the shoes numbered `members` only."""
         return ContactAtStart([self.nodes[i] for i in members], self.supports)
 
@@ -236,9 +236,9 @@ def _is_abutment_friction_sense_confirmed(
     or be large enough to hold it.
     """
     # `drum` is the force of the drum on the lining per unit of normal force, at each node.
-    drum = brake.signed_friction_per_pressure(shoe) * one.tangent - one.normal
-    reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.force_of_all_loads
-    return shoe.can_abutment_exert_reaction_on_foot(reaction, sense, float(found.motions[-1]))
+    drum = brake.signed_friction_stress_over_pressure(shoe) * one.tangent - one.normal
+    reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.sum_of_forces_of_all_loads
+    return shoe.can_abutment_exert_reaction_on_shoe(reaction, sense, float(found.motions[-1]))
 
 
 class _ContactMatrices(NamedTuple):
@@ -286,7 +286,7 @@ def _contact_matrices_of_shoe(
         q=one.gap - normal @ one.loaded,
         B=-normal @ by_motion,
         C=tested.T @ pull,
-        h=-freedoms.work_of_all_loads,
+        h=-freedoms.work_of_all_loads_on_test_modes,
         weight=one.mass.sum(axis=1),
         normal=normal,
         pull=pull,
@@ -304,7 +304,9 @@ def _solve_for_abutment_friction_senses(
     """The contact forces of each shoe, for an assumed sense of the friction at each abutment."""
     own = [
         _contact_matrices_of_shoe(
-            one, shoe.freedoms(sense), brake.signed_friction_per_pressure(shoe)
+            one,
+            shoe.rigid_body_modes_of_support(sense),
+            brake.signed_friction_stress_over_pressure(shoe),
         )
         for one, shoe, sense in zip(faces, shoes, senses, strict=True)
     ]
@@ -362,14 +364,14 @@ def _solve_on_one_sided_supports(
     first, shoes = np.concatenate(start.nodes), [place.shoe for place in places]
     supports = one_sided_supports_of_shoes(brake, shoes)
     if not supports:
-        return _split_contact_forces_by_shoe(
+        return _split_contact_solution_by_shoe(
             places, solve_contact_complementarity(equations, first)
         )
-    openings = support_equations(supports, places, brake)
+    openings = equations_of_one_sided_support_openings(supports, places, brake)
     failure: NoAnswer | None = None
     earlier = tuple(support.name in start.supports for support in supports)
-    for bearing in possible_bearings(len(supports), earlier if any(earlier) else ()):
-        on_supports = equations_on_bearing_supports(equations, openings, bearing)
+    for bearing in choices_of_supports_that_bear(len(supports), earlier if any(earlier) else ()):
+        on_supports = contact_equations_on_supports_that_bear(equations, openings, bearing)
         if on_supports is None:
             continue
         try:
@@ -379,16 +381,16 @@ def _solve_on_one_sided_supports(
             continue
         y, s = found.motions[: len(equations.h)], np.zeros(len(supports))
         s[np.array(bearing)] = found.motions[len(equations.h) :]
-        if is_bearing_as_assumed(openings, bearing, found.force, s, y):
+        if do_supports_bear_in_triangle_solution(openings, bearing, found.force, s, y):
             return [
-                one._replace(supports=forces_of_supports_on_shoe(supports, s, i))
-                for i, one in enumerate(_split_contact_forces_by_shoe(places, found))
+                one._replace(supports=forces_of_one_sided_supports_on_shoe(supports, s, i))
+                for i, one in enumerate(_split_contact_solution_by_shoe(places, found))
             ]
     names = ", ".join(repr(shoe.name) for shoe in shoes)
     raise failure or NoAnswer(f"{names}: {NOT_HELD_TEXT}")
 
 
-def _split_contact_forces_by_shoe(
+def _split_contact_solution_by_shoe(
     places: list[ShoeInEquations], found: ContactForces
 ) -> list[ContactForces]:
     """Split a solution into the parts of the shoes, without the forces of one-sided supports."""
@@ -408,6 +410,8 @@ def loaded_point_displacement_along_force(
     It is the work of F divided by F, and has a part due to elastic deformation and a part due to
     rigid-body motion.
     """
-    drum = brake.signed_friction_per_pressure(shoe) * one.tangent - one.normal
+    drum = brake.signed_friction_stress_over_pressure(shoe) * one.tangent - one.normal
     elastic = float(one.loaded @ (found.force[:, None] * drum).ravel()) + one.elastic_actuation_work
-    return elastic / shoe.actuation.force + float(shoe.freedoms(sense).tip @ found.motions)
+    return elastic / shoe.actuation.force + float(
+        shoe.rigid_body_modes_of_support(sense).tip @ found.motions
+    )

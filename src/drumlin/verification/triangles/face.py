@@ -9,11 +9,11 @@ from numpy.polynomial import legendre
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.one_sided import pushes_of_one_sided_supports_on_shoe
+from drumlin.brake.one_sided import unit_forces_of_one_sided_supports_on_shoe
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.lagrange import Nodes
 from drumlin.verification.triangles.outline import Outline
-from drumlin.verification.triangles.places import nodal_forces_of_further_loads
+from drumlin.verification.triangles.places import nodal_forces_of_loads_besides_actuation
 from drumlin.verification.triangles.triangulation import Triangles
 
 FACE_GAUSS, FACE_WEIGHTS = legendre.leggauss(8)
@@ -41,7 +41,9 @@ class MeshedBody(NamedTuple):
     degree: int
 
 
-def body_with_nodes_and_stiffness(shape: Outline, mesh: Triangles, degree: int) -> MeshedBody:
+def triangle_body_with_nodes_and_stiffness(
+    shape: Outline, mesh: Triangles, degree: int
+) -> MeshedBody:
     """The body of outline `shape` with the nodes and the stiffness matrices of its triangles."""
     nodes = lagrange.nodes_of_triangle_mesh_of_given_degree(mesh, shape.place, degree)
     K = lagrange.triangle_stiffness_matrices(mesh, nodes, shape.layers, degree)
@@ -168,8 +170,8 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         loads = _nodal_forces_on_loaded_end(
             body, shoe.actuation.force_vector, shoe.actuation.point.xy
         )[:, None]
-    if shoe.has_further_loads and shape.plates:
-        loads[:, 0] += nodal_forces_of_further_loads(body, shoe)
+    if shoe.has_loads_besides_actuation and shape.plates:
+        loads[:, 0] += nodal_forces_of_loads_besides_actuation(body, shoe)
     heat = lagrange.nodal_forces_of_heated_triangles(body.mesh, nodes, shape.layers, body.degree)
     loads = np.column_stack([loads, heat, *_nodal_forces_of_unit_pushes(brake, shoe, body)])
     # The nodes of the face are put in the order of growing theta.
@@ -193,7 +195,7 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         pushed=compliance.loaded[:, 2:],
         push_travel=compliance.work[2:, :2].sum(axis=1),
         push_compliance=compliance.work[2:, 2:],
-        gap=clearance.unloaded_gap_of_shoe(brake, shoe, theta) - growth,
+        gap=clearance.gap_between_unloaded_lining_and_surface(brake, shoe, theta) - growth,
         degree=body.degree,
         unknowns=2 * len(nodes.xy),
     )
@@ -206,9 +208,11 @@ def _nodal_forces_of_unit_pushes(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
     frame.
     """
     loads = []
-    for push in pushes_of_one_sided_supports_on_shoe(brake, shoe.name):
+    for push in unit_forces_of_one_sided_supports_on_shoe(brake, shoe.name):
         load = np.zeros(2 * len(body.nodes.xy))
-        if body.shape.held is not None and shoe.is_nearer_to_loaded_end(push.point, brake.size):
+        if body.shape.held is not None and shoe.is_point_nearer_to_loaded_end_than_to_pin(
+            push.point, brake.size
+        ):
             load = _nodal_forces_on_loaded_end(body, push.force_vector, push.point.xy)
         loads.append(load)
     return loads

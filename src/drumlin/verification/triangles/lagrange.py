@@ -17,7 +17,7 @@ from skfem.quadrature import get_quadrature_tri
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
-from drumlin.brake.elasticity import ElasticLayer, is_elasticity_matrix_orthotropic
+from drumlin.brake.elasticity import ElasticLayer, which_elasticity_matrices_are_orthotropic
 from drumlin.verification.triangles.triangulation import (
     PointMap,
     TriangleLayer,
@@ -157,7 +157,7 @@ def triangle_stiffness_matrices(
     """
     values, slopes, weights = triangle_shape_functions(degree)
     matrices = np.array([layer.elastic.stiffness for layer in layers])
-    directed = is_elasticity_matrix_orthotropic(matrices)
+    directed = which_elasticity_matrices_are_orthotropic(matrices)
     n = slopes.shape[0]
     found = np.empty((len(mesh.layer), 2 * n, 2 * n))
     # Some 2000 triangles are integrated at once, which bounds the memory.

@@ -10,13 +10,13 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.friction import require_friction_without_pressure
+from drumlin.brake.friction import require_friction_independent_of_pressure
 from drumlin.brake.further_loads import (
-    reason_if_shoe_has_further_loads,
-    require_springs_of_constant_pull,
+    reason_against_loads_besides_actuation,
+    require_springs_with_constant_pull,
 )
 from drumlin.brake.one_sided import groups_of_shoes_on_anchors
-from drumlin.brake.ring_support import reason_if_ring_support_is_not_plain
+from drumlin.brake.ring_support import reason_if_ring_edge_is_not_fixed_or_free
 from drumlin.verification.triangles.contact import (
     ContactAtStart,
     ContactForces,
@@ -25,8 +25,8 @@ from drumlin.verification.triangles.contact import (
 from drumlin.verification.triangles.face import (
     CondensedFace,
     MeshedBody,
-    body_with_nodes_and_stiffness,
     condense_shoe_to_lining_face,
+    triangle_body_with_nodes_and_stiffness,
 )
 from drumlin.verification.triangles.outline import (
     Draft,
@@ -90,7 +90,7 @@ def indices_of_shoes_pressed_on_drum(brake: Brake) -> list[int]:
     """
     found = []
     for i, shoe in enumerate(brake.shoes):
-        if shoe.kind_of_support != "hinge" or brake.shares:
+        if shoe.kind_of_support != "hinge" or brake.reason_why_cam_or_strut_sets_forces:
             found.append(i)
             continue
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 41)
@@ -130,14 +130,14 @@ def solve_brake_on_one_triangle_mesh(
     NoAnswer
         If a shoe does not touch the drum or no contact set solves the equations.
     """
-    refusal = reason_if_ring_support_is_not_plain(brake, "the verification by triangles")
+    refusal = reason_if_ring_edge_is_not_fixed_or_free(brake, "the verification by triangles")
     shared = _are_forces_set_by_cam_or_strut(brake)
     if refusal is None and shared:
-        refusal = reason_if_shoe_has_further_loads(brake, "a cam or strut on triangles")
+        refusal = reason_against_loads_besides_actuation(brake, "a cam or strut on triangles")
     if refusal is not None:
         raise BadInput(refusal)
-    require_springs_of_constant_pull(brake, "the verification by triangles")
-    require_friction_without_pressure(brake, "the verification by triangles")
+    require_springs_with_constant_pull(brake, "the verification by triangles")
+    require_friction_independent_of_pressure(brake, "the verification by triangles")
     shoes = list(brake.shoes)
     if len(indices_of_shoes_pressed_on_drum(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")
@@ -155,7 +155,7 @@ def solve_brake_on_one_triangle_mesh(
         condense_shoe_to_lining_face(
             brake,
             shoe.shoe_with_changed_actuation_force(1.0) if shared else shoe,
-            body_with_nodes_and_stiffness(one.shape, mesh, level.degree),
+            triangle_body_with_nodes_and_stiffness(one.shape, mesh, level.degree),
         )
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
@@ -184,7 +184,7 @@ def _mesh_shoe_graded_to_corners_and_contact_ends(
     level : degree and grading of the triangles
     """
     shape = make_shoe_outline(shoe, brake.size)
-    sharp = _gap_kinks_and_contact_ends(shoe, shape, before, level)
+    sharp = _places_where_pressure_is_not_smooth(shoe, shape, before, level)
     return make_graded_shoe_mesh(shape, sharp, level, _shortest_wavelength_of_drum(brake))
 
 
@@ -203,7 +203,7 @@ def _contact_forces_of_condensed_shoes(
     shoes = list(brake.shoes)
     if _are_forces_set_by_cam_or_strut(brake):
         if ring is not None:
-            raise BadInput(f"{brake.shares}, on an elastic ring")
+            raise BadInput(f"{brake.reason_why_cam_or_strut_sets_forces}, on an elastic ring")
         return solve_shoes_with_cam_or_strut_forces(brake, faces, first)
     if ring is not None:
         rim = condense_ring_to_lining_nodes(brake, ring, faces)
@@ -219,7 +219,7 @@ def _contact_forces_of_condensed_shoes(
             [faces[i] for i in members],
             [shoes[i] for i in members],
             None,
-            first.contact_at_start_of_shoes(members),
+            first.contact_at_start_of_some_shoes(members),
         )
         found |= dict(zip(members, its, strict=True))
     return shoes, [found[i] for i in range(len(shoes))]
@@ -230,10 +230,12 @@ def _are_forces_set_by_cam_or_strut(brake: Brake) -> bool:
 
     A strut between shoes on anchors does not count: it is a one-sided support of both shoes.
     """
-    return brake.shares is not None and not any(shoe.anchors for shoe in brake.shoes)
+    return brake.reason_why_cam_or_strut_sets_forces is not None and not any(
+        shoe.anchors for shoe in brake.shoes
+    )
 
 
-def _gap_kinks_and_contact_ends(
+def _places_where_pressure_is_not_smooth(
     shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel
 ) -> SingularPlaces:
     """Places on a lining's face where p is not smooth, and lengths of the triangles there.

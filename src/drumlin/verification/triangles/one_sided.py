@@ -16,10 +16,10 @@ from drumlin.brake.one_sided import (
     LARGEST_PULL,
     Bearing,
     OneSidedSupport,
-    are_motions_resisted,
-    divide_motions_by_supports,
+    divide_motions_into_held_and_free,
+    do_linings_resist_free_motions,
     one_sided_supports_of_brake,
-    work_of_push_in_motions,
+    work_of_support_push_in_rigid_body_modes,
 )
 from drumlin.verification.triangles.equations import ContactEquations
 from drumlin.verification.triangles.face import CondensedFace
@@ -81,7 +81,7 @@ class ShoeInEquations(NamedTuple):
     modes: slice
 
 
-def support_equations(
+def equations_of_one_sided_support_openings(
     supports: tuple[OneSidedSupport, ...], shoes: list[ShoeInEquations], brake: Brake
 ) -> SupportEquations:
     """The equations for the openings of the one-sided supports of a brake's shoes."""
@@ -102,20 +102,24 @@ def support_equations(
         for column, (j, push) in enumerate(own):
             opening[j] += face.push_travel[column]
             by_contact[j, one.nodes] = face.pushed[:, column] @ one.pull
-            by_motion[j, one.modes] = work_of_push_in_motions(one.shoe, push)
+            by_motion[j, one.modes] = work_of_support_push_in_rigid_body_modes(one.shoe, push)
             gap[one.nodes, j] = -one.normal @ face.pushed[:, column]
         at = [j for j, _ in own]
         by_force[np.ix_(at, at)] += face.push_compliance
     sizes = np.concatenate(
         [
-            np.where(np.isin(one.shoe.freedoms().names, ["turn", "tilt"]), 1 / brake.size, 1.0)
+            np.where(
+                np.isin(one.shoe.rigid_body_modes_of_support().names, ["turn", "tilt"]),
+                1 / brake.size,
+                1.0,
+            )
             for one in shoes
         ]
     )
     return SupportEquations(supports, opening, by_contact, by_force, by_motion, gap, sizes)
 
 
-def equations_on_bearing_supports(
+def contact_equations_on_supports_that_bear(
     equations: ContactEquations, supports: SupportEquations, bearing: Bearing
 ) -> ContactEquations | None:
     """The contact equations with the forces of the supports that bear as further unknowns.
@@ -125,11 +129,11 @@ def equations_on_bearing_supports(
     """
     A, q, B, C, _, h, weight, is_force = equations
     on = np.flatnonzero(bearing)
-    motions = divide_motions_by_supports(supports.by_motion[on], supports.sizes)
+    motions = divide_motions_into_held_and_free(supports.by_motion[on], supports.sizes)
     if motions is None:
         return None
     scale = float(np.linalg.norm(B * supports.sizes, axis=0).max())
-    if not are_motions_resisted(B @ motions.free, scale):
+    if not do_linings_resist_free_motions(B @ motions.free, scale):
         return None
     V, E = supports.by_motion[on], supports.by_force[np.ix_(on, on)]
     return ContactEquations(
@@ -144,7 +148,7 @@ def equations_on_bearing_supports(
     )
 
 
-def is_bearing_as_assumed(
+def do_supports_bear_in_triangle_solution(
     supports: SupportEquations, bearing: Bearing, f: Floats, s: Floats, y: Floats
 ) -> bool:
     """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.

@@ -172,7 +172,9 @@ def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
         """Free strains (2, 2) of a layer, at its near and its far face; None without heat."""
         near = sum(thickness)
         faces = np.array([near, near + part_thickness])
-        return np.array(heated[key].free_strains_at_depths(faces)) if key in heated else None
+        return (
+            np.array(heated[key].free_thermal_strains_at_depths(faces)) if key in heated else None
+        )
 
     for key, part in (("lining", lining), ("backing", backing)):
         if part is not None:
@@ -195,7 +197,7 @@ def _angles_of_gripped_part_of_arc_shoe(shoe: Shoe, R: float) -> tuple[float, fl
 
     The actuation force acts on the holder.
     """
-    grip = shoe.grip(R)
+    grip = shoe.interval_of_body_back_held_by_support(R)
     if grip is None:
         return None
     first, last = sorted(shoe.frame.theta(np.array(grip)).tolist())
@@ -325,7 +327,7 @@ def _point_map_of_beam_shoe(size: _BeamShoeDimensions, R: float) -> PointMap:
         y = axis.distance - r * np.cos(inside)
         y = y + np.clip(d - 1, 0, 1) * (size.distance_of_beam_face_from_axis - y)
         y = np.where(d >= 2, size.distance_of_beam_face_from_axis - (d - 2) * size.beam, y)
-        return axis.convert_to_brake_frame(x, y)
+        return axis.convert_beam_coordinates_to_brake_points(x, y)
 
     return points_of_beam_shoe
 

@@ -43,12 +43,12 @@ class _Points(NamedTuple):
     in_body: Bools
 
 
-def nodal_forces_of_further_loads(body: "MeshedBody", shoe: Shoe) -> Floats:
+def nodal_forces_of_loads_besides_actuation(body: "MeshedBody", shoe: Shoe) -> Floats:
     """Nodal forces (2N,) [N] of all loads on an elastic shoe besides its actuation."""
     points = _quadrature_points_of_triangles(body)
     density = np.zeros_like(points.xy)
-    for force in shoe.further_forces_at_points:
-        density += _force_density_at_place(body, points, shoe, force, np.zeros(3))
+    for force in shoe.forces_at_points_besides_actuation:
+        density += _force_density_of_force_at_body_point(body, points, shoe, force, np.zeros(3))
     if shoe.mass is not None:
         density += _force_density_on_mass(body, points, shoe)
     values, _, _ = lagrange.triangle_shape_functions(body.degree)
@@ -72,7 +72,7 @@ def _quadrature_points_of_triangles(body: "MeshedBody") -> _Points:
     )
 
 
-def _force_density_at_place(
+def _force_density_of_force_at_body_point(
     body: "MeshedBody", points: _Points, shoe: Shoe, force: ForceAtPoint, more: Floats
 ) -> Floats:
     """The force density (m, q, 2) [N/m^2] of a force at a point of the body.
@@ -127,4 +127,4 @@ def _force_density_on_mass(body: "MeshedBody", points: _Points, shoe: Shoe) -> F
     about = centre[0] * whole[1] - centre[1] * whole[0]
     rest = np.array([*(whole - force), about - moment])
     at_centre = ForceAtPoint((0.0, 0.0), (float(centre[0]), float(centre[1])))
-    return density + _force_density_at_place(body, points, shoe, at_centre, rest)
+    return density + _force_density_of_force_at_body_point(body, points, shoe, at_centre, rest)

@@ -18,9 +18,9 @@ from drumlin.verification.triangles.contact import CondensedRing
 from drumlin.verification.triangles.face import (
     CondensedFace,
     MeshedBody,
-    body_with_nodes_and_stiffness,
     gauss_rule_on_curved_edges,
     node_numbers_along_edges,
+    triangle_body_with_nodes_and_stiffness,
 )
 from drumlin.verification.triangles.outline import Draft, Outline, TriangleLevel
 from drumlin.verification.triangles.triangulation import (
@@ -81,7 +81,7 @@ def mesh_drum_ring_to_match_shoe_meshes(
     mesh, meshes = _halve_edges_of_ring_and_linings_until_ends_match(
         mesh, [one.mesh for one in drafts], linings
     )
-    return meshes, body_with_nodes_and_stiffness(shape, mesh, level.degree)
+    return meshes, triangle_body_with_nodes_and_stiffness(shape, mesh, level.degree)
 
 
 def _linings_on_one_turn_of_ring(brake: Brake, drafts: list[Draft]) -> list[_LiningOnRing]:

@@ -61,13 +61,13 @@ def solve_shoes_with_cam_or_strut_forces(
     def solve_shoe(i: int, force: float) -> _SolvedShoe:
         """Solve shoe i under a force [N]."""
         return _solve_shoe_under_force(
-            brake, brake.shoes[i], faces[i], first.contact_at_start_of_shoes([i]), force
+            brake, brake.shoes[i], faces[i], first.contact_at_start_of_some_shoes([i]), force
         )
 
     # Shoes that no strut pushes have a known actuation force, or are the two shoes at the cam.
     behind = {names.index(link.to) for link in brake.links}
     free = [i for i in range(len(names)) if i not in behind]
-    if brake.actuation is not None and brake.actuation.is_cam:
+    if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         a, b, total = free[0], free[1], brake.actuation.force_of_cylinder_or_sum_of_cam_forces
         force = brentq(
             lambda force: solve_shoe(a, force).tip_travel - solve_shoe(b, total - force).tip_travel,
@@ -134,7 +134,7 @@ def _solve_shoe_under_force(
 
 def _force_of_foot_on_strut(brake: Brake, face: CondensedFace, solved: _SolvedShoe) -> float:
     """The force [N] with which the foot of a solved shoe presses on the strut behind the foot."""
-    drum = brake.signed_friction_per_pressure(solved.shoe) * face.tangent - face.normal
+    drum = brake.signed_friction_stress_over_pressure(solved.shoe) * face.tangent - face.normal
     reaction = -(solved.forces.force[:, None] * drum).sum(axis=0)
-    reaction = reaction - solved.shoe.force_of_all_loads
+    reaction = reaction - solved.shoe.sum_of_forces_of_all_loads
     return float(np.hypot(*reaction))

@@ -94,7 +94,7 @@ def solution_from_contact_forces(
     p = np.zeros(len(one.theta))
     p[a] = np.linalg.solve(one.mass[np.ix_(a, a)], found.force[a])
     theta, p, active = _insert_open_nodes_in_slots(shoe, one, p, found.active)
-    drag = brake.signed_friction_per_pressure(shoe)
+    drag = brake.signed_friction_stress_over_pressure(shoe)
     on_normal = -(found.force[:, None] * one.normal).sum(axis=0)
     on_tangent = drag * (found.force[:, None] * one.tangent).sum(axis=0)
     return ShoeSolution(
@@ -103,7 +103,7 @@ def solution_from_contact_forces(
         order=one.degree,
         torque=abs(drag) * brake.size * float(found.force.sum()),
         normal_force=float(np.hypot(*on_normal)),
-        hinge_reaction=-(on_normal + on_tangent + shoe.force_of_all_loads),
+        hinge_reaction=-(on_normal + on_tangent + shoe.sum_of_forces_of_all_loads),
         arcs=_first_and_last_angles_of_contacts(theta, p, active, one.degree),
         unknowns=one.unknowns,
         supports=found.supports,
