@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from command_line import drumlin, process
-from conftest import STUDY, partly
+from conftest import STUDY
 from drumlin.brake.file import read_brake
 from drumlin.cli.terminal import print_table_of_compared_models
 from drumlin.comparison import COLUMNS
@@ -329,7 +329,8 @@ def test_compare_view_mesh_and_cost(tmp_path):
     assert drumlin("cost", STUDY / "brake.toml", "--elements", 20, "--table").returncode == 2
 
 
-@pytest.mark.parametrize("suffix", partly(["msh", "inp", "vtu"], {"msh"}))
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", ["msh", "inp", "vtu"])
 def test_meshes_of_every_kind_are_written_and_solved(tmp_path, suffix):
     words = ["--kind", "tri2", "--elements", 16]
     done = drumlin("mesh", STUDY / "brake.toml", "--output", tmp_path, "--format", suffix, *words)

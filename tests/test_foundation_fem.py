@@ -244,6 +244,7 @@ def test_every_kind_of_mesh_serves_a_straight_beam(kind):
     assert max(other.balance.force, other.balance.moment) < 1e-9
 
 
+@pytest.mark.slow
 def test_a_post_is_refined_to_a_tolerance():
     brake = vary(POST, {"drum.ring": None})
     fine = solve(brake, elements=160)

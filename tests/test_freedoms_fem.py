@@ -115,6 +115,7 @@ def test_meshes_answer_as_columns_do(kind) -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_body_bolted_to_a_lever_is_held_as_a_guided_one_where_the_lever_is_long() -> None:
     """A body bolted to a very long lever is held as a guided body is.
 

@@ -596,6 +596,7 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
     assert last.torque == pytest.approx(fine.torque, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_most_short_contacts_are_known_by_default_on_the_third_level():
     """Most short contacts meet the default tolerance on the third level.
 
@@ -1010,6 +1011,7 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
             assert np.array_equal(a, b)
 
 
+@pytest.mark.slow
 def test_a_brake_that_locks_is_divided_too(brake):
     # At this friction the brake locks, and no solve tells where its contact ends.
     locked = vary(brake, {"friction": 2.0})

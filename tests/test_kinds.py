@@ -376,7 +376,7 @@ def cell(name: str, use: str, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("use", QUICK)
-@pytest.mark.parametrize("name", partly(FILES, {"pad", "s_cam"}))
+@pytest.mark.parametrize("name", partly(FILES, {"pad"}))
 def test_every_kind_in_every_use(name: str, use: str, tmp_path: Path) -> None:
     cell(name, use, tmp_path)
 

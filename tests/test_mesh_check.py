@@ -84,6 +84,7 @@ def test_a_brake_without_mesh_file_is_refused(brake):
         read_meshes_of_brake(brake)
 
 
+@pytest.mark.slow
 def test_a_picture_that_stands_there_is_replaced_only_by_name(tmp_path, standing_off):
     file = tmp_path / "own.toml"
     file.write_text(brake_file_text(standing_off))

@@ -3,6 +3,7 @@
 import ast
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 from conftest import ROOT
@@ -50,6 +51,7 @@ def places(root: Path) -> dict[str, list[str]]:
     return found
 
 
+@cache
 def doubles(root: Path) -> dict[str, list[str]]:
     """Names that two files or more define, with these files."""
     return {name: files for name, files in places(root).items() if len(files) > 1}

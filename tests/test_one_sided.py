@@ -255,9 +255,8 @@ def test_a_worn_in_duo_servo_is_its_law() -> None:
     assert abs(solve(brake, elements=40).torque / law.torque - 1) > 0.02
 
 
-@pytest.mark.parametrize(
-    "rotation", ["clockwise", pytest.param("counter-clockwise", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("rotation", ["clockwise", "counter-clockwise"])
 def test_the_limit_of_a_duo_servo_is_where_solves_end_and_takes_few_searches(rotation, monkeypatch):
     """While the present supports bear, one contact solve a step follows the friction."""
     searches = []

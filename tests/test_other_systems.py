@@ -68,6 +68,7 @@ assert not {{"resource", "fcntl"}} & set(sys.modules["drumlin.peers.peer"].__dic
 """
 
 
+@pytest.mark.slow
 def test_without_posix_and_vtk_a_brake_is_solved_and_exported(tmp_path):
     done = lacking([], tmp_path, "pyvista,vtk,vtkmodules", IN_ONE_PROCESS)
     assert done.returncode == 0, done.stderr

@@ -176,6 +176,7 @@ def test_a_given_degree_states_its_own_error(brake, across):
     assert too_large == any("not reached" in note for note in found.notes)
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_surface(root, tmp_path):
     file = root / "studies" / "double_shoe" / "flexible.toml"
     made = [tmp_path / "a.json", tmp_path / "a.vtu"]

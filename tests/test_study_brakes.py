@@ -28,7 +28,7 @@ def test_the_files_hold_and_push_shoes_in_every_way() -> None:
     brakes = list(map(read_any, FILES))
     assert len(brakes) == 10
     assert {shoe.kind_of_support for brake in brakes for shoe in brake.shoes} == KINDS
-    assert set(picked(brakes, "shares")) == {
+    assert set(picked(brakes, "reason_why_cam_or_strut_sets_forces")) == {
         None,
         "its shoes share their forces by a cam",
         "its shoes share their forces by a strut",

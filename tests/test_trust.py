@@ -468,5 +468,9 @@ def test_the_balance_of_the_printed_pressure_is_said_where_it_is_the_worse(brake
         )
         said = saying(response.notes, "p(theta) on the round drum balances")
         assert bool(said) == (curve.force > 1e-8) == bool(options)
-        assert not said or f"{curve.force:.1e} (force) and {curve.moment:.1e} (moment)" in said[0]
+        assert (
+            not said
+            or f"{100 * curve.force:.2g} % (force) and {100 * curve.moment:.2g} % (moment)"
+            in said[0]
+        )
     assert response.balance.force < 1e-12 < curve.force

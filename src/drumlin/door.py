@@ -89,20 +89,14 @@ class _Source(NamedTuple):
     command: str
 
 
-def _read_brake_if_path(brake: BrakeOrPath) -> Brake:
-    """Return the brake itself; if `brake` is a path, read the brake from this file.
+def _brake_or_brake_of_file(brake: BrakeOrPath) -> Brake:
+    """The brake itself; for the path of a brake file, the brake of this file.
 
     Raises BadInput for anything else.
     """
-    from drumlin.brake import Brake, read_any
+    from drumlin.brake.plane_brake import brake_or_brake_of_file
 
-    if isinstance(brake, str | Path):
-        return read_any(brake)
-    if not isinstance(brake, Brake):
-        raise BadInput(
-            f"brake: must be a Brake or the path of a brake file, not {type(brake).__name__}"
-        )
-    return brake
+    return brake_or_brake_of_file(brake)
 
 
 def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _Source:
@@ -207,7 +201,7 @@ def solve(
     )
     from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
 
-    whole = _read_brake_if_path(brake)
+    whole = _brake_or_brake_of_file(brake)
     options = _solver_options_given_by_user(
         elements=elements,
         kind=kind,
@@ -307,7 +301,7 @@ def compare(
         finite_width=finite_width,
         solid=solid,
     )
-    return side_by_side(_read_brake_if_path(brake), case, repeats, models, **options)
+    return side_by_side(_brake_or_brake_of_file(brake), case, repeats, models, **options)
 
 
 @_errors_name_arguments
@@ -377,7 +371,7 @@ def size(
     from drumlin.models import check_options_belong_to_model
     from drumlin.sizing import LARGEST, Question, size_brake
 
-    whole = _read_brake_if_path(brake)
+    whole = _brake_or_brake_of_file(brake)
     given = _solver_options_given_by_user(
         elements=elements,
         kind=kind,
@@ -471,7 +465,7 @@ def sweep(
             raise BadInput('vary: is missing, such as {"friction": [0.3, 0.4]}')
         prepared, folder = read_sweep_from_toml_file(Path(brake)), Path(brake).parent
     else:
-        whole, folder = _read_brake_if_path(brake), Path()
+        whole, folder = _brake_or_brake_of_file(brake), Path()
         given = {"combine": combine, "cases": cases, "seed": seed, "certify": certify}
         data = data_of_sweep_in_python(whole, vary, model, **given)
         prepared = sweep_from_file_data(data, folder.resolve(), brake=whole)
@@ -544,7 +538,7 @@ def wear(
     """
     from drumlin.lining_wear import linings, whole_brake
 
-    worn = _read_brake_if_path(brake)
+    worn = _brake_or_brake_of_file(brake)
     # Guided shoes are another brake, whose shoes are supported by guides.
     worn = linings.brake_with_shoes_on_guides(worn) if guided else worn
     worn.check_shoes_can_be_meshed()
@@ -670,7 +664,7 @@ def hold(
     from drumlin.fem.analysis import holding
     from drumlin.fem.analysis.prepared import prepared_model_for_analysis
 
-    held = _read_brake_if_path(brake)
+    held = _brake_or_brake_of_file(brake)
     held.check_shoes_can_be_meshed()
     if not 1 <= steps <= MOST_STEPS:
         raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
@@ -741,7 +735,7 @@ def sensitivity(
         _solver_options_given_by_user(elements=elements, kind=kind),
         _solver_options_given_by_user(penalty=penalty),
     )
-    whole = _read_brake_if_path(brake)
+    whole = _brake_or_brake_of_file(brake)
     whole.check_shoes_can_be_meshed()
     return slopes(prepared_model_for_analysis(whole, model, **on_mesh), whole, **stiffness)
 
@@ -807,7 +801,7 @@ def self_locking(
 
     on_mesh = _solver_options_given_by_user(elements=elements, kind=kind)
     require_positive_penalty(penalty)
-    whole = _read_brake_if_path(brake)
+    whole = _brake_or_brake_of_file(brake)
     whole.check_shoes_can_be_meshed()
     # `self_locking_friction_of_shoe_groups` returns indices of shoes, the user gets their names.
     found = self_locking_friction_of_shoe_groups(
@@ -1022,7 +1016,7 @@ def fields(
         _solver_options_given_by_user(elements=elements, kind=kind),
         _solver_options_given_by_user(penalty=penalty),
     )
-    solved = _read_brake_if_path(brake)
+    solved = _brake_or_brake_of_file(brake)
     solved.check_shoes_can_be_meshed()
     scene = prepared_model_with_finest_elements(solved, **on_mesh)
     found = stress_and_displacement_fields_of_shoes_and_ring(
@@ -1107,7 +1101,7 @@ def write_brake(brake: BrakeOrPath, output: Path | str) -> None:
     from drumlin.base.files import write_new_text_file
     from drumlin.brake.writing import brake_file_text
 
-    write_new_text_file(Path(output), brake_file_text(_read_brake_if_path(brake)))
+    write_new_text_file(Path(output), brake_file_text(_brake_or_brake_of_file(brake)))
 
 
 @_errors_name_arguments

@@ -406,6 +406,20 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
         raise BadInput(f"{path}: {error}") from error
 
 
+def brake_or_brake_of_file(brake: Any) -> Brake:
+    """The brake itself; for the path of a brake file, the brake of this file.
+
+    Raises BadInput for anything else, and as `read_any` does.
+    """
+    if isinstance(brake, str | Path):
+        return read_any(brake)
+    if not isinstance(brake, Brake):
+        raise BadInput(
+            f"brake: must be a Brake or the path of a brake file, not {type(brake).__name__}"
+        )
+    return brake
+
+
 def read_brake_that_must_be_on_drum(path: Path, what: str, text: str | None = None) -> Brake:
     """Read a brake from a TOML file and require that it is a brake on a drum.
 
