@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path
@@ -571,9 +572,15 @@ def wear(
     # last level of `solve`, which estimates the error.
     if model != "fem" or on_mesh:
         return run
+    # A held torque changes the actuation of the unworn state, and with it the contact.
+    if held is not None:
+        return run
     from drumlin.fem.solve import solve as solve_in_plane_stress
 
-    return replace(run, start_error=solve_in_plane_stress(worn).error)
+    # A brake whose error is not known can still wear.
+    with suppress(NoAnswer):
+        return replace(run, start_error=solve_in_plane_stress(worn).error)
+    return run
 
 
 class HoldingRun(NamedTuple):
@@ -596,8 +603,6 @@ class HoldingRun(NamedTuple):
 
     def lines(self) -> list[str]:
         """Two lines of text: the largest moment that is held, and when the brake slips."""
-        from drumlin.base.texts import error_as_text
-
         surface = self.brake.surface
 
         def text_of_way(state: Hold) -> str:
@@ -606,7 +611,7 @@ class HoldingRun(NamedTuple):
 
         held = max(self.states, key=lambda state: abs(state.torque))
         last = self.states[-1]
-        slips = f"no full slip: at {text_of_way(last)}, {error_as_text(last.sticking)} still stick"
+        slips = f"no full slip: at {text_of_way(last)}, {100 * last.sticking:.0f} % still stick"
         if last.sticking == 0:
             first = next(state for state in self.states if state.sticking == 0)
             slips = f"the whole contact slips from {text_of_way(first)} on"

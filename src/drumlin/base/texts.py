@@ -86,8 +86,11 @@ def number_as_text(value: float, form: str) -> str:
 
 
 def error_as_text(error: float) -> str:
-    """A relative error or imbalance as text for people, in per cent with two digits: "0.058 %"."""
-    return f"{100 * error:.2g} %"
+    """A relative error or imbalance as text for people, in per cent with two digits: "0.058 %".
+
+    From 100 % on all digits before the point are shown.
+    """
+    return f"{100 * error:.2g} %" if error < 0.995 else f"{100 * error:.0f} %"
 
 
 def did_you_mean_hint(name: str, names: Iterable[str]) -> str:

@@ -124,13 +124,15 @@ def _print_torque_and_brake_factor(brake: "Brake", response: "Response") -> None
 def _estimated_errors_as_line(effect: str, error: "Mapping[str, float]") -> str:
     """The estimated relative errors of pressure, torque, peak and reaction as one line of text.
 
-    `effect` is the printed name of the torque, or of the braking force on a plane.
+    `effect` is the printed name of the torque, or of the braking force on a plane. An estimate of 1
+    or more says that the value is not known.
     """
-    line = f"estimated error: p {error_as_text(error['pressure'])} (L2, worst shoe)"
+    texts = {key: error_as_text(e) if e < 1 else "not known" for key, e in error.items()}
+    line = f"estimated error: p {texts['pressure']} (L2, worst shoe)"
     names = {"torque": effect, "peak": "peak pressure", "reaction": "hinge reaction"}
     for key, name in names.items():
-        if key in error:
-            line += f", {name} {error_as_text(error[key])}"
+        if key in texts:
+            line += f", {name} {texts[key]}"
     return line
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.round_numbers import four_round_numbers_around_value
-from drumlin.base.texts import number_as_text
+from drumlin.base.texts import error_as_text, number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
 from drumlin.explore.answers import (
@@ -349,7 +349,7 @@ def _relative_error_as_text(error: float) -> str:
     """A relative error in per cent, or "less than 0.0001 %" below SMALLEST_SHOWN_ERROR."""
     if error < SMALLEST_SHOWN_ERROR:
         return f"less than {SMALLEST_SHOWN_ERROR * 100:.4f} %"
-    return f"{error * 100:.2g} %"
+    return error_as_text(error)
 
 
 def table_rows_by_shoe_and_model(

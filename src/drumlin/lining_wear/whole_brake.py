@@ -46,7 +46,7 @@ class WearRun:
     target : pressure [Pa] and torque [N m] to which wear tends
     step_tolerance : largest error of the pressure in a step of the wear (L2, relative)
     start_error : estimated relative errors of the unworn state, with the keys of `Response.error`;
-        None on elements of the user's choice, whose error is not estimated
+        None on elements of the user's choice and at a held torque, for which no error is estimated
     """
 
     setup: WearSetup
@@ -67,7 +67,8 @@ class WearRun:
         lines = report_lines_of_wear_run(self.setup, self.states, self.target, self.law)
         step = f"each step of wear: p at most {error_as_text(self.step_tolerance)} (L2)"
         if self.start_error is None:
-            return [*lines, f"estimated error: not known on the chosen elements; {step}"]
+            unknown = "estimated error: not known on chosen elements and at a held torque"
+            return [*lines, f"{unknown}; {step}"]
         start = self.start_error
         return [
             *lines,
