@@ -177,6 +177,24 @@ def test_a_knob_does_what_a_changed_file_does(explorer, name):
     assert answer.law.torque == pytest.approx(solve_brake_by_sine_law(brake).torque, rel=1e-8)
 
 
+def test_linings_keep_their_misfit_where_the_drum_grows(explorer):
+    ground = vary(explorer.brake, {"shoe.lining.misfit.radius": "150.1 mm"})
+    for brake, values in (
+        (explorer.brake, {"radius": 155.0, "misfit": 0.1}),
+        (ground, {"radius": 155.0}),
+        (ground, {"radius": 155.0, "misfit": 0.1}),
+    ):
+        knobs = sliders_for_brake(brake)
+        setting = slider_setting_at_brake_file_values(brake)
+        for name, value in values.items():
+            (slider,) = having(knobs, name=name)
+            setting = setting.setting_with_slider_moved(slider, value)
+        changed = brake_at_slider_setting(brake, knobs, setting)
+        assert changed.size == pytest.approx(0.155)
+        radii = [shoe.lining.misfit.radius for shoe in changed.shoes]
+        assert radii == pytest.approx([0.1551, 0.1551])
+
+
 def test_every_quantity_has_a_test():
     assert set(CHANGES) | {"wear"} == set(
         picked(sliders_for_brake(read_brake(STUDY / "brake.toml")), "name")

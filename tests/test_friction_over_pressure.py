@@ -447,3 +447,15 @@ def test_solve_compare_and_size_say_what_they_leave_out(brake):
     sized = drumlin.size(table, "shoe.actuation.force", torque=700.0, model="short")
     again = drumlin.solve(vary(table, {"shoe.actuation.force": sized.value}), "short")
     assert again.torque == pytest.approx(700.0, rel=1e-6)
+
+
+def test_the_table_of_a_function_meets_it(brake):
+    def fading(pressure):
+        return 0.4 / (1 + 1e-6 * pressure)
+
+    table = vary(brake, {"friction": fading}).friction_as_written
+    curve = table.friction_over_pressure_at_speed_and_heat(0.0, 0.0)
+    pressure = np.geomspace(1e3, 1e8, 20001)
+    met = np.interp(pressure, curve.pressure, curve.mu)
+    assert np.abs(met / fading(pressure) - 1).max() < 6e-5
+    assert np.abs(met - fading(pressure)).max() < 1e-5

@@ -1,6 +1,7 @@
 """The friction at which a brake locks itself: one answer below it, and none above it."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from drumlin.fem.analysis.self_locking import (
     self_locking_friction_of_shoe_groups,
     shoe_torques_at_friction_coefficients,
 )
+from drumlin.fem.equilibrium import group as shoe_group
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
@@ -439,3 +441,32 @@ def test_a_refusal_is_not_its_own_cause(brake):
         assert id(error) not in seen
         seen.add(id(error))
         error = error.__cause__ or error.__context__
+
+
+class FollowedDirections:
+    """Directions of friction that hold up to a friction and are found once more up to 0.005."""
+
+    choice = "directions"
+
+    def __init__(self, holds: float) -> None:
+        self.holds = holds
+        self.settled = SimpleNamespace(group=self)
+
+    def continued_to_higher_friction(self, friction):
+        return self if friction <= self.holds else None
+
+    def solution_at_higher_friction(self, friction):
+        return self if friction <= 0.005 else None
+
+    def copy_of_group_with_other_drum_friction(self, _):
+        return self
+
+    def _error_text_on_cam_strut_or_support_that_pulls(self):
+        return ""
+
+
+@pytest.mark.parametrize("holds", [0.003, 0.0])
+def test_the_search_for_a_limit_ends_where_earlier_directions_come_back(holds):
+    before = self_locking.FrictionLimit(0.0, False, None, 0.0, 0)
+    found = shoe_group._friction_limit_by_bisection(FollowedDirections(holds), before, 0.0, 0.0125)
+    assert found.limit.friction == pytest.approx(0.005, rel=1e-7)

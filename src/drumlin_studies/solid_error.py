@@ -539,7 +539,9 @@ def main() -> None:
     """Compare the brakes of a kind, keep their rows in a file, and print the tables of all rows."""
     kind, first, last, path = sys.argv[1], *map(int, sys.argv[2:4]), Path(sys.argv[4])
     tolerance, seconds = [*map(float, sys.argv[5:]), *(1e-2, 120.0)[len(sys.argv) - 5 :]]
-    rows = [row for row in read_solid_error_rows(path) if row.kind == kind]
+    rows = [
+        row for row in read_solid_error_rows(path) if (row.kind, row.tolerance) == (kind, tolerance)
+    ]
     for seed in sorted({*range(first, last)} - {row.seed for row in rows}):
         rows.append(row_of_solid_errors(kind, seed, tolerance, seconds))
         with path.open("a", encoding="utf-8") as file:

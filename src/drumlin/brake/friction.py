@@ -144,11 +144,12 @@ def _tag_for_friction_number_or_table(data: object) -> str:
     return "friction table" if isinstance(data, dict | FrictionTable) else "friction number"
 
 
-PRESSURES_OF_FUNCTION = np.append(0.0, np.geomspace(1e3, 1e8, 201))
+PRESSURES_OF_FUNCTION = np.append(0.0, np.geomspace(1e3, 1e8, 801))
 """Pressures [Pa] of the table that replaces a function of the pressure as `friction`.
 
-Two neighbours differ by 6 %. Between them the coefficient is linear, so that 1/(1 + p/p_0) is met
-within 6e-5. Linings press with 1e4 to 1e7 Pa; beyond the table the coefficient is constant.
+Two neighbours differ by 1.4 %. Between them the coefficient is linear, so that 1/(1 + p/p_0) with
+p_0 = 1 MPa is met within 1e-5. Linings press with 1e4 to 1e7 Pa; beyond the table the coefficient
+is constant.
 """
 
 

@@ -53,13 +53,9 @@ def _drum_radius_knob(brake: Brake) -> Knob:
     """The slider of the drum's radius [mm]; linings and shoes follow, hinges and forces stay."""
     R = brake.size * 1e3
 
-    def radii_at_knob_value(value: float) -> Changes:
-        """New radius of the drum, and of linings that have a radius of their own."""
-        made: Changes = {"drum.radius": value * 1e-3}
-        for key, lining in linings_by_brake_file_key(brake).items():
-            if lining.misfit.radius is not None:
-                made[f"{key}.misfit.radius"] = lining.misfit.radius + (value - R) * 1e-3
-        return made
+    def radius_at_knob_value(value: float) -> Changes:
+        """New radius of the drum; `brake_at_slider_setting` keeps the misfits of the linings."""
+        return {"drum.radius": value * 1e-3}
 
     return Knob(
         name="radius",
@@ -69,7 +65,7 @@ def _drum_radius_knob(brake: Brake) -> Knob:
         high=(1 + RADIUS_REACH) * R,
         step=nearest_1_2_5_power_of_ten(R / 1000),
         start=R,
-        changes=radii_at_knob_value,
+        changes=radius_at_knob_value,
     )
 
 

@@ -495,6 +495,12 @@ def brake_at_slider_setting(brake: Brake, knobs: Sequence[Knob], setting: KnobSe
     for knob in knobs:
         if knob.name in setting.values:
             changes |= knob.changes(setting.values[knob.name])
+    # Linings with a radius of their own follow the radius of the drum, so that their misfit stays.
+    growth = changes.get("drum.radius", brake.size) - brake.size
+    for key, lining in linings_by_brake_file_key(brake).items() if growth else ():
+        radius = changes.get(f"{key}.misfit.radius", lining.misfit.radius)
+        if radius is not None:
+            changes[f"{key}.misfit.radius"] = radius + growth
     return vary(brake, rounded_numbers(changes)) if changes else brake
 
 

@@ -564,7 +564,7 @@ def _friction_limit_by_bisection(
     high : friction coefficient without a solution
     """
     tried: set[tuple[object, ...]] = set()
-    reach = self_locking.POLE_DISTANCE * low
+    reach = self_locking.POLE_DISTANCE * high
     while high - low > self_locking.POLE_DISTANCE * high:
         if at.choice not in tried:
             # The solution mostly ends where its directions of friction and its supports cease to
@@ -599,7 +599,8 @@ def _bisect_end_of_present_choice(
     low : friction coefficient with a solution
     high : friction coefficient from which on there may be none
     """
-    while high - low > self_locking.POLE_DISTANCE * high:
+    # If no friction above 0 holds the choice, the search ends at a friction that is 0 in effect.
+    while high - low > self_locking.POLE_DISTANCE * max(high, self_locking.FRICTION_RESOLUTION):
         middle = 0.5 * (low + high)
         after = at.continued_to_higher_friction(middle)
         if after is None:
