@@ -410,9 +410,10 @@ class _ColumnBlocks(NamedTuple):
 
     @property
     def signs_of_mirrored_displacements(self) -> Floats:
-        """The factors (line,) of a side's displacements when they are mirrored to the other side.
+        """The factors (line,) that mirror the displacements of a column's left side to its right.
 
-        A displacement along the radius keeps its sign (1); one around the drum changes it (-1).
+        `line` is the number of displacements of one side. Displacements along the radius keep their
+        sign (1), and displacements around the drum change it (-1). The two alternate.
         """
         mirror = np.ones(self.line)
         mirror[1::2] = -1.0

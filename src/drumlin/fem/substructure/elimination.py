@@ -160,7 +160,7 @@ def eliminate_inner_unknowns(A: Any, region: Ints, loads: Floats) -> CondensedSy
         for a matrix that is not positive definite on the eliminated unknowns
     """
     lower = _lower_triangle_of_sparse_matrix(A)
-    complements = _empty_list_of_schur_complements(region)
+    complements = _empty_lists_of_schur_complements(region)
     f = np.array(loads, dtype=float)
     work = np.zeros((f.shape[1], f.shape[1]))
     for front in _factorise_front_of_each_region(lower, region, complements):
@@ -190,7 +190,7 @@ def solve_by_multifrontal_elimination(A: Any, region: Ints, right: Floats) -> Fl
     """
     lower = _lower_triangle_of_sparse_matrix(A)
     inner = len(region)
-    complements = _empty_list_of_schur_complements(region)
+    complements = _empty_lists_of_schur_complements(region)
     x = np.array(right, dtype=float)
 
     # The forward substitution goes front by front, and keeps all fronts for the back substitution.
@@ -230,8 +230,12 @@ class _FrontFactor(NamedTuple):
     below: Floats
 
 
-def _empty_list_of_schur_complements(region: Ints) -> _Complements:
-    """An empty list of Schur complements for each region, and one more for the kept unknowns."""
+def _empty_lists_of_schur_complements(region: Ints) -> _Complements:
+    """Empty lists in which Schur complements are collected.
+
+    There is one list for each region, and one for the kept unknowns. `region` (n,) is the number of
+    the region of each eliminated unknown, not decreasing.
+    """
     regions = int(region[-1]) + 1 if len(region) else 0
     return [[] for _ in range(regions + 1)]
 

@@ -167,7 +167,12 @@ class ColumnLayers(NamedTuple):
         ]
 
     def unknowns_of_contact_nodes(self, along: AlongRow) -> list[WidthUnknown]:
-        """The unknowns of the contact, sorted by number along the row and then by function of z."""
+        """The unknowns of the contact nodes; the list is empty without contact.
+
+        For each displacement in the section, from left to right along the contact, the list has one
+        unknown for each even function of z. `along` has the numbers of the displacements along a
+        row of nodes.
+        """
         if not self.contact:
             return []
         functions = range(self.counts[0][0])
@@ -618,16 +623,19 @@ def _sign_of_displacement_on_mirrored_side(unknown: WidthUnknown) -> float:
 def _write_contact_stiffness_of_mirrored_columns(
     halves: list[Floats], stack: ColumnLayers, mirror: Floats, whole: Floats
 ) -> None:
-    """Write the rows and columns of the contact's unknowns into the stiffness matrices `whole`.
+    """Write the contact's rows and columns into the stiffness of c whole columns.
+
+    The entries follow from the stiffness on symmetric and on antisymmetric unknowns.
 
     Parameters
     ----------
-    halves : stiffness (c, kept, kept) on the symmetric unknowns, and on the antisymmetric unknowns
+    halves : the stiffness (c, m, m) on the symmetric unknowns, and that on the antisymmetric ones;
+        both have the order [left side | half of the contact]
     stack : the layers of the columns
     mirror : (line,) sign of each displacement on the right side relative to the left side, in
         symmetric displacements
-    whole : (c, n, n) stiffness of the columns on the unknowns of both sides and of the contact,
-        which is changed in place
+    whole : (c, n, n) stiffness of the columns, in the order [left side | contact | right side]; it
+        is changed in place
     """
     functions, count = nodal_functions_along_element_column(stack.p), stack.counts[0][0]
     line = len(mirror)
