@@ -65,7 +65,10 @@ They represent the large part of a solve's time that the Python interpreter take
 """
 
 IMPORT_PROGRAM = "import numpy, scipy.linalg, pydantic"
-"""Program with the imports that every command needs; times of commands are divided by its time."""
+"""Program that only imports the other packages that every command of drumlin needs.
+
+The times of the commands are divided by its time.
+"""
 
 COMMAND_LINE_PROGRAM = "from drumlin.cli import main; main()"
 """Program that runs drumlin's command line, whether or not the command is installed."""
@@ -174,7 +177,11 @@ def unknown_and_iteration_counts_of_default_solves() -> dict[str, float]:
 
 
 def command_times_over_import_time(repeats: int = USUAL_REPEATS) -> dict[str, float]:
-    """Times of whole commands, divided by the time of a process that only does the imports."""
+    """Times of `drumlin init`, `drumlin solve` and `import drumlin`, by name.
+
+    Each time is divided by the time of a process that only imports numpy, scipy.linalg and
+    pydantic.
+    """
     brake = str(paths_of_example_brakes()[TIMED_SOLVES[0]])
     compared = partial(measure_python_process_time, "-c", IMPORT_PROGRAM)
     commands = {

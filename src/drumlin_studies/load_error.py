@@ -53,7 +53,10 @@ def draw_loaded_brake(seed: int) -> Brake:
 
 
 def _draw_duo_servo_brake(rng: np.random.Generator) -> Brake:
-    """Draw a variation of the example of a duo-servo brake, which turns either way."""
+    """Draw a variation of the example of a duo-servo brake.
+
+    The direction of rotation, the friction, the lining's modulus and its clearance are random.
+    """
     return vary(
         example("duo_servo"),
         {
