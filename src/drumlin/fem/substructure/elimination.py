@@ -4,9 +4,9 @@ The set of elements is halved again and again, into smaller and smaller regions.
 the smallest region that contains all elements around it. The unknowns of a region are eliminated
 together, by one dense Cholesky factorisation of the region's front. The front is the dense matrix
 of the region's own unknowns and of the later unknowns that are coupled with them. The Schur
-complement of the front on these later unknowns is added to the front of the earliest region among
-them (multifrontal elimination: Duff & Reid 1983). The work consists of dense matrix products, and
-the kept unknowns come last. The factors are stored only if the displacements of the eliminated
+complement of the front on these later unknowns is added to the front of the earliest of their
+regions (multifrontal elimination: Duff & Reid 1983). The work consists of dense matrix products.
+The kept unknowns come last. The factors are stored only if the displacements of the eliminated
 unknowns are needed.
 """
 
@@ -317,8 +317,8 @@ def _add_schur_complements_to_front(
 ) -> None:
     """Add the Schur complements of earlier fronts to the lower triangle of a region's front.
 
-    `F` (n, n) is the front. `position` holds the row of the front for each of the front's unknowns,
-    by the number of the unknown in the whole matrix.
+    `F` (n, n) is the front of the region number `region`. `position` holds the row of the front for
+    each of the front's unknowns, by the number of the unknown in the whole matrix.
     """
     for unknowns, complement in complements[region]:
         own = position[unknowns]

@@ -63,9 +63,11 @@ class AlongRow(NamedTuple):
     """The numbers of the unknowns along one row of nodes of a column, for one function of z.
 
     The row consists of the node on the left side, the nodes inside and the node on the right side.
-    Each of these parts has two tuples: the numbers of the displacements in the section, and the
-    numbers of the displacements along z. If only the symmetric or only the antisymmetric
-    displacements of a column are unknowns, there is no right side.
+    The displacements in the section are numbered from left to right, x and y of a node one after
+    the other. The displacements along z are numbered by themselves. Each part of the row has two
+    tuples: the numbers of its displacements in the section, and of its displacements along z. If
+    only the symmetric or only the antisymmetric displacements of a column are unknowns, there is no
+    right side.
     """
 
     left: tuple[tuple[int, ...], tuple[int, ...]]
@@ -144,7 +146,7 @@ class ColumnLayers(NamedTuple):
     ) -> list[WidthUnknown]:
         """The unknowns at a row of nodes that do not belong to the contact.
 
-        `along` are the numbers along the row of displacements in the section, and of those along z.
+        `along` is the part `left`, `inside` or `right` of an `AlongRow`.
         """
         found = []
         for z, function in self.kind_and_width_function_of_row_unknowns(row):
@@ -157,7 +159,7 @@ class ColumnLayers(NamedTuple):
     ) -> list[WidthUnknown]:
         """The unknowns on the left or the right side of a column, row by row from the contact on.
 
-        `along` are the numbers of this side's unknowns along each row: in the section, and along z.
+        `along` is the part `left` or `right` of an `AlongRow`, which is the same for all rows.
         """
         rows = range(len(self.counts) * self.p + 1)
         return [
@@ -245,9 +247,9 @@ class ColumnPlan(NamedTuple):
 
 @cache
 def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnPlan:
-    """The plan by which columns with these layers are condensed.
+    """The plan by which columns with the layers `stack` are condensed.
 
-    `along` are the numbers of the unknowns along each row of nodes.
+    `along` has the numbers of the unknowns along a row of nodes; they are the same for all rows.
     """
     names = unknown_names_of_element_column(stack, along)
     kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (names.kept, names.rest))
@@ -292,9 +294,10 @@ class ColumnUnknownNames(NamedTuple):
 
 
 def unknown_names_of_element_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNames:
-    """The unknowns of a column with these layers, sorted by what its condensation does with them.
+    """The unknowns of a column, sorted by what its condensation does with them.
 
-    `along` are the numbers of the unknowns along each row of nodes.
+    `stack` are the layers of the column. `along` has the numbers of the unknowns along a row of
+    nodes; they are the same for all rows.
     """
     p, last = stack.p, len(stack.counts)
     kept = [
@@ -335,8 +338,8 @@ def _runs_of_consecutive_unknowns(
 ) -> tuple[UnknownRun, ...]:
     """The runs of unknowns that are consecutive both in the list `mine` and by their `numbers`.
 
-    A run is a slice of `mine` and the equal slice of the numbers. Unknowns without a number are
-    left out.
+    A run is a slice of `mine`, and the slice of the numbers that these unknowns have. Unknowns
+    without a number are left out.
     """
     found: list[list[int]] = []
     for k, unknown in enumerate(mine):
@@ -360,8 +363,8 @@ def _flat_positions_of_element_stiffness_block(
 ) -> Ints:
     """Where a block of an element's stiffness stands in its flat list of entries.
 
-    The positions (rows, columns) are those in the result of
-    `_flat_stiffness_entries_of_each_element`.
+    The list is a row of the result of `_flat_stiffness_entries_of_each_element`. The positions have
+    the shape (rows, columns).
 
     Parameters
     ----------
@@ -422,7 +425,11 @@ def _flat_stiffness_entries_of_each_element(
 
 
 def _sum_of_section_times_width_integrals(section: list[Floats], width: list[Floats]) -> Floats:
-    """Section integrals times width integrals, summed over the two pairs of such integrals."""
+    """The sum of two products, each of an integral over the section and one over the width.
+
+    `section` and `width` hold two integrals each, of the shapes (c, A, B, n, n) and (k, l). The
+    result (c A B n n, k l) has the products of all their entries.
+    """
     if width[0].size == 0:
         return np.zeros((len(section[0]), 0))
     over = np.array([own.ravel() for own in width])

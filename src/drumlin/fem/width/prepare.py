@@ -63,9 +63,10 @@ MakeFunctions = Callable[[Shoe], WidthFunctions]
 
 
 class NodesOverWidth(NamedTuple):
-    """Stands for the nodes of a body with functions across its width; it has their count only.
+    """The number of displacements of a body with functions across its width, `unknowns`.
 
-    `unknowns` is the number of displacements of the body.
+    It stands where a body in plane stress has its mesh nodes. Of a body with widths only this
+    number is needed.
     """
 
     unknowns: int
