@@ -130,7 +130,11 @@ def median_ratio_of_two_measured_times(
 
 
 def solve_times_over_fixed_calculation(repeats: int = USUAL_REPEATS) -> dict[str, float]:
-    """Times of `solve`, `sensitivity` and `hold`, divided by the time of the fixed calculation."""
+    """Times of drumlin's functions by name, each divided by the time of the fixed calculation.
+
+    The default solve is timed on all TIMED_SOLVES. The sine law, `sensitivity` and `hold` are timed
+    on the first of these brakes.
+    """
     calls: dict[str, Callable[[], object]] = {}
     for name in TIMED_SOLVES:
         calls[f"solve {name}"] = partial(

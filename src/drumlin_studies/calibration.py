@@ -231,7 +231,7 @@ class Samples(NamedTuple):
     def which_true_errors_are_usable(self) -> Bools:
         """Whether each true error (m,) is large enough and certain enough to be used in the fit.
 
-        A smaller one may be the error of the finer solution from which true errors are taken.
+        A smaller true error may be the error of the far finer solution from which it is taken.
         """
         return np.asarray((self.true >= RELEVANT) & (self.true > CERTAIN * self.unsure))
 

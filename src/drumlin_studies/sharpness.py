@@ -230,7 +230,10 @@ def stated_and_true_errors_of_folder(
 
 
 def names_of_quickly_solved_brakes(worths: Mapping[str, AccuracyAndCost]) -> set[str]:
-    """Names of the brakes that reach every tolerance of ASKED with at most QUICK unknowns."""
+    """Names of the brakes that reach the smallest tolerance with at most QUICK unknowns.
+
+    `worths` are accuracy and cost of the answers of all brakes, by tolerance of ASKED.
+    """
     unknowns = worths[SMALLEST_TOLERANCE].unknowns
     return {name for name, count in unknowns.items() if count <= QUICK}
 

@@ -127,9 +127,7 @@ def _brake_of_further_load_case(brake: Brake) -> Brake:
     return vary(brake, {"friction": FURTHER_FRICTION * brake.friction})
 
 
-def _cold_solve_by_law_or_foundation(
-    brake: Brake, *, model: str, **options: Any
-) -> ColdSolve:
+def _cold_solve_by_law_or_foundation(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
     """The cold solve of a brake by a law or by the foundation model.
 
     model : name of the law or model; **options : options of its solver.
@@ -301,9 +299,7 @@ def _cold_solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
     return _cold_solve_of_prepared_model(brake, scene, response, math.inf)
 
 
-def _cold_solve_by_pointwise_penalty(
-    brake: Brake, *, elements: int, penalty: float
-) -> ColdSolve:
+def _cold_solve_by_pointwise_penalty(brake: Brake, *, elements: int, penalty: float) -> ColdSolve:
     """The cold solve of a brake by the pointwise penalty, the contact method of textbooks.
 
     elements : number of elements along each lining; penalty : penalty factor.

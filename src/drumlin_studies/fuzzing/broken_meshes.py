@@ -1,6 +1,7 @@
-"""Mesh files that are broken on purpose: cut off, mislabelled, torn, folded or without groups.
+"""Mesh files that are broken on purpose: cut off, torn, folded, without groups or misnamed.
 
-A group is the set of elements of a part of the shoe, or the set of nodes on one of its boundaries.
+A misnamed file has the suffix of another format. A group is the set of elements of a part of the
+shoe, or the set of nodes on one of its boundaries.
 """
 
 import math
