@@ -48,7 +48,7 @@ class WidthUnknown(NamedTuple):
     ----------
     z : 1 for a displacement along z, 0 for a displacement in the section
     along : position along the row of nodes, counted among the row's unknowns with the same `z`
-    row : number of the row of nodes, counted from the column's first edge, towards the contact
+    row : number of the row of nodes; row 0 is the column's edge nearest to the contact
     function : number of the function across the width, counted among the even functions for z = 0,
         and among the odd functions for z = 1
     """
@@ -108,7 +108,8 @@ class ColumnLayers(NamedTuple):
     counts : (layers,) numbers of even and of odd functions of z in each layer, from the contact on
     even, odd : for each even and each odd function of z of the shoe, the number of the first piece
         of the half width in which the function is not zero
-    contact : whether the column's first edge is in contact
+    contact : whether the column's edge nearest to the contact is itself in contact; otherwise, as
+        in the body beyond the lining, it is free
     back : how the edge farthest from the contact moves
     """
 
@@ -193,8 +194,7 @@ def column_layers_of_shoe(
     functions : functions across the width of the shoe
     halves : (l,) half width of each layer [m], from the contact on
     p : degree of the hp elements
-    contact : whether the column's first edge is in contact
-    back : how the edge farthest from the contact moves
+    contact, back : as in `ColumnLayers`
     """
     return ColumnLayers(
         p,
