@@ -1,6 +1,6 @@
 """Benchmarks of drumlin's speed and model sizes, kept over the commits in a file of JSON lines.
 
-`make benchmarks` measures the figures and appends a line to the file HISTORY. Every time is divided
+`make benchmarks` measures the figures and adds a line to BENCHMARK_HISTORY. Every time is divided
 by the time of a fixed calculation or of fixed imports in the same run. This ratio hardly depends on
 the machine, so that lines from different machines can be compared.
 """

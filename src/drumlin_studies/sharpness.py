@@ -309,7 +309,7 @@ def describe_faults_of_stated_errors(
 ) -> list[str]:
     """Lines of text, one for each fault of the stated errors.
 
-    A fault is a quantity with too many stated errors below the true ones, or a number of `Spread`
+    A fault is a quantity with too many stated errors below true errors, or a number of `Spread`
     that differs from the last fit by more than ALLOWED_DRIFT.
 
     rows : stated and true errors of all brakes; written : `Spread` at the last fit, by quantity

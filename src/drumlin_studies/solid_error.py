@@ -190,7 +190,7 @@ class SolidErrorRow:
         return self.true[name] - self.unsure[name] > max(LEAST_TRUE_ERROR, self.stated[name])
 
     def is_at_least_true(self, name: str) -> bool:
-        """Whether a stated error is at least the true one, or both are below LEAST_TRUE_ERROR.
+        """Whether a stated error is at least the true error, or both are below LEAST_TRUE_ERROR.
 
         `name` is one of JUDGED_ERRORS.
         """

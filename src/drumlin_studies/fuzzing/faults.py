@@ -94,7 +94,7 @@ def make_input_with_scaled_quantities(rng: random.Random) -> BrokenInput:
 def make_input_with_wrong_values(rng: random.Random) -> BrokenInput:
     """An input whose brake file has random values for one to three keys that a brake file may have.
 
-    The keys may be ones that the file did not have.
+    The file need not have had these keys before.
     """
     data = tomllib.loads(content_of_brake_file(rng.choice(SOUND_BRAKES)).decode())
     # A change may remove a key, add an unknown one, or give a key another value.
