@@ -381,8 +381,8 @@ class _WearRunInProgress:
         after, error = self._steppers[self._forward].wear_state_and_error_after_step(
             self.last_wear_state, size
         )
-        # The error of a step grows with the square of its length, since the embedded method is of
-        # first order. The factor for the next length is therefore a root.
+        # The error is the difference from a first-order method, and so grows with the square of the
+        # step's length. The factor for the next length is therefore a root.
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
         factor = min(max(growth, 0.2), MAX_STEP_GROWTH)
         if error > self._tolerance:

@@ -410,7 +410,7 @@ class _ColumnBlocks(NamedTuple):
 
     @property
     def signs_of_mirrored_displacements(self) -> Floats:
-        """The factors (line,) that mirror the displacements of a column's left side to its right.
+        """The factors (line,) that mirror displacements of a column's left side to its right side.
 
         `line` is the number of displacements of one side. Displacements along the radius keep their
         sign (1), and displacements around the drum change it (-1). The two alternate.
