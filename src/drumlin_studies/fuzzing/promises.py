@@ -1,4 +1,4 @@
-"""Drumlin's promises to its users with the tests that check them, and its exit statuses.
+"""The promises of drumlin to its users, the tests that check them, and its exit statuses.
 
 Another test checks that these tests exist.
 """
