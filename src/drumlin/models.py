@@ -282,7 +282,7 @@ def model_with_name_that_applies_to_brake(name: str, brake: Brake) -> Model:
 
 
 def model_options_given_by_user(**options: Any) -> dict[str, Any]:
-    """The options that the user has given, which are all that are neither None nor False.
+    """The options that the user has given, by name: all whose value is neither None nor False.
 
     Raises BadInput if the number of `elements` is out of range.
     """

@@ -559,7 +559,11 @@ def _find_wanted_value_near_value_of_file(
     if start == 0 or not (question.does_key_keep_one_sign and low <= start <= high):
         return None
     first = question.solve_trial_at_key_value(start)
-    known = [] if first.failure else _solve_trials_up_to_wanted_value(question, first, name, wanted)
+    known = (
+        []
+        if first.failure
+        else _solve_trials_until_wanted_value_is_enclosed(question, first, name, wanted)
+    )
     if not known:
         return None
     with suppress(NoAnswer):
@@ -567,7 +571,7 @@ def _find_wanted_value_near_value_of_file(
     return None
 
 
-def _solve_trials_up_to_wanted_value(
+def _solve_trials_until_wanted_value_is_enclosed(
     question: Question, first: Trial, name: str, wanted: float
 ) -> list[Trial]:
     """Solved trials from the first one on, until two enclose the wanted value or one has it.

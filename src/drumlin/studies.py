@@ -44,8 +44,8 @@ PACKAGES_OF_STUDIES = {"manual": "sphinx"}
 def paths_of_example_brakes() -> dict[str, Path]:
     """The paths of the example brake files by the names of the examples.
 
-    A file brake.toml gets the name of its folder. Another file in the same folder gets the name
-    FOLDER_FILE. Any other file keeps its own name.
+    A file brake.toml gets the name of its folder. Another file in the same folder gets the names of
+    folder and file, joined by an underscore. Any other file keeps its own name.
     """
     # Brakes of studies come first, so that a brake in meshes/ of the same name gets a longer name.
     found: dict[str, Path] = {}

@@ -1,6 +1,6 @@
 """Benchmarks of drumlin's speed and model sizes, kept over the commits in a file of JSON lines.
 
-`make benchmarks` measures the figures and appends a line to the file HISTORY. Every time is divided
+`make benchmarks` measures the figures and adds a line to BENCHMARK_HISTORY. Every time is divided
 by the time of a fixed calculation or of fixed imports in the same run. This ratio hardly depends on
 the machine, so that lines from different machines can be compared.
 """
@@ -65,7 +65,10 @@ They represent the large part of a solve's time that the Python interpreter take
 """
 
 IMPORT_PROGRAM = "import numpy, scipy.linalg, pydantic"
-"""Program with the imports that every command needs; times of commands are divided by its time."""
+"""Program that only imports the other packages that every command of drumlin needs.
+
+The times of the commands are divided by its time.
+"""
 
 COMMAND_LINE_PROGRAM = "from drumlin.cli import main; main()"
 """Program that runs drumlin's command line, whether or not the command is installed."""
@@ -127,7 +130,11 @@ def median_ratio_of_two_measured_times(
 
 
 def solve_times_over_fixed_calculation(repeats: int = USUAL_REPEATS) -> dict[str, float]:
-    """Times of `solve`, `sensitivity` and `hold`, divided by the time of the fixed calculation."""
+    """Times of drumlin's functions by name, each divided by the time of the fixed calculation.
+
+    The default solve is timed on all TIMED_SOLVES. The sine law, `sensitivity` and `hold` are timed
+    on the first of these brakes.
+    """
     calls: dict[str, Callable[[], object]] = {}
     for name in TIMED_SOLVES:
         calls[f"solve {name}"] = partial(
@@ -174,7 +181,11 @@ def unknown_and_iteration_counts_of_default_solves() -> dict[str, float]:
 
 
 def command_times_over_import_time(repeats: int = USUAL_REPEATS) -> dict[str, float]:
-    """Times of whole commands, divided by the time of a process that only does the imports."""
+    """Times of `drumlin init`, `drumlin solve` and `import drumlin`, by name.
+
+    Each time is divided by the time of a process that only imports numpy, scipy.linalg and
+    pydantic.
+    """
     brake = str(paths_of_example_brakes()[TIMED_SOLVES[0]])
     compared = partial(measure_python_process_time, "-c", IMPORT_PROGRAM)
     commands = {

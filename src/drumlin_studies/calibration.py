@@ -231,16 +231,16 @@ class Samples(NamedTuple):
     def which_true_errors_are_usable(self) -> Bools:
         """Whether each true error (m,) is large enough and certain enough to be used in the fit.
 
-        A smaller one may be the error of the finer solution from which true errors are taken.
+        A smaller true error may be the error of the far finer solution from which it is taken.
         """
         return np.asarray((self.true >= RELEVANT) & (self.true > CERTAIN * self.unsure))
 
     def smallest_safety_factor(self, weight: float) -> float:
         """The smallest safety factor with which few enough stated errors are too small.
 
-        The fractions of stated errors that may be too small are set by STATED_QUANTILE and
-        HALF_STATED_QUANTILE. The stated error is factor * (step + weight * chance) + beside. For a
-        true error that is not certain, any factor counts as large enough.
+        STATED_QUANTILE and HALF_STATED_QUANTILE say how many stated errors may be too small. The
+        stated error is factor * (step + weight * chance) + beside, with the attributes of
+        `LevelRecord`. For a true error that is not certain, any factor counts as large enough.
         """
         # The factor that each sample needs, so that its stated error equals its true error.
         most = np.where(

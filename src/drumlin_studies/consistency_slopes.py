@@ -62,7 +62,7 @@ Its unit is the torque divided by the size of the varied quantity. Central diffe
 resolve smaller slopes: ALLOWED_SLOPE_DIFFERENCE of this slope is 1e-5 of the torque.
 """
 SLOPES_PER_BRAKE = 3
-"""Number of slopes of a brake that are compared; the seed decides which ones.
+"""Number of slopes of a brake that are compared; the seed decides which slopes.
 
 All slopes of a large brake would take some ten seconds.
 """

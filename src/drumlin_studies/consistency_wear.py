@@ -278,7 +278,10 @@ def _torque_and_pressure_of_worn_brake(
 
 
 def _torque_and_pressure_of_response(setup: WearSetup, response: Response) -> _TorqueAndPressure:
-    """Torque and pressure of a response, with the pressures in the order of the wear setup."""
+    """Torque, pressures and warning of round-off of a response.
+
+    The pressures of all linings follow one another in the order of `setup.surfaces`.
+    """
     by_lining = []
     for surface in setup.surfaces:
         by_lining.append(response.shoes[surface.shoe].pressure[surface.forward])

@@ -591,7 +591,10 @@ def _wear_states_of_winkler_shoe() -> tuple[list[WearState], Floats]:
 
 
 def _remaining_deviation_from_sine_law() -> float:
-    """Deviation of the pressure from the sine law after sliding by 2/(k K), relative to new."""
+    """Deviation of the pressure from the sine law after sliding by 2/(k K).
+
+    It is divided by the deviation of the new lining's pressure.
+    """
     states, law = _wear_states_of_winkler_shoe()
     first = states[0].pressure - SPRING_MOMENT * law
     last = states[-1].pressure - SPRING_MOMENT * law

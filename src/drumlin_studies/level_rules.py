@@ -4,9 +4,9 @@
     make levels ARGS="fall=6"          the rule as it is, then with this number changed
     make levels ARGS="fall=6 sizes=.7" the rule as it is, then with both numbers changed
 
-The rule, `levels.LEVEL_RULE`, gives degree and grading of each level; its eight numbers were found
-by experiment. For each rule this command solves the random brakes of the error estimate's fit on
-four levels, and prints
+The rule, `levels.LEVEL_RULE`, gives degree and grading of each level; its eight numbers, which
+`levels.LevelRule` explains, were found by experiment. For each rule this command solves the random
+brakes of the error estimate's fit on four levels, and prints
 
 - the safety factors of the error estimate, fitted on these levels alone;
 - for each of three tolerances, the processor time of all brakes up to the level where a solve would

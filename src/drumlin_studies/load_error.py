@@ -57,7 +57,10 @@ def draw_loaded_brake(seed: int) -> Brake:
 
 
 def _draw_duo_servo_brake(rng: np.random.Generator) -> Brake:
-    """Draw a variation of the example of a duo-servo brake, which turns either way."""
+    """Draw a variation of the example of a duo-servo brake.
+
+    The direction of rotation, the friction, the lining's modulus and its clearance are random.
+    """
     return vary(
         example("duo_servo"),
         {
@@ -87,7 +90,7 @@ def _draw_friction_of_linings(rng: np.random.Generator, brake: Brake) -> dict[st
 
 
 def _draw_spring_data(rng: np.random.Generator, brake: Brake, push: float) -> dict[str, Any]:
-    """Draw a spring with a rate that pulls the first shoe back against its actuation.
+    """Draw a spring, with its stiffness, that pulls the first shoe back against its actuation.
 
     `push` is the largest load [N] of a shoe.
     """
@@ -105,7 +108,10 @@ def _draw_spring_data(rng: np.random.Generator, brake: Brake, push: float) -> di
 
 
 def _draw_centrifugal_load(rng: np.random.Generator, brake: Brake, push: float) -> dict[str, Any]:
-    """Draw a mass for each shoe, and the speed at which it pulls by a share of `push` [N]."""
+    """Draw a mass for each shoe, and the angular speed of the shoes.
+
+    At this speed the centrifugal force of a shoe is a random fraction of the force `push` [N].
+    """
     changes: dict[str, Any] = {}
     mass = float(rng.uniform(0.5, 2.0))
     for i, shoe in enumerate(brake.shoes):

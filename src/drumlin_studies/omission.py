@@ -90,10 +90,11 @@ OMISSIONS = {
         lambda brake: all(shoe.mesh is None for shoe in brake.shoes),
     ),
 }
-"""Parts and effects whose neglect changes the answer, by name.
+"""Parts and effects that can be left out of a brake, by name.
 
-"drag" is the deformation of the elastic bodies by friction. The beam and the block of a post cannot
-be neglected, because the beam ends where the block begins.
+"drag" is the deformation of the elastic bodies by friction. The shoe of a post brake is a straight
+beam with a block between beam and lining. The beam ends where the block begins, so that neither of
+the two can be left out.
 """
 
 

@@ -86,6 +86,8 @@ def convergence_order_rows_of_meshes(
     return rows
 
 
+# The arguments of Level are: degree, zone, edge, end, ratio, opening, largest, back, hinge,
+# through.
 COARSE_LEVEL = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1)
 """The first and coarsest hp mesh of `error_rows_of_hp_levels`. The errors on it are some percent.
 """

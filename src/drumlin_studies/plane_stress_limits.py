@@ -173,8 +173,8 @@ def rows_of_plane_stress_limits(
 
     Parameters
     ----------
-    brakes : the brakes that are varied, by name every : of so many successive values of a quantity
-        only the first is computed
+    brakes : the brakes that are varied, by name
+    every : only each `every`-th value of a quantity is computed, beginning with the first
     say : is called with a line of text on the progress
     """
     rows = []

@@ -292,7 +292,9 @@ class _RandomBeamAxis(NamedTuple):
 
 
 def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[str, Any]:
-    """The data of a random post: a straight beam outside the drum, with a block on its lining.
+    """The data of the shoe of a random post brake.
+
+    The shoe is a straight beam outside the drum, with a block between beam and lining.
 
     R : radius of the drum [m].
     """
@@ -304,17 +306,17 @@ def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[st
     axis = _RandomBeamAxis(turn, hand, back + R * u(0.04, 0.3) + depth / 2)
     half = u(0.25, 0.85)
     first, last = -half * u(0.6, 1.0), half * u(0.6, 1.0)
-    # Distances along the beam from the foot of the normal through the drum's centre: the hinge lies
-    # at -foot, the actuation at far.
-    foot = back * math.sin(-first) + R * u(0.15, 0.8)
-    far = back * math.sin(last) + R * u(0.15, 0.8)
+    # Distances along the beam to both sides of its point nearest to the drum's centre: the hinge
+    # lies at -to_hinge, the actuation at to_actuation.
+    to_hinge = back * math.sin(-first) + R * u(0.15, 0.8)
+    to_actuation = back * math.sin(last) + R * u(0.15, 0.8)
     # The arc of the lining contains the angle of the beam's normal.
     start, end = sorted([turn + hand * first, turn + hand * last])
     width = R * _draw_number_between_powers_of_ten(rng, -0.9, -0.3)
     shoe: dict[str, Any] = {
         "name": "shoe",
         "side": "external",
-        "hinge": axis.point_at_distance_along(-foot),
+        "hinge": axis.point_at_distance_along(-to_hinge),
         "lining": {
             "start": start,
             "end": end,
@@ -331,7 +333,7 @@ def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[st
         },
         "actuation": {
             "direction": turn + math.pi + u(-0.4, 0.4),
-            "point": axis.point_at_distance_along(far),
+            "point": axis.point_at_distance_along(to_actuation),
         },
     }
     shoe["actuation"]["force"] = _draw_actuation_force(rng, shoe, R)

@@ -202,7 +202,7 @@ def _draw_gap_as_function_of_factor(
         return _draw_gap_that_is_smallest_at_corner(rng, lining, radius, size)
     if presses == "tip":
         return _draw_gap_with_one_kink_towards_drum(rng, lining, size)
-    return _draw_gap_by_clearance_table(rng, lining, size)
+    return _draw_clearance_table_as_function_of_factor(rng, lining, size)
 
 
 def _draw_gap_that_is_smallest_at_corner(
@@ -249,10 +249,10 @@ def _draw_gap_with_one_kink_towards_drum(
     }
 
 
-def _draw_gap_by_clearance_table(
+def _draw_clearance_table_as_function_of_factor(
     rng: Rng, lining: Mapping[str, Any], size: float
 ) -> Callable[[float], Gap]:
-    """A random gap given by a table of three to seven clearances, scaled by a factor.
+    """A random table of three to seven clearances, as a function of a factor on all of them.
 
     The result is a function from the factor to the data of the lining.
 

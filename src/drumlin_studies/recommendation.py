@@ -27,8 +27,9 @@ AIMS: Mapping[str, Mapping[float, tuple[float | None, float | None]]] = {
 }
 """The aims of the project for the ratio of a peer's time to drumlin's time.
 
-The keys are the peer and the relative error of the pressure. The first number is for a solve from
-the start, the second for a further load case on a prepared model; None stands for no aim.
+The keys are the peer and the relative error of the pressure. The first number is for a cold solve,
+which starts without any prepared model, the second for a further load case on a prepared model;
+None stands for no aim.
 """
 
 Row = Mapping[str, Any]
@@ -201,8 +202,8 @@ class PeerTimes(NamedTuple):
         Rows of the fastest solve of the peer (best) and of drumlin (own) with an error below the
         target; None where there is no such solve.
     aims : tuple of two
-        Ratios of the peer's time to drumlin's time that the project aims at: for a solve from the
-        start, and for a further load case.
+        Ratios of the peer's time to drumlin's time that the project aims at: for a cold solve, and
+        for a further load case.
     """
 
     peer: str

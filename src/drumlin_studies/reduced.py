@@ -57,7 +57,7 @@ SKETCH_SECTIONS = 4 * SKETCH_ELEMENTS
 """Number of sections into which the bar of a shoe is divided.
 
 There are several sections for each element of the lining, because a shoe is longer than its lining.
-With half of the sections no test of the predictions would fail.
+Half as many sections would still pass the tests of the predictions.
 """
 CONTACT_WAVES = 8
 """Number of waves of the ring's Fourier series along the shortest contact.

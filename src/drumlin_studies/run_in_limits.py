@@ -139,7 +139,8 @@ def list_wear_models_of_brake(brake: Brake) -> tuple[list[tuple[str, str, Brake]
     Each model comes as a suffix to the brake's name, the name of the model, and the brake. The
     reason is None where finite elements can run in the brake. A brake with a single shoe also runs
     in with the opposite rotation. With two shoes this is not needed: in one rotation the one shoe
-    leads and the other trails. Rigid external shoes also run in on a guide.
+    leads and the other trails. A brake with rigid external shoes also runs in with its shoes on
+    guides.
     """
     found, reason = list[tuple[str, str, Brake]](), reason_why_brake_is_not_modelled(brake)
     if reason is None:

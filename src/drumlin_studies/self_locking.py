@@ -159,7 +159,7 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     seed : int
         Seed of the brake.
     way : str
-        Kind of the brake, one of `draw_random_brake.LOCKING_KINDS`.
+        Kind of the brake, one of `random_brake.LOCKING_KINDS`.
     """
     brake = draw_random_brake(seed, way)
     scene = make_prepared_model(brake, elements=LOCKING_ELEMENTS)

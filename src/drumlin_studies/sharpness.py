@@ -230,7 +230,10 @@ def stated_and_true_errors_of_folder(
 
 
 def names_of_quickly_solved_brakes(worths: Mapping[str, AccuracyAndCost]) -> set[str]:
-    """Names of the brakes that reach every tolerance of ASKED with at most QUICK unknowns."""
+    """Names of the brakes that reach the smallest tolerance with at most QUICK unknowns.
+
+    `worths` are accuracy and cost of the answers of all brakes, by tolerance of ASKED.
+    """
     unknowns = worths[SMALLEST_TOLERANCE].unknowns
     return {name for name, count in unknowns.items() if count <= QUICK}
 
@@ -306,7 +309,7 @@ def describe_faults_of_stated_errors(
 ) -> list[str]:
     """Lines of text, one for each fault of the stated errors.
 
-    A fault is a quantity with too many stated errors below the true ones, or a number of `Spread`
+    A fault is a quantity with too many stated errors below true errors, or a number of `Spread`
     that differs from the last fit by more than ALLOWED_DRIFT.
 
     rows : stated and true errors of all brakes; written : `Spread` at the last fit, by quantity

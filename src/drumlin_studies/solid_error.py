@@ -15,23 +15,27 @@ given up after SECONDS of processor time together (by default 120). KIND is a na
   wide as the lining and 1/30 to 1/8 of this width thick. The web is 1/12 to 1/4 as wide.
 - "one": brakes of draw_random_brake whose bodies are made as wide as the linings
 
-The true errors are distances from a reference solution, the truth. A fine section and a high degree
-together would take minutes. So the truth is a sum: the answer on the first level of the section,
-with functions across the width that are graded to the sides of all parts, plus the step from the
-first level to the level behind that of the judged solve, with degree TRUTH_STEP_DEGREE across the
-width. Two differences add up to the uncertainty of the truth: the distance between the graded
-functions and the same functions of one degree less, and the distance between the truth and the one
-whose step has one degree less across the width. The second one shows how much the error of the
-section depends on the degree. The error of the section beyond the finest level is not contained.
+The true errors are distances from a reference solution, the truth. A solve with fine elements of
+the section and a high degree across the width would take minutes. So the truth is a sum of two
+parts. The first part is the answer on the first level of the section's hp elements, with functions
+across the width that are graded to the sides of all parts. The second part is the step from the
+first level to the level that follows the level of the judged solve, with degree TRUTH_STEP_DEGREE
+across the width.
+
+Two differences add up to the uncertainty of the truth: the distance between the graded functions
+and the same functions of one degree less, and the distance between the truth and a truth whose step
+has one degree less across the width. The second distance shows how much the error of the section's
+elements depends on the degree. The error of these elements on the finest level is not contained.
 
 Measured to 1 % with limits of 20 to 40 s ("free" 510000 to 510008, "built" 510000 and 510001), far
 fewer brakes than a verdict needs: all 21 stated errors of the seven brakes with a truth are at
-least the true ones. The stated error of p is 2.9 times the true one in the median of two free
-brakes, that of the reaction 3.7 times in the median of three. Both brakes as built and 4 of 7 free
-ones reach 1 % by stated errors; by true errors all seven with a truth do. Of the three that do not
-state 1 %, two are limited by the section (stated 0.7 % and 2.6 % of p on the second level), and one
-by the degree across an overhang of 1.2 thicknesses of the lining (1.3 % with degree 5). The stated
-error of plane stress is 0.9 to 1.24 times the true one wherever this one is above 1 %.
+least as large as the true errors. The median ratio of stated to true error is 2.9 for the pressure
+p (two "free" brakes) and 3.7 for the reaction (three brakes). Both "built" brakes and 4 of 7 "free"
+brakes reach 1 % by stated errors; by true errors all seven brakes with a truth do. Of the three
+brakes that do not state 1 %, two are limited by the elements of the section (stated error of p
+0.7 % and 2.6 % on the second level), and one by the degree across an overhang of 1.2 thicknesses of
+the lining (1.3 % with degree 5). The stated error of plane stress is 0.9 to 1.24 times its true
+error wherever the true error is above 1 %.
 """
 
 import json
@@ -82,20 +86,22 @@ GIVEN_UP = "given up after"
 OTHER_WIDTHS = "the widths of its parts are those of another kind"
 """The reason why a brake with parts of one or of several widths is left out."""
 TRUTH_STEP_DEGREE = 2
-"""Degree across the width with which the truth goes from the first to a finer level of the section.
+"""Degree across the width of the truth's step from the first level of the section to a finer level.
 
-With degree 3 the level behind that of a solve takes minutes of shoes with a table and a web.
+With degree 3 the solve of a shoe with table and web on the finer level takes minutes.
 """
 SHORTEST_PIECE = 1e-12
-"""Length [rad] of the pieces of a sum of pressures that are left out, as the ends of two divisions
-that differ by round-off.
+"""Length [rad] below which a piece is left out when the pressures of several responses are summed.
+
+The ends of all their elements divide the lining into pieces. Ends that differ only by round-off
+make such short pieces.
 """
 GRADED_LENGTH = 0.2
 """Length across the width of the reference solution's pieces beside the side of a part.
 
 It is relative to the lining's thickness or, if the next break between pieces is nearer than this
-thickness, to the distance of the break. Pieces much shorter than the elements of the section add
-unknowns without use.
+thickness, to the distance of the break. Pieces much shorter than the elements of the section only
+add unknowns.
 """
 STEEL = {"E": 210e9, "nu": 0.3}
 """Material of the tables and webs of the "built" shoes: Young's modulus [Pa], Poisson's ratio."""
@@ -177,14 +183,14 @@ class SolidErrorRow:
         return self.true[name] > least
 
     def is_surely_too_small(self, name: str) -> bool:
-        """Whether a stated error is below the true one, whatever the error of the truth.
+        """Whether a stated error is below the true error minus the uncertainty of the truth.
 
         `name` is one of JUDGED_ERRORS.
         """
         return self.true[name] - self.unsure[name] > max(LEAST_TRUE_ERROR, self.stated[name])
 
     def is_at_least_true(self, name: str) -> bool:
-        """Whether a stated error is at least the true one, or both are below LEAST_TRUE_ERROR.
+        """Whether a stated error is at least the true error, or both are below LEAST_TRUE_ERROR.
 
         `name` is one of JUDGED_ERRORS.
         """
@@ -199,13 +205,13 @@ class SolidErrorRow:
 
 
 class SolidReference(NamedTuple):
-    """A reference solution of solid shoes, the truth, and two that show its uncertainty.
+    """A reference solution of solid shoes, the truth, and two solutions that show its uncertainty.
 
     Attributes
     ----------
     truth : the truth
-    lower : the same with graded functions of one degree less across the width
-    other_step : the same with a step to the fine section of one degree less across the width
+    lower : the same sum with graded functions of one degree less across the width
+    other_step : the same sum with a step to the finer level of one degree less across the width
     """
 
     truth: Response
@@ -332,7 +338,8 @@ def _shoe_response_plus_step(
 def reference_solution_of_solve(brake: Brake, found: Response) -> SolidReference:
     """The reference solution for a solve of a brake with solid shoes, and its uncertainty.
 
-    `found` is the response of the solve. The truth has a section of the level behind its level.
+    `found` is the response of the solve. The step of the truth leads to the level that follows the
+    level of the solve; on the finest level it leads to this level.
 
     Raises
     ------
@@ -429,7 +436,7 @@ def _rows_with_stated_and_then_true_errors(
 
 @contextmanager
 def limited_processor_time(seconds: float) -> Iterator[None]:
-    """Give up what is done in this context after some processor time [s].
+    """Raise TimeoutError in a `with` block that takes more than some processor time [s].
 
     Raises
     ------
@@ -438,7 +445,7 @@ def limited_processor_time(seconds: float) -> Iterator[None]:
     """
 
     def give_up(number: int, frame: FrameType | None) -> None:
-        """Raise the error; the parameters are those of a handler of signals."""
+        """Raise TimeoutError; the parameters are those of a handler of signals."""
         raise TimeoutError(f"{GIVEN_UP} {seconds:g} s of processor time")
 
     before = signal.signal(signal.SIGPROF, give_up)

@@ -100,7 +100,8 @@ class SolidSetting(NamedTuple):
     Attributes
     ----------
     truth : int
-        Number of the refinement level of the solid truth, from 2.
+        Number of the refinement level of the solid truth. It is at least 2, because the next
+        coarser level is solved as well.
     levels : int
         Number of refinement levels of plane stress and of each degree across the width.
     degrees : tuple of int
@@ -121,7 +122,7 @@ class SolidSetting(NamedTuple):
 def solve_fine_reference_of_solid_shoes(brake: Brake, level: int) -> SolidTruth:
     """The solid truth of a brake on a refinement level, and responses that show its uncertainty.
 
-    level : number of the level, from 2.
+    level : number of the level, at least 2, because the next coarser level is solved as well.
     """
     fine, coarse = LEVELS[level - 1], LEVELS[level - 2]
     return SolidTruth(

@@ -62,9 +62,10 @@ from drumlin_studies.stated_true import (
 TRIANGLES = (*TRIANGLE_LEVELS, TriangleLevel(6, 17, 0.7, 0.8))
 """Meshes of curved triangles, coarse to fine.
 
-To the meshes of the studies a mesh of a higher degree is added, whose triangles are halved more
-often towards the singular points. On four brakes this mesh lowered the uncertainty of the pressure
-from 1e-5 to 2e-6 and of the torque from 1e-10 to 1e-11. A further mesh lowered neither."""
+The arguments of TriangleLevel are degree, halvings, steep and size. To the meshes of the studies a
+mesh of a higher degree is added, whose triangles are halved more often towards the singular points.
+On four brakes this mesh lowered the uncertainty of the pressure from 1e-5 to 2e-6 and of the torque
+from 1e-10 to 1e-11. A further mesh lowered neither."""
 
 FINER = (
     # The arguments of Level are: degree, zone, edge, end, ratio, opening, largest, back, hinge,

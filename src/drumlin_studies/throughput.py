@@ -71,8 +71,8 @@ def measure_time_of_sweep_by_processes(
 ) -> Throughput:
     """The measured time of a sweep by processes of this machine.
 
-    `sample` are the positions of the cases whose levels certify the others, too. Without them each
-    case certifies itself.
+    `sample` are the positions of the cases that are solved on all levels and also state the errors
+    of the other cases. Without a sample each case states its own errors.
     """
     start, before = time.perf_counter(), _processor_time_of_all_processes()
     with provide_workers_for_cases_of_sweep(workers) as found:
@@ -177,7 +177,8 @@ def _measure_time_of_sweep_by_started_workers(
     start : float
         Clock reading at which the start of the workers began [s].
     sample : sequence of int
-        Positions of the cases whose levels certify the others, too.
+        Positions of the cases that are solved on all levels and also state the errors of the other
+        cases.
     """
     # Twenty cheap cases for each worker make all of them load the modules before the clock starts.
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]

@@ -8,7 +8,7 @@ prints a line for each random brake on a rigid drum with a seed from FIRST to LA
 tables. The first table has the ratios of estimated to true error. The second has the true error
 that remains after the correction for the widths, divided by the estimated error. The first table
 treats brakes whose parts have one width and brakes with several widths apart. Both leave out brakes
-that plane stress misses by less than LEAST_JUDGED.
+on which the error of plane stress is less than LEAST_JUDGED.
 
 The true error is the difference from a model whose displacements vary across the width as
 polynomials of the degree DEGREE (by default 5). Both models use the first level of hp elements in

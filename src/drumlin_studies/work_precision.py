@@ -127,10 +127,8 @@ def _brake_of_further_load_case(brake: Brake) -> Brake:
     return vary(brake, {"friction": FURTHER_FRICTION * brake.friction})
 
 
-def _solve_from_start_by_law_or_foundation(
-    brake: Brake, *, model: str, **options: Any
-) -> ColdSolve:
-    """The result of solving a brake by a law or by the foundation model.
+def _cold_solve_by_law_or_foundation(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
+    """The cold solve of a brake by a law or by the foundation model.
 
     model : name of the law or model; **options : options of its solver.
     """
@@ -213,7 +211,7 @@ def divide_lining_graded_to_its_ends(
     )
 
 
-def _solve_from_start_on_mesh(
+def _cold_solve_on_mesh(
     brake: Brake,
     *,
     elements: int,
@@ -221,7 +219,7 @@ def _solve_from_start_on_mesh(
     even: bool = False,
     penalty: float = math.inf,
 ) -> ColdSolve:
-    """The result of meshing and solving a brake by finite elements on one mesh.
+    """The cold solve of a brake by finite elements on one mesh, with the making of the mesh.
 
     Parameters
     ----------
@@ -240,15 +238,17 @@ def _solve_from_start_on_mesh(
         partial(mesh_with_equal_elements_on_lining, elements=elements, kind=kind) if even else None
     )
     scene = make_prepared_model(brake, elements=elements, kind=kind, mesher=mesher)
-    return _result_of_solve_from_start(
+    return _cold_solve_of_prepared_model(
         brake, scene, solve_prepared_model(scene, brake, penalty=penalty), penalty
     )
 
 
-def _result_of_solve_from_start(
+def _cold_solve_of_prepared_model(
     brake: Brake, scene: PreparedModel, response: Response, penalty: float
 ) -> ColdSolve:
-    """The result of solving a brake by finite elements, whose further case reuses the model.
+    """The ColdSolve of a brake that finite elements have already solved.
+
+    Its function `further` solves the further load case on the same prepared model.
 
     scene : the prepared model; response : its response; penalty : penalty factor of the contact.
     """
@@ -273,20 +273,21 @@ def _count_unknowns_of_prepared_model(scene: PreparedModel) -> int:
     return of_bodies + of_ring
 
 
-def _solve_from_start_on_hp_level(brake: Brake, *, level: int) -> ColdSolve:
-    """The result of solving a brake by hp elements on one level of LEVELS, without error estimate.
+def _cold_solve_on_hp_level(brake: Brake, *, level: int) -> ColdSolve:
+    """The cold solve of a brake by hp elements on one level of LEVELS, without error estimate.
 
-    The coarsest level is solved before, because the elements are graded to the contact's ends.
+    The coarsest level is solved first, because it finds the contact's ends, to which the elements
+    of the level are graded.
     """
     levels = (LEVELS[0], LEVELS[level])[-level - 1 :]
     *_, (scene, response) = solve_brake_on_finer_and_finer_mesh_levels(
         brake, partial(solve_prepared_model, penalty=math.inf), levels=levels
     )
-    return _result_of_solve_from_start(brake, scene, response, math.inf)
+    return _cold_solve_of_prepared_model(brake, scene, response, math.inf)
 
 
-def _solve_from_start_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
-    """The result of solving a brake by hp elements that are refined to an estimated error.
+def _cold_solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
+    """The cold solve of a brake by hp elements that are refined to an estimated error.
 
     tolerance : largest relative error of the pressure. The torque keeps the default tolerance where
     that is smaller.
@@ -295,13 +296,11 @@ def _solve_from_start_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSol
     scene, response = solve_brake_to_tolerance(
         brake, allowed, partial(solve_prepared_model, penalty=math.inf)
     )
-    return _result_of_solve_from_start(brake, scene, response, math.inf)
+    return _cold_solve_of_prepared_model(brake, scene, response, math.inf)
 
 
-def _solve_from_start_by_pointwise_penalty(
-    brake: Brake, *, elements: int, penalty: float
-) -> ColdSolve:
-    """The result of solving a brake by the pointwise penalty, the contact method of textbooks.
+def _cold_solve_by_pointwise_penalty(brake: Brake, *, elements: int, penalty: float) -> ColdSolve:
+    """The cold solve of a brake by the pointwise penalty, the contact method of textbooks.
 
     elements : number of elements along each lining; penalty : penalty factor.
     """
@@ -319,22 +318,22 @@ def _solve_from_start_by_pointwise_penalty(
 
 
 METHOD_FAMILIES: Mapping[str, Callable[..., ColdSolve]] = {
-    "law": _solve_from_start_by_law_or_foundation,
-    "foundation": _solve_from_start_by_law_or_foundation,
-    "even mesh": _solve_from_start_on_mesh,
-    "graded mesh": _solve_from_start_on_mesh,
-    "columns": _solve_from_start_on_hp_level,
-    "columns, error stated": _solve_from_start_to_tolerance,
-    "weak penalty": _solve_from_start_on_mesh,
-    "pointwise penalty": _solve_from_start_by_pointwise_penalty,
+    "law": _cold_solve_by_law_or_foundation,
+    "foundation": _cold_solve_by_law_or_foundation,
+    "even mesh": _cold_solve_on_mesh,
+    "graded mesh": _cold_solve_on_mesh,
+    "columns": _cold_solve_on_hp_level,
+    "columns, error stated": _cold_solve_to_tolerance,
+    "weak penalty": _cold_solve_on_mesh,
+    "pointwise penalty": _cold_solve_by_pointwise_penalty,
 }
 """Function that solves a brake and returns a `ColdSolve`, for each family of drumlin's methods."""
 PEER_FAMILIES = {written: name for name, written in peers.PEERS.items()}
 """Key of each peer in `drumlin.peers`, by its name in tables, for example "CalculiX"."""
 
 
-def solve_from_start_by_method(brake: Brake, method: Method) -> ColdSolve:
-    """The result of solving a brake by one of drumlin's methods, from its data to the response.
+def cold_solve_by_method(brake: Brake, method: Method) -> ColdSolve:
+    """The cold solve of a brake by one of drumlin's methods, from its data to the response.
 
     Raises BadInput where the method does not apply to the brake, NoAnswer where it has no answer.
     """
@@ -489,7 +488,7 @@ def measure_drumlin_method_on_brake(
     row: dict[str, Any] = dict(method.journal_key_of_solve_method)
     start = time.process_time()
     try:
-        cold = solve_from_start_by_method(brake, method)
+        cold = cold_solve_by_method(brake, method)
     except DrumlinError as error:
         return row | {
             "seconds": time.process_time() - start,
@@ -499,7 +498,7 @@ def measure_drumlin_method_on_brake(
     row |= relative_errors_against_reference(brake, cold.response, truth)
     row["unknowns"] = None if cold.unknowns is None else cold.unknowns()
     row |= measure_call_time_over_unit_workload(
-        partial(solve_from_start_by_method, brake, method), unit, first
+        partial(cold_solve_by_method, brake, method), unit, first
     )._asdict()
     try:
         further = measure_call_time_over_unit_workload(
@@ -545,7 +544,7 @@ def _multiprocessing_start_context() -> Any:
 def _peak_memory_growth_by_solve_in_this_process(brake: Brake, method: Method) -> float:
     """The growth of this process's peak memory [bytes] by a whole solve of a brake by a method."""
     before = peak_memory_of_process()
-    solve_from_start_by_method(brake, method)
+    cold_solve_by_method(brake, method)
     return peak_memory_of_process() - before
 
 

@@ -59,7 +59,8 @@ ARGUMENTS_WITH_OTHER_NAMES = {
 
 def _text_with_arguments_in_place_of_options(text: str) -> str:
     """A message in which each option, such as `--model fem`, is an argument of Python."""
-    # The model that an option belongs to stands behind the option, without an equals sign.
+    # Messages such as "--kind belongs to --model fem" name the model after a blank. In Python the
+    # argument is model="fem".
     text = re.sub(r"(?<!\S)--model (\w+)", r'model="\1"', text)
 
     def argument_of_option(option: re.Match[str]) -> str:

@@ -452,9 +452,9 @@ def validator_of_table_with_growing_coordinates(
 
 
 def rows_of_array(value: object) -> object:
-    """The rows of an array (n, 2) as a list, a number for an array of one number, else the value.
+    """A numpy array as plain data: a list of rows for the shape (n, 2), a number for the shape ().
 
-    Raises ValueError for an array of another shape.
+    A value that is no array is returned as it is. Raises ValueError for an array of another shape.
     """
     if not isinstance(value, np.ndarray):
         return value

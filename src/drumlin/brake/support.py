@@ -272,7 +272,7 @@ class Held(Part):
         return shoe
 
     @property
-    def do_all_loads_act_at_actuation(self) -> bool:
+    def are_all_loads_moved_to_actuation(self) -> bool:
         """Whether finite elements let all loads of the shoe act where its actuation acts."""
         return self._has_loads_at_actuation
 

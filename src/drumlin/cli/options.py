@@ -137,9 +137,9 @@ ReportFolder = Annotated[Path | None, typer.Option(metavar="DIR", help="folder o
 
 
 def command_options_given_by_user(**options: Any) -> dict[str, Any]:
-    """The options that the user has given: all options whose value is not None, by name.
+    """The options that the user has given, by name: all whose value is neither None nor False.
 
-    Raises BadInput for a number of elements out of range.
+    Raises BadInput if the number of elements is out of range.
     """
     from drumlin.models import model_options_given_by_user
 

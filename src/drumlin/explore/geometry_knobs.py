@@ -72,8 +72,11 @@ def _drum_radius_knob(brake: Brake) -> Knob:
 def _lining_arc_knob(brake: Brake) -> Knob:
     """The slider that moves both ends of each shoe's lining outwards, in degrees."""
 
-    def lining_ends_at_knob_value(value: float) -> Changes:
-        """New angles of the outer ends of all linings; linings side by side keep their gaps."""
+    def changed_end_angles_of_linings_at_knob_value(value: float) -> Changes:
+        """New angles of the outer ends of all linings, moved outwards by the value [deg].
+
+        Linings side by side keep the gaps between them.
+        """
         made: Changes = {}
         for i, shoe in enumerate(brake.shoes):
             parts = shoe.lining.linings
@@ -96,7 +99,7 @@ def _lining_arc_knob(brake: Brake) -> Knob:
         high=ARC_REACH,
         step=0.5,
         start=0.0,
-        changes=lining_ends_at_knob_value,
+        changes=changed_end_angles_of_linings_at_knob_value,
     )
 
 

@@ -381,8 +381,8 @@ class _WearRunInProgress:
         after, error = self._steppers[self._forward].wear_state_and_error_after_step(
             self.last_wear_state, size
         )
-        # The error of a step grows with the square of its length, since the embedded method is of
-        # first order. The factor for the next length is therefore a root.
+        # The error is the difference from a first-order method, and so grows with the square of the
+        # step's length. The factor for the next length is therefore a root.
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
         factor = min(max(growth, 0.2), MAX_STEP_GROWTH)
         if error > self._tolerance:
@@ -734,8 +734,8 @@ class _WornContact(NamedTuple):
     ----------
     p : (n,) [Pa], pressures
     rate : (n,), wear per sliding distance, dh/ds
-    tangents : for each group of linings, the function from a change of the weighted gap to the
-        change of the contact unknowns
+    tangents : for each group of linings, the linear function from a change of its weighted gap to
+        the change of its contact unknowns
     """
 
     p: Floats
@@ -900,8 +900,11 @@ class _WearStepper:
     def _pressure_change_by_worn_depth(self, tangents: Sequence[Tangent], depth: Floats) -> Floats:
         """The change of the pressure (n,) [Pa] by a small change of the worn depth.
 
-        `depth` (n,) [m] is the change of the worn depth. `tangents` holds a function for each group
-        of linings, see _WornContact.
+        Parameters
+        ----------
+        tangents : for each group of linings, the linear function from a change of its weighted gap
+            to the change of its contact unknowns
+        depth : (n,) [m], change of the worn depth
         """
         changes = []
         for interface, part, tangent in zip(self.interfaces, self.parts, tangents, strict=True):

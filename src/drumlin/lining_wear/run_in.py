@@ -262,7 +262,7 @@ def wear_brake_linings_until_worn_in(
         the run ends after `distance` or, without a distance, when pressure and torque differ by at
         most WEAR_SETTLED from their final values.
     options : `distance`, `reverse`, `torque` and `tolerance` of
-    `archard.wear_linings_over_sliding_distance`
+        `archard.wear_linings_over_sliding_distance`
 
     Raises
     ------

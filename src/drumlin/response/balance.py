@@ -102,9 +102,11 @@ def moments_that_scale_imbalance_on_guide(force: float, length: float) -> list[f
 
 
 def relative_sums_of_forces_and_moments(forces: list[Floats], moments: list[float]) -> Balance:
-    """The sum of forces (2,) [N] and the sum of moments [N m], each relative to its largest member.
+    """The magnitudes of the sum of forces and of the sum of moments, without unit.
 
-    If all forces or all moments are 0, their relative sum is 0.
+    Each magnitude is relative to the largest single force or moment of its sum. If all forces or
+    all moments are 0, their relative sum is 0. `forces` are vectors (2,) [N], and `moments` are in
+    N m.
     """
     vectors = np.array(forces).reshape(-1, 2).tolist()
     largest_force = max((math.hypot(*vector) for vector in vectors), default=0.0)

@@ -144,8 +144,8 @@ class Sweep(NamedTuple):
     units : SI unit of each varied key; None if the key takes words
     cases : all cases, in the order of the table
     pressure : unit of stresses in the table, "Pa" or "MPa"
-    sample : positions of the cases whose levels certify the other cases too; empty if each case
-        states its own errors
+    sample : positions of the cases that are solved on all levels and also state the errors of the
+        other cases; empty if each case states its own errors
     """
 
     title: str

@@ -85,6 +85,8 @@ ONE_DEGREE = math.pi / 180
 REFERENCE_REFINEMENT = Refinement(
     3,
     (
+        # The arguments of Level are: degree, zone, edge, end, ratio, opening, largest, back, hinge,
+        # through.
         Level(7, 0.02, 0.01, 0.002, 0.45, 0.45, 15 * ONE_DEGREE, 0.01, 0.01, 0.3),
         Level(8, 0.01, 0.006, 0.001, 0.5, 0.5, 15 * ONE_DEGREE, 0.003, 0.01, 0.4),
     ),

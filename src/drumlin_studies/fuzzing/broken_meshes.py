@@ -1,6 +1,7 @@
-"""Mesh files that are broken on purpose: cut off, mislabelled, torn, folded or without groups.
+"""Mesh files that are broken on purpose: cut off, torn, folded, without groups or misnamed.
 
-A group is the set of elements of a part of the shoe, or the set of nodes on one of its boundaries.
+A misnamed file has the suffix of another format. A group is the set of elements of a part of the
+shoe, or the set of nodes on one of its boundaries.
 """
 
 import math
@@ -76,11 +77,14 @@ def input_with_mesh_file(
 
 
 def make_input_with_impossible_mesh(rng: random.Random) -> BrokenInput:
-    """An input whose mesh file is cut off, mislabelled, has wrong counts, or is no valid shoe."""
+    """An input with a mesh file that is broken in one of four ways.
+
+    The file is cut off, has the suffix of another format, states wrong counts, or is no valid shoe.
+    """
     (maker,) = rng.choices(
         [
             _input_with_cut_off_mesh,
-            _input_with_mislabelled_mesh,
+            _input_with_mesh_suffix_of_other_format,
             _input_with_wrong_mesh_counts,
             _input_with_spoiled_shoe_mesh,
         ],
@@ -97,7 +101,7 @@ def _input_with_cut_off_mesh(rng: random.Random) -> BrokenInput:
     return input_with_mesh_file(f"mesh {suffix}: cut off", left, suffix)
 
 
-def _input_with_mislabelled_mesh(rng: random.Random) -> BrokenInput:
+def _input_with_mesh_suffix_of_other_format(rng: random.Random) -> BrokenInput:
     """An input whose mesh file has the suffix of another format, or is no mesh at all."""
     suffix, other = rng.sample(MESH_SUFFIXES, 2)
     noise = bytes(rng.randrange(256) for _ in range(99))

@@ -94,7 +94,7 @@ def make_input_with_scaled_quantities(rng: random.Random) -> BrokenInput:
 def make_input_with_wrong_values(rng: random.Random) -> BrokenInput:
     """An input whose brake file has random values for one to three keys that a brake file may have.
 
-    The keys may be ones that the file did not have.
+    The file need not have had these keys before.
     """
     data = tomllib.loads(content_of_brake_file(rng.choice(SOUND_BRAKES)).decode())
     # A change may remove a key, add an unknown one, or give a key another value.
@@ -145,7 +145,11 @@ def _words_of_random_solve_command(rng: random.Random) -> list[str]:
 
 
 def make_input_with_broken_mesh(rng: random.Random) -> BrokenInput:
-    """An input whose mesh file has broken bytes or a wrong number, is cut off, or mislabelled."""
+    """An input whose mesh file is broken.
+
+    It is cut off, has the suffix of another format, a wrong number, shuffled or doubled lines, or
+    broken bytes; a file .inp may also have lines of INP_ENDS.
+    """
     files = valid_mesh_files_by_suffix()
     suffix = rng.choice([".msh", ".inp", ".vtu"])
     data = files[suffix]

@@ -1,4 +1,4 @@
-"""What drumlin promises its users, each promise with the test that checks it; exit statuses.
+"""The promises of drumlin to its users, the tests that check them, and its exit statuses.
 
 Another test checks that these tests exist.
 """

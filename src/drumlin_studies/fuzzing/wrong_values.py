@@ -222,7 +222,7 @@ def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> 
     before : object
         Present value of the key, or None.
     """
-    # Each type that occurs in the annotation adds values near this type.
+    # For each type that occurs in the annotation, values of the type and wrong ones are added.
     said = str(annotation)
     choices: list[Any] = [
         rng.choice(WRONG_QUANTITIES),

@@ -369,7 +369,7 @@ def condensed_arc_column_stiffness(
 
 
 class _ColumnBlocks(NamedTuple):
-    """The numbers of the unknowns [loads | left side | contact | right side] of an element column.
+    """The order [loads | left side | contact | right side] of the unknowns of an element column.
 
     The stiffness on symmetric or on antisymmetric unknowns has the order [loads | left side | half
     of the contact].
@@ -410,9 +410,10 @@ class _ColumnBlocks(NamedTuple):
 
     @property
     def signs_of_mirrored_displacements(self) -> Floats:
-        """The factors (line,) of a side's displacements when they are mirrored to the other side.
+        """The factors (line,) that mirror displacements of a column's left side to its right side.
 
-        A displacement along the radius keeps its sign (1); one around the drum changes it (-1).
+        `line` is the number of displacements of one side. Displacements along the radius keep their
+        sign (1), and displacements around the drum change it (-1). The two alternate.
         """
         mirror = np.ones(self.line)
         mirror[1::2] = -1.0
@@ -426,9 +427,10 @@ def _write_stiffness_of_column_sides(
 
     Parameters
     ----------
-    whole : (c, n, n) stiffness of the columns, which is changed
-    symmetric, antisymmetric : (c, m, m) stiffness on symmetric and antisymmetric unknowns
-    blocks : numbers of the unknowns
+    whole : (c, n, n) stiffness of c columns, which is changed in place
+    symmetric, antisymmetric : (c, m, m) stiffness of the columns on their symmetric and on their
+        antisymmetric unknowns
+    blocks : order of the unknowns, and how many there are of each kind
     """
     S, A, mirror = symmetric, antisymmetric, blocks.signs_of_mirrored_displacements
     left, lines, right = (
@@ -456,9 +458,10 @@ def _write_stiffness_of_column_contact_nodes(
 
     Parameters
     ----------
-    whole : (c, n, n) stiffness of the columns, which is changed
-    symmetric, antisymmetric : (c, m, m) stiffness on symmetric and antisymmetric unknowns
-    blocks : numbers of the unknowns
+    whole : (c, n, n) stiffness of c columns, which is changed in place
+    symmetric, antisymmetric : (c, m, m) stiffness of the columns on their symmetric and on their
+        antisymmetric unknowns
+    blocks : order of the unknowns, and how many there are of each kind
     p : degree of the elements
     """
     functions = nodal_functions_along_element_column(p)

@@ -73,8 +73,8 @@ def numbering_of_element_column_unknowns(
     side, edge, node = 2 * (p + 1), sides * (p - 1), 2 * contact
     line = 2 * (layers * p + (not held)) - node
     # A line is the nodes on one side of the column. In an element the unknowns on its first and
-    # last edge follow those on its sides, from the number `own` on. In the column the right line
-    # follows the contact, from the number `far` on.
+    # last edge follow those on its sides, from unknown number `own` on. In the column the right
+    # line follows the contact, from unknown number `far` on.
     own = sides * side
     far = line + (edge + sides * node if contact else 0)
     kept, inside = [], []

@@ -391,9 +391,9 @@ nodes on the boundaries of elements (its skeleton).
 class GridUnknowns:
     """The displacements of a body in hp elements that its condensation has eliminated.
 
-    They are computed again from the contact displacements: first on the skeleton (the nodes on the
-    boundaries of elements), then inside the elements one by one. The class is a
-    `substructure.body.InnerEquations`.
+    They are computed again from the contact forces, the unit loads and the motion of the frame:
+    first on the skeleton (the nodes on the boundaries of elements), then inside the elements one by
+    one. The class is a `substructure.body.InnerEquations`.
 
     Attributes
     ----------
@@ -449,10 +449,10 @@ class GridUnknowns:
     def nodal_displacements_in_load_cases(
         self, nodal: Floats, frame: Floats, loads: Floats
     ) -> Floats:
-        """The displacements (2 grid nodes, m) [m] of all nodes; see `CondensedBody.displacements`.
+        """The displacements (2 grid nodes, m) [m] of all nodes in m load cases.
 
-        `nodal` and `frame` are the displacements of the contact nodes and of the hinge's frame, and
-        `loads` the factors of the unit loads, in m load cases.
+        In each load case act forces `nodal` (2n, m) [N] on the n contact nodes and the unit loads
+        times `loads` (l, m), while the hinge's frame moves by `frame` (3, m).
         """
         sides, count = self.grid.grid_without_inner_element_nodes, self.further.shape[1]
         system = self.whole_system(sides)

@@ -263,7 +263,8 @@ def _lining_offsets_beyond_rounding(
     if len(off) < 3 or not slack.any():
         shape[np.abs(off) > slack] = off[np.abs(off) > slack]
         return shape
-    # Each node is judged by the mean offset of its neighbours, in which rounding errors cancel.
+    # Whether the offset of a node is more than rounding is judged by the mean offset of its
+    # neighbours, in which rounding errors cancel.
     step = float(np.median(np.diff(place)))
     for i in range(len(off)):
         # Where the circle is parallel to x or y, all nodes within sqrt(2 R d) have about the same

@@ -46,7 +46,7 @@ def points_where_shoe_body_is_loaded(shoe: Shoe) -> Floats:
     They are the points of its further forces, and last its centre of mass if it has a mass. A rigid
     shoe has no such points, because only the resultant of its forces matters.
     """
-    if shoe.body is None or shoe.do_all_loads_act_at_actuation:
+    if shoe.body is None or shoe.are_all_loads_moved_to_actuation:
         return np.zeros((0, 2))
     points = [each.point for each in shoe.forces_at_points_besides_actuation]
     if shoe.mass is not None:

@@ -4,9 +4,9 @@ The set of elements is halved again and again, into smaller and smaller regions.
 the smallest region that contains all elements around it. The unknowns of a region are eliminated
 together, by one dense Cholesky factorisation of the region's front. The front is the dense matrix
 of the region's own unknowns and of the later unknowns that are coupled with them. The Schur
-complement of the front on these later unknowns is added to the front of the earliest region among
-them (multifrontal elimination: Duff & Reid 1983). The work consists of dense matrix products, and
-the kept unknowns come last. The factors are stored only if the displacements of the eliminated
+complement of the front on these later unknowns is added to the front of the earliest of their
+regions (multifrontal elimination: Duff & Reid 1983). The work consists of dense matrix products.
+The kept unknowns come last. The factors are stored only if the displacements of the eliminated
 unknowns are needed.
 """
 
@@ -160,7 +160,7 @@ def eliminate_inner_unknowns(A: Any, region: Ints, loads: Floats) -> CondensedSy
         for a matrix that is not positive definite on the eliminated unknowns
     """
     lower = _lower_triangle_of_sparse_matrix(A)
-    complements = _empty_list_of_schur_complements(region)
+    complements = _empty_lists_of_schur_complements(region)
     f = np.array(loads, dtype=float)
     work = np.zeros((f.shape[1], f.shape[1]))
     for front in _factorise_front_of_each_region(lower, region, complements):
@@ -190,7 +190,7 @@ def solve_by_multifrontal_elimination(A: Any, region: Ints, right: Floats) -> Fl
     """
     lower = _lower_triangle_of_sparse_matrix(A)
     inner = len(region)
-    complements = _empty_list_of_schur_complements(region)
+    complements = _empty_lists_of_schur_complements(region)
     x = np.array(right, dtype=float)
 
     # The forward substitution goes front by front, and keeps all fronts for the back substitution.
@@ -230,8 +230,12 @@ class _FrontFactor(NamedTuple):
     below: Floats
 
 
-def _empty_list_of_schur_complements(region: Ints) -> _Complements:
-    """An empty list of Schur complements for each region, and one more for the kept unknowns."""
+def _empty_lists_of_schur_complements(region: Ints) -> _Complements:
+    """Empty lists in which Schur complements are collected.
+
+    There is one list for each region, and one for the kept unknowns. `region` (n,) is the number of
+    the region of each eliminated unknown, not decreasing.
+    """
     regions = int(region[-1]) + 1 if len(region) else 0
     return [[] for _ in range(regions + 1)]
 
@@ -313,8 +317,8 @@ def _add_schur_complements_to_front(
 ) -> None:
     """Add the Schur complements of earlier fronts to the lower triangle of a region's front.
 
-    `F` (n, n) is the front. `position` holds the row of the front for each of the front's unknowns,
-    by the number of the unknown in the whole matrix.
+    `F` (n, n) is the front of the region number `region`. `position` holds the row of the front for
+    each of the front's unknowns, by the number of the unknown in the whole matrix.
     """
     for unknowns, complement in complements[region]:
         own = position[unknowns]

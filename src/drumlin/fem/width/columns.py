@@ -48,7 +48,7 @@ class WidthUnknown(NamedTuple):
     ----------
     z : 1 for a displacement along z, 0 for a displacement in the section
     along : position along the row of nodes, counted among the row's unknowns with the same `z`
-    row : number of the row of nodes, counted from the column's first edge, towards the contact
+    row : number of the row of nodes; row 0 is the column's edge nearest to the contact
     function : number of the function across the width, counted among the even functions for z = 0,
         and among the odd functions for z = 1
     """
@@ -63,9 +63,11 @@ class AlongRow(NamedTuple):
     """The numbers of the unknowns along one row of nodes of a column, for one function of z.
 
     The row consists of the node on the left side, the nodes inside and the node on the right side.
-    Each of these parts has two tuples: the numbers of the displacements in the section, and the
-    numbers of the displacements along z. If only the symmetric or only the antisymmetric
-    displacements of a column are unknowns, there is no right side.
+    The displacements in the section are numbered from left to right, x and y of a node one after
+    the other. The displacements along z are numbered by themselves. Each part of the row has two
+    tuples: the numbers of its displacements in the section, and of its displacements along z. If
+    only the symmetric or only the antisymmetric displacements of a column are unknowns, there is no
+    right side.
     """
 
     left: tuple[tuple[int, ...], tuple[int, ...]]
@@ -106,7 +108,8 @@ class ColumnLayers(NamedTuple):
     counts : (layers,) numbers of even and of odd functions of z in each layer, from the contact on
     even, odd : for each even and each odd function of z of the shoe, the number of the first piece
         of the half width in which the function is not zero
-    contact : whether the column's first edge is in contact
+    contact : whether the column's edge nearest to the contact is itself in contact; otherwise, as
+        in the body beyond the lining, it is free
     back : how the edge farthest from the contact moves
     """
 
@@ -144,7 +147,7 @@ class ColumnLayers(NamedTuple):
     ) -> list[WidthUnknown]:
         """The unknowns at a row of nodes that do not belong to the contact.
 
-        `along` are the numbers along the row of displacements in the section, and of those along z.
+        `along` is the part `left`, `inside` or `right` of an `AlongRow`.
         """
         found = []
         for z, function in self.kind_and_width_function_of_row_unknowns(row):
@@ -157,7 +160,7 @@ class ColumnLayers(NamedTuple):
     ) -> list[WidthUnknown]:
         """The unknowns on the left or the right side of a column, row by row from the contact on.
 
-        `along` are the numbers of this side's unknowns along each row: in the section, and along z.
+        `along` is the part `left` or `right` of an `AlongRow`, which is the same for all rows.
         """
         rows = range(len(self.counts) * self.p + 1)
         return [
@@ -167,7 +170,12 @@ class ColumnLayers(NamedTuple):
         ]
 
     def unknowns_of_contact_nodes(self, along: AlongRow) -> list[WidthUnknown]:
-        """The unknowns of the contact, sorted by number along the row and then by function of z."""
+        """The unknowns of the contact nodes; the list is empty without contact.
+
+        For each displacement in the section, from left to right along the contact, the list has one
+        unknown for each even function of z. `along` has the numbers of the displacements along a
+        row of nodes.
+        """
         if not self.contact:
             return []
         functions = range(self.counts[0][0])
@@ -186,8 +194,7 @@ def column_layers_of_shoe(
     functions : functions across the width of the shoe
     halves : (l,) half width of each layer [m], from the contact on
     p : degree of the hp elements
-    contact : whether the column's first edge is in contact
-    back : how the edge farthest from the contact moves
+    contact, back : as in `ColumnLayers`
     """
     return ColumnLayers(
         p,
@@ -240,9 +247,9 @@ class ColumnPlan(NamedTuple):
 
 @cache
 def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnPlan:
-    """The plan by which columns with these layers are condensed.
+    """The plan by which columns with the layers `stack` are condensed.
 
-    `along` are the numbers of the unknowns along each row of nodes.
+    `along` has the numbers of the unknowns along a row of nodes; they are the same for all rows.
     """
     names = unknown_names_of_element_column(stack, along)
     kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (names.kept, names.rest))
@@ -287,9 +294,10 @@ class ColumnUnknownNames(NamedTuple):
 
 
 def unknown_names_of_element_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNames:
-    """The unknowns of a column with these layers, sorted by what its condensation does with them.
+    """The unknowns of a column, sorted by what its condensation does with them.
 
-    `along` are the numbers of the unknowns along each row of nodes.
+    `stack` are the layers of the column. `along` has the numbers of the unknowns along a row of
+    nodes; they are the same for all rows.
     """
     p, last = stack.p, len(stack.counts)
     kept = [
@@ -330,8 +338,8 @@ def _runs_of_consecutive_unknowns(
 ) -> tuple[UnknownRun, ...]:
     """The runs of unknowns that are consecutive both in the list `mine` and by their `numbers`.
 
-    A run is a slice of `mine` and the equal slice of the numbers. Unknowns without a number are
-    left out.
+    A run is a slice of `mine`, and the slice of the numbers that these unknowns have. Unknowns
+    without a number are left out.
     """
     found: list[list[int]] = []
     for k, unknown in enumerate(mine):
@@ -355,8 +363,8 @@ def _flat_positions_of_element_stiffness_block(
 ) -> Ints:
     """Where a block of an element's stiffness stands in its flat list of entries.
 
-    The positions (rows, columns) are those in the result of
-    `_flat_stiffness_entries_of_each_element`.
+    The list is a row of the result of `_flat_stiffness_entries_of_each_element`. The positions have
+    the shape (rows, columns).
 
     Parameters
     ----------
@@ -417,7 +425,11 @@ def _flat_stiffness_entries_of_each_element(
 
 
 def _sum_of_section_times_width_integrals(section: list[Floats], width: list[Floats]) -> Floats:
-    """Section integrals times width integrals, summed over the two pairs of such integrals."""
+    """The sum of two products, each of an integral over the section and one over the width.
+
+    `section` and `width` hold two integrals each, of the shapes (c, A, B, n, n) and (k, l). The
+    result (c A B n n, k l) has the products of all their entries.
+    """
     if width[0].size == 0:
         return np.zeros((len(section[0]), 0))
     over = np.array([own.ravel() for own in width])
@@ -618,16 +630,19 @@ def _sign_of_displacement_on_mirrored_side(unknown: WidthUnknown) -> float:
 def _write_contact_stiffness_of_mirrored_columns(
     halves: list[Floats], stack: ColumnLayers, mirror: Floats, whole: Floats
 ) -> None:
-    """Write the rows and columns of the contact's unknowns into the stiffness matrices `whole`.
+    """Write the contact's rows and columns into the stiffness of c whole columns.
+
+    The entries follow from the stiffness on symmetric and on antisymmetric unknowns.
 
     Parameters
     ----------
-    halves : stiffness (c, kept, kept) on the symmetric unknowns, and on the antisymmetric unknowns
+    halves : the stiffness (c, m, m) on the symmetric unknowns, and that on the antisymmetric ones;
+        both have the order [left side | half of the contact]
     stack : the layers of the columns
     mirror : (line,) sign of each displacement on the right side relative to the left side, in
         symmetric displacements
-    whole : (c, n, n) stiffness of the columns on the unknowns of both sides and of the contact,
-        which is changed in place
+    whole : (c, n, n) stiffness of the columns, in the order [left side | contact | right side]; it
+        is changed in place
     """
     functions, count = nodal_functions_along_element_column(stack.p), stack.counts[0][0]
     line = len(mirror)

@@ -3,7 +3,7 @@
 A brake is solved twice on the same coarse hp elements of the section: with degree 2 across the
 width, and in plane stress. The two answers differ by the effect of the widths. The differences of
 their torques, forces and pressures are added to the answer of plane stress on fine elements. If the
-fine elements were the coarse ones, the corrected answer would be the answer with degree 2. The
+fine elements were the coarse elements, the corrected answer would be that with degree 2. The
 error that remains is stated as a fraction of the correction.
 """
 

@@ -1,4 +1,4 @@
-"""Solve a brake with widths to a tolerance: choose elements of the section and a degree across it.
+"""Solve a brake with widths to a tolerance: choose hp elements and a degree across the width.
 
 The section of a shoe is divided into hp elements on one of the levels of a solve; across the width
 the displacements are polynomials of z of some degree. The error has two parts, which are estimated
@@ -178,7 +178,7 @@ class SolidErrors(NamedTuple):
 
     @property
     def tolerance_that_errors_just_meet(self) -> Tolerance:
-        """The tolerance that these errors just meet."""
+        """The smallest tolerance that these errors meet: the largest pressure error, and torque."""
         return Tolerance(self.largest_pressure_error, self.torque)
 
     def is_within_error_tolerance(self, tolerance: Tolerance) -> bool:
@@ -227,7 +227,10 @@ class ComparedSection(NamedTuple):
 
 
 class LevelClimb(NamedTuple):
-    """All solved levels of a solve, and the answer of the last level with its stated errors."""
+    """The solved levels of a brake, from coarse to fine, and the answer with its stated errors.
+
+    The answer `response` is that of the last level.
+    """
 
     levels: list[SolvedLevel]
     response: Response
@@ -459,12 +462,12 @@ def coarsest_cross_section_mesh_within_tolerance(
     tolerance: Tolerance,
     factors: ErrorFactors,
 ) -> SectionError:
-    """The coarsest level of a climb whose error is within a tolerance, else the last level.
+    """The coarsest solved level whose error is within a tolerance, or else the last level.
 
     Parameters
     ----------
     brake : the brake
-    climb : the solved levels, from coarse to fine
+    climb : the solved levels, from coarse to fine, and the answer of the last level
     tolerance : relative errors that the section's hp elements may make
     factors : safety factors by which the errors are multiplied
     """
@@ -490,7 +493,7 @@ def has_shoe_with_parts_of_different_widths(brake: Brake) -> bool:
 def _message_on_unreached_error_tolerance(
     tolerance: Tolerance, error: SolidErrors, degree: int
 ) -> str:
-    """The text which says that a tolerance is not reached with the finest elements and degree."""
+    """The text which says that the finest elements and highest degree miss a tolerance."""
     pressure = error.largest_pressure_error
     return (
         f"tolerance {tolerance.pressure:g} not reached with degree {degree} across the width: "

@@ -63,9 +63,10 @@ MakeFunctions = Callable[[Shoe], WidthFunctions]
 
 
 class NodesOverWidth(NamedTuple):
-    """Stands for the nodes of a body with functions across its width; it has their count only.
+    """The number of displacements of a body with functions across its width, `unknowns`.
 
-    `unknowns` is the number of displacements of the body.
+    It stands where a body in plane stress has its mesh nodes. Of a body with widths only this
+    number is needed.
     """
 
     unknowns: int
@@ -188,8 +189,8 @@ def prepare_model_with_widths_on_given_elements(
 
     Parameters
     ----------
-    brake : the brake; the model of the width applies to it (`reason_why_width_model_does_not_apply`
-    is None)
+    brake : the brake, to which the model of the width must apply:
+        `reason_why_width_model_does_not_apply` returns None for it
     divisions : divisions of the sections into hp elements, by the index of the first shoe of each
         shape
     degree : degree across the width, or a function from a shoe to its functions across the width

@@ -136,8 +136,8 @@ def _nodal_forces_on_loaded_end(body: MeshedBody, force: Floats, point: Floats) 
     centre of the end add the couple that the force through the point (2,) [m] has about this
     centre.
     """
-    # `tri` and `edge` are the edges of triangles on the loaded end of the shoe's body, without the
-    # ends of lining and backing.
+    # Edge number `edge[k]` of the triangle `tri[k]` lies on the loaded end of the shoe's body. The
+    # ends of lining and backing are left out.
     at = body.mesh.at
     assert body.shape.loaded is not None
     on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (

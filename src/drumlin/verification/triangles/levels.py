@@ -59,7 +59,10 @@ the triangles are as small as in a contact of this length.
 """
 
 CONTACT_FINDING_LEVEL = TriangleLevel(3, 8, 1.4, 1.0)
-"""Degree and grading of the coarse meshes on which the ends of the contact are found."""
+"""Degree and grading of the coarse meshes on which the ends of the contact are found.
+
+The arguments of TriangleLevel are degree, halvings, steep and size.
+"""
 MOST_FINDING_PASSES = 6
 """Largest number of times that the brake is solved on coarse meshes to find the contact's ends.
 
