@@ -2,6 +2,7 @@
 
 import math
 import re
+from pathlib import Path
 
 import meshio
 import numpy as np
@@ -12,8 +13,10 @@ from command_line import drumlin as run
 from conftest import partly
 from drumlin.base.arrays import are_equal_with_arrays
 from drumlin.base.texts import error_as_text
+from drumlin.cli.solving import _SolvedBrake
 from drumlin.models import BUILT_IN_MODELS, MODELS
 from drumlin.studies import PACKAGES_OF_STUDIES, paths_of_all_examples
+from drumlin.sweeps.sweep_table import SweepTable
 
 
 @pytest.fixture
@@ -197,11 +200,52 @@ def test_a_table_goes_to_pandas(brake):
         ({"friction": "0.3"}, r"vary\['friction'\] = '0.3': must be a list or an array"),
         ({"friction": [-1.0]}, "friction = -1"),
         ({"shoe.lining.clearance": [lambda t: t]}, "name one shoe"),
+        ({1: [3]}, "vary: has the key 1; a key is a text"),
+        (
+            {"friction": {"from": np.array([0.3, 0.4]), "to": 1.0, "count": 2}},
+            "from: must be a number",
+        ),
+        (
+            {"friction": [np.array([0.3, 0.4]), np.zeros((2, 2, 2))]},
+            "friction: is an array of shape",
+        ),
     ],
 )
 def test_wrong_values_of_a_sweep_are_refused(brake, vary, said):
     with pytest.raises(drumlin.BadInput, match=said):
         drumlin.sweep(brake, vary, model="sine")
+
+
+@pytest.mark.parametrize("model", [5, [5], [["fem"]], {5: {}}, {"fem": 5}, []])
+def test_wrong_models_of_a_sweep_are_refused(brake, model):
+    with pytest.raises(drumlin.BadInput, match=r"^model"):
+        drumlin.sweep(brake, {"friction": [0.3]}, model=model)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"model": "sine"}, {"combine": "zip"}, {"cases": 5}, {"seed": 1}, {"certify": "every 10th"}],
+)
+def test_a_sweep_file_takes_no_second_word_on_its_keys(here, given):
+    (here / "s.toml").write_text('brake = "my.toml"\n[model.sine]\n[vary]\nfriction = [0.3]\n')
+    assert len(drumlin.sweep("s.toml")) == 1
+    ((name, value),) = given.items()
+    with pytest.raises(drumlin.BadInput, match=f"^{name} = {value!r}: belongs to vary"):
+        drumlin.sweep("s.toml", **given)
+
+
+def test_numbers_of_failed_cases_are_not_counted_nor_drawn():
+    rows = []
+    for torque, status in ((1.0, "solved"), (3.0, "solved"), (1e9, "failed: not converged")):
+        rows.append({"model": "fem", "friction": 0.3, "torque [N m]": torque, "status": status})
+    table = SweepTable("title", rows, ["friction"])
+    (found,) = table.statistics("torque")
+    assert found.cases == 2 and found.mean == 2.0 and found.largest == 3.0
+    (line,) = table.plot("friction").lines
+    assert line.get_ydata().tolist() == [1.0, 3.0]
+    for x, y in (("model", ""), ("friction", "status")):
+        with pytest.raises(drumlin.BadInput, match="has texts; only numbers can be drawn"):
+            table.plot(x, y)
 
 
 def test_functions_are_swept(brake):
@@ -249,6 +293,11 @@ def test_a_law_of_your_own_is_a_model(brake, laws):
     assert len(compared.plot().lines) == 4
     assert laws["my_sine"].assumes == "The sine of the angle from the hinge."
     assert drumlin.sweep(brake, {"friction": [0.3]}, model="my_sine")["status"] == ["solved"]
+    for jobs in (2, None):
+        with pytest.raises(
+            drumlin.BadInput, match=rf"^jobs = {jobs}: .*\(my_sine\) is solved with"
+        ):
+            drumlin.sweep(brake, {"friction": [0.3]}, model=["sine", "my_sine"], jobs=jobs)
 
 
 @pytest.mark.parametrize(
@@ -257,7 +306,11 @@ def test_a_law_of_your_own_is_a_model(brake, laws):
         (lambda phi, layout: -phi, drumlin.NoAnswer, "the lining cannot pull"),
         (lambda phi, layout: 0.0, drumlin.NoAnswer, "zero on the whole lining"),
         (lambda phi, layout: [1.0, 2.0], drumlin.BadInput, "returned an array of shape"),
-        (lambda phi, layout: phi * math.nan, drumlin.BadInput, "must return a finite number"),
+        (
+            lambda phi, layout: phi * math.nan,
+            drumlin.BadInput,
+            "a finite number .* returned nan at",
+        ),
     ],
 )
 def test_a_wrong_law_of_your_own_gives_no_number(brake, laws, shape, error, said):
@@ -269,7 +322,11 @@ def test_a_wrong_law_of_your_own_gives_no_number(brake, laws, shape, error, said
 def test_a_law_of_your_own_takes_no_name_of_drumlin(laws):
     for name in ("sine", "fem", "two words", ""):
         with pytest.raises(drumlin.BadInput, match=f"^name = {name!r}: must be a word"):
-            drumlin.law(name)(lambda phi, layout: phi)
+            drumlin.law(name)
+    # The name of a decorator without brackets is the decorated function.
+    for forgotten in (5, len):
+        with pytest.raises(drumlin.BadInput, match="must be a word"):
+            drumlin.law(forgotten)
 
 
 @pytest.mark.parametrize(
@@ -304,6 +361,13 @@ def test_the_terminal_names_its_options(here):
         assert f"{words[0]} = {words[1]!r}" in run("solve", "my.toml", *words).stderr
     both = run("solve", "my.toml", "my.toml", "--model", "sine", "--elements", 9)
     assert "--fields belong to --model fem" in both.stderr
+
+
+def test_json_of_the_terminal_names_its_options_too(brake):
+    failure = drumlin.NoAnswer("--tolerance = 1e-12: is not reached")
+    failure.name_arguments_in_place_of_options()
+    data = _SolvedBrake(Path("my.toml"), brake, None, failure).as_dict()
+    assert data == {"brake_file": "my.toml", "failure": "--tolerance = 1e-12: is not reached"}
 
 
 def test_every_command_has_a_short_help():

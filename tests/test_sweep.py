@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from command_line import drumlin as run
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
-from drumlin.base.journal import Journal
+from drumlin.base.journal import Journal, checksum_of_source_and_libraries
 from drumlin.brake.file import read_brake, si_unit_of_brake_key, vary
 from drumlin.fem.preparation import meshes
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
+from drumlin.sweeps import cases as case_solving
 from drumlin.sweeps import file as sweep_file
 from drumlin.sweeps.cases import (
     SweepCase,
@@ -22,6 +24,7 @@ from drumlin.sweeps.cases import (
     solve_case_and_return_results_or_failure,
 )
 from drumlin.sweeps.file import read_sweep_from_toml_file, sweep_from_file_data
+from drumlin.sweeps.run import solve_sweep_with_journal
 from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from picking import picked
 from shared_parts import friction_cases
@@ -336,6 +339,62 @@ def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
         # The doubled case is not solved twice.
         assert told[42] == (42, 45)
         assert told[-1] == (45, 45) and len(journal) == 44
+
+
+def test_journal_with_cases_of_another_sweep_stays(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    file, journal = tmp_path / "s.toml", tmp_path / "s.csv.journal"
+
+    def sweep_frictions(numbers, *options):
+        file.write_text(f"brake = '{BRAKE}'\n[model.sine]\n[vary]\nfriction = {numbers}\n")
+        done = run("sweep", file, "--jobs", 1, *options)
+        assert done.returncode == 0
+        return done.stderr
+
+    assert sweep_frictions([0.2, 0.3, 0.3], "--keep-journal") == "" and journal.exists()
+    said = sweep_frictions([0.3])
+    assert "s.csv.journal: is kept, since it has 1 finished cases that are not" in said
+    with Journal(journal, checksum_of_source_and_libraries()) as kept:
+        assert len(kept) == 2
+    # The sweep to which all cases belong deletes the journal; equal cases count once.
+    assert sweep_frictions([0.2, 0.3, 0.3]) == "" and not journal.exists()
+
+
+def test_table_is_written_while_the_journal_is_locked(tmp_path):
+    made = sweep({"friction": [0.2, 0.3]})
+    journal = tmp_path / "t.csv.journal"
+
+    def write_table(rows):
+        with pytest.raises(BadInput, match="another run is writing it"):
+            Journal(journal)
+        return len(rows)
+
+    lines = []
+    how = {"jobs": 1, "say": lines.append}
+    kept = solve_sweep_with_journal(made, tmp_path / "t.csv", write_table, keep_journal=True, **how)
+    assert kept == 2 and journal.exists()
+    assert solve_sweep_with_journal(made, tmp_path / "t.csv", write_table, **how) == 2
+    assert not journal.exists() and lines == []
+
+
+def test_sweep_that_lacks_cases_says_so_and_keeps_its_journal(tmp_path, monkeypatch):
+    solve_case = case_solving.solve_case_without_raising
+
+    def answer_short_of_memory(case, cache=None):
+        answer = solve_case(case, cache)
+        return answer._replace(lasting=case.changes["friction"] != 0.3)
+
+    made = sweep({"friction": [0.2, 0.3, 0.4]})
+    lines = []
+    how = {"jobs": 1, "say": lines.append}
+    with monkeypatch.context() as patched:
+        patched.setattr(case_solving, "solve_case_without_raising", answer_short_of_memory)
+        solve_sweep_with_journal(made, tmp_path / "t.csv", len, **how)
+    assert len(lines) == 1
+    assert lines[0].startswith("1 of 3 cases failed for want of memory") and "again" in lines[0]
+    assert (tmp_path / "t.csv.journal").exists()
+    solve_sweep_with_journal(made, tmp_path / "t.csv", len, **how)
+    assert len(lines) == 1 and not (tmp_path / "t.csv.journal").exists()
 
 
 def test_tables(brake, tmp_path):

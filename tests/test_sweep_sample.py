@@ -12,12 +12,15 @@ from drumlin.fem.error_control.estimate import (
 )
 from drumlin.fem.error_control.first_level import kind_of_contact
 from drumlin.fem.solve import solve, solve_first_level_of_brake
+from drumlin.sweeps import cases as case_solving
+from drumlin.sweeps import certificate as certifying
 from drumlin.sweeps.cases import (
+    CaseAnswer,
     journal_keys_of_cases,
     solve_all_cases_of_sweep,
     solve_case_and_return_results_or_failure,
 )
-from drumlin.sweeps.certificate import Certificate
+from drumlin.sweeps.certificate import FIRST_LEVEL, Certificate
 from drumlin.sweeps.file import sweep_from_file_data
 from drumlin.sweeps.sample import solve_all_cases_with_sample
 
@@ -40,6 +43,8 @@ FRICTION = {"friction": over(0.1, 0.5, 20)}
     ("more", "words"),
     [
         ({"certify": "every tenth"}, "certify = 'every tenth': allowed"),
+        ({"certify": "every ²nd"}, "certify = 'every ²nd': allowed"),
+        ({"certify": f"every {'1' * 5000}th"}, "certify = 'every 1111+"),
         ({"certify": "every 1st"}, "certify = 'every 1st': allowed"),
         ({"certify": "every 10th"}, "a sample of 2 of 20 cases"),
         ({"certify": 2}, "certify = 2: is a sample of 2 of 20"),
@@ -101,6 +106,59 @@ def test_rows_say_who_certifies_them_and_go_on_from_a_journal(tmp_path):
         again = solve_all_cases_with_sample(made.cases, made.sample, journal=journal)
         assert again.rows == rows
         assert all(key in journal for key in journal_keys_of_cases(again.cases))
+
+
+LOCKED = CaseAnswer({"status": "failed: locks itself"})
+LOST = CaseAnswer({"status": "failed: no memory"}, lasting=False)
+
+
+@pytest.mark.parametrize(
+    ("answer", "failed", "said"),
+    [
+        (LOCKED, [], ""),
+        # Of six cases in the sample one may fail, if it has no extreme value and lasts.
+        (LOCKED, [1], ""),
+        (LOCKED, [-1], "case 19, which has an extreme value, has no errors of its first level"),
+        (LOCKED, [0], "case 0, which has an extreme value"),
+        (LOCKED, [1, 2, 3, 4], "only 2 of its cases have errors of their first level"),
+        (LOST, [1], "a case of the sample failed for a reason that may pass"),
+    ],
+)
+def test_sample_without_enough_errors_certifies_no_case(monkeypatch, answer, failed, said):
+    made = sweep(FRICTION, certify=4, seed=3)
+    assert len(made.sample) == 6
+    without = {made.cases[made.sample[i]].changes["friction"] for i in failed}
+    certificates = []
+
+    def answer_without_solving(case, cache=None):
+        """The given answer for the failed cases, and errors of 0.1 % for the rest of the sample."""
+        if isinstance(case.certify, Certificate):
+            certificates.append(case.certify)
+            return CaseAnswer({"status": "solved"})
+        if case.changes["friction"] in without:
+            return answer
+        errors = {"kind": "a kind"} | dict.fromkeys(QUANTITIES, 1e-3)
+        return CaseAnswer({"status": "solved", FIRST_LEVEL: errors})
+
+    monkeypatch.setattr(case_solving, "solve_case_without_raising", answer_without_solving)
+    lines = []
+    solve_all_cases_with_sample(made.cases, made.sample, say=lines.append)
+    assert len(certificates) == 14 and len(set(map(Certificate.journal_data, certificates))) == 1
+    assert certificates[0].kinds == (() if said else ("a kind",))
+    assert len(lines) == bool(said) and said in "".join(lines)
+
+
+def test_options_that_are_off_go_with_a_sample():
+    made = sweep(FRICTION, certify=4, model={"fem": {"finite_width": False}})
+    assert made.sample and made.cases[0].options == {}
+
+
+def test_tables_and_words_make_kinds_but_numbers_do_not(monkeypatch):
+    monkeypatch.setattr(certifying, "kind_of_contact", lambda brake, response: "same")
+    changes = [{"a": value, "b": 0.1 * i} for i, value in enumerate(["x", "y", [[1.0]], [[2.0]]])]
+    kinds = {certifying._kind_of_case(None, change, None) for change in [*changes, *changes]}
+    assert len(kinds) == 4
+    assert len({certifying._kind_of_case(None, {"b": b}, None) for b in (1, 2.0)}) == 1
 
 
 def test_case_of_a_kind_that_the_sample_has_not_certifies_itself(brake):

@@ -6,6 +6,7 @@ when it is called, so that `import drumlin` is fast.
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -431,8 +432,11 @@ def sweep(
     cases : number of random draws; None if no value is drawn
     seed : number that determines the random draws
     certify : which cases are solved on all levels and state the errors of the others: "every case",
-        "every 10th" or another number, or the number of cases to draw
-    jobs : number of processes that solve in parallel; None for one on each core
+        "every 10th" or another number, or the number of cases to draw. A sweep file says itself
+        what `model`, `combine`, `cases`, `seed` and `certify` are
+    jobs : number of processes that solve in parallel; None for one on each core. A script that
+        asks for more than one must call this function below `if __name__ == "__main__":`, since
+        each process reads the script again. A law of your own is solved with jobs=1
     progress : True to print the number of finished cases; or a function that is called with the
         number of finished cases and of all cases
 
@@ -446,8 +450,10 @@ def sweep(
     Raises
     ------
     BadInput
-        for an unknown key, a value that no brake can have, or a sweep file that cannot be read, in
-        one line
+        for an unknown key, a value that no brake can have, a sweep file that cannot be read, or an
+        argument that belongs into the sweep file, in one line
+    NoAnswer
+        if the processes cannot be started, or all are lost
 
     Examples
     --------
@@ -461,13 +467,18 @@ def sweep(
     from drumlin.sweeps.run import solve_sweep_in_memory
     from drumlin.sweeps.sweep_table import function_that_prints_progress
 
+    given = {"combine": combine, "cases": cases, "seed": seed, "certify": certify}
     if vary is None:
         if not isinstance(brake, str | Path):
             raise BadInput('vary: is missing, such as {"friction": [0.3, 0.4]}')
+        for name, value in ({"model": model} | given).items():
+            if value != inspect.signature(sweep).parameters[name].default:
+                raise BadInput(
+                    f"{name} = {value!r}: belongs to vary; of a sweep file, write it in the file"
+                )
         prepared, folder = read_sweep_from_toml_file(Path(brake)), Path(brake).parent
     else:
         whole, folder = _brake_or_brake_of_file(brake), Path()
-        given = {"combine": combine, "cases": cases, "seed": seed, "certify": certify}
         data = data_of_sweep_in_python(whole, vary, model, **given)
         prepared = sweep_from_file_data(data, folder.resolve(), brake=whole)
     done = function_that_prints_progress() if progress is True else progress
@@ -1065,7 +1076,10 @@ def law(name: str, assumes: str = "") -> Callable[[Shape], Shape]:
     >>> round(drumlin.solve(drumlin.example("double_shoe"), "my_sine").torque, 2)
     435.22
     """
-    from drumlin.models import register_law_of_shape
+    from drumlin.models import register_law_of_shape, require_name_for_law_of_user
+
+    # A decorator that forgets the name, `@drumlin.law`, is refused at once.
+    require_name_for_law_of_user(name)
 
     def register(shape: Shape) -> Shape:
         """Register the law with the shape of its pressure, and return the function unchanged."""

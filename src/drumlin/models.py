@@ -231,6 +231,15 @@ BUILT_IN_MODELS = frozenset(MODELS)
 """Names of the models that drumlin has by itself, which no law of the user may take."""
 
 
+def require_name_for_law_of_user(name: object) -> None:
+    """Raise BadInput for a name that is no word, or that a model of drumlin has."""
+    if not isinstance(name, str) or not name.isidentifier() or name in BUILT_IN_MODELS:
+        raise BadInput(
+            f"name = {name!r}: must be a word of letters, digits and underscores that is none of "
+            f"{', '.join(MODELS)}"
+        )
+
+
 def register_law_of_shape(name: str, assumes: str, shape: Shape) -> None:
     """Add a law of the user to MODELS, or replace an earlier law of the user with this name.
 
@@ -245,11 +254,7 @@ def register_law_of_shape(name: str, assumes: str, shape: Shape) -> None:
     BadInput
         for a name that is no word, or that a model of drumlin has
     """
-    if not name.isidentifier() or name in BUILT_IN_MODELS:
-        raise BadInput(
-            f"name = {name!r}: must be a word of letters, digits and underscores that is none of "
-            f"{', '.join(MODELS)}"
-        )
+    require_name_for_law_of_user(name)
     law = make_law_of_shape(name, assumes, shape)
     MODELS[name] = _make_model_of_closed_form_law(
         name,

@@ -135,6 +135,16 @@ class Journal(AbstractContextManager["Journal"]):
             self.path.replace(self.path.with_name(f"cases{self.path.suffix}"))
         self.close()
 
+    def close_and_delete_complete_journal(self) -> None:
+        """Close the journal of a complete run, whose results are in another file, and delete it."""
+        if self._file is not None and self.path is not None:
+            # The file stays locked until it is deleted, so that no other run reads it meanwhile.
+            # Windows has no such lock, and deletes no open file.
+            if fcntl is None:
+                self.close()
+            self.path.unlink(missing_ok=True)
+        self.close()
+
     def close(self) -> None:
         """Close the journal of an incomplete run; the next run reads its cases and goes on."""
         if self._file is not None:

@@ -95,7 +95,8 @@ class _SolvedBrake(NamedTuple):
         """The path of the brake file and the response or failure, as plain data for JSON."""
         name = {"brake_file": str(self.brake_file)}
         if self.response is None:
-            return name | {"failure": str(self.failure)}
+            assert self.failure is not None
+            return name | {"failure": text_of_error_for_command_line(self.failure)}
         return name | self.response.as_dict()
 
 

@@ -18,6 +18,7 @@ from drumlin.cli.terminal import (
 )
 
 if TYPE_CHECKING:
+    from drumlin.sweeps.cases import Row
     from drumlin.sweeps.sweep_table import SweepTable
 
 STATISTICS_LEFT_OUT_FIRST = ["most", "least"]
@@ -75,19 +76,24 @@ def sweep(
     table_file = output or Path(f"{sweep_file.stem}.csv")
     check_table_file_is_writable(table_file)
     check_output_files_are_writable(table_file)
-    finished = solve_sweep_with_journal(
+
+    def write_table(rows: "list[Row]") -> "SweepTable":
+        """Write the table with the results of all cases, and return it."""
+        solved = table_of_solved_sweep(made, rows, sweep_file.parent)
+        with show_spinner_beside_words(f"writing {table_file.name}"):
+            solved.write(table_file)
+        return solved
+
+    table = solve_sweep_with_journal(
         made,
         table_file,
+        write_table,
         jobs=jobs,
         scheduler=scheduler,
+        keep_journal=keep_journal,
         progress=show_progress_bar,
         say=print_note_to_standard_error,
     )
-    table = table_of_solved_sweep(made, finished.rows, sweep_file.parent)
-    with show_spinner_beside_words(f"writing {table_file.name}"):
-        table.write(table_file)
-    if not keep_journal:
-        finished.delete_journal_if_complete()
     _print_outcome_of_sweep(table, table_file)
 
 

@@ -57,11 +57,14 @@ def make_law_of_shape(name: str, assumes: str, shape: Shape) -> Law:
         """The shape at the angles phi, same shape as phi; checked."""
         values = np.asarray(shape(np.ravel(phi), arc), dtype=float)
         values = np.broadcast_to(values, (np.size(phi),)) if values.ndim == 0 else values
-        if values.shape != (np.size(phi),) or not np.isfinite(values).all():
+        asked = f"law {name!r}: its function must return a finite number for each angle; it "
+        if values.shape != (np.size(phi),):
             raise BadInput(
-                f"law {name!r}: its function must return a finite number for each angle; it got "
-                f"{np.size(phi)} angles and returned an array of shape {values.shape}"
+                f"{asked}got {np.size(phi)} angles and returned an array of shape {values.shape}"
             )
+        if not np.isfinite(values).all():
+            wrong = np.ravel(phi)[~np.isfinite(values)][0]
+            raise BadInput(f"{asked}returned {values[~np.isfinite(values)][0]} at {wrong:g} rad")
         if (values < 0).any():
             raise NoAnswer(f"law {name!r}: its pressure is negative, the lining cannot pull")
         return values.reshape(np.shape(phi))

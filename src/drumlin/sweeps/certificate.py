@@ -28,6 +28,12 @@ CERTIFIED = "certified"
 It is "itself" for the levels of the case, and "sample" for the levels of the sample.
 """
 
+SMALLEST_SAMPLE = 3
+"""Smallest number of cases whose first levels may certify other cases.
+
+The largest error of fewer cases says little about other cases. The limit is a judgement.
+"""
+
 FIRST_LEVEL = "first_level"
 """The name under which the row of a case in the sample keeps the errors of its first level.
 
@@ -48,7 +54,8 @@ class Certificate(NamedTuple):
 
     Attributes
     ----------
-    kinds : kinds of cases in the sample, see `_kind_of_case`
+    kinds : kinds of cases in the sample, see `_kind_of_case`; without kinds every case is solved
+        on all levels
     errors : largest relative errors of the first level in the sample, by the names of QUANTITIES
     """
 
@@ -62,12 +69,17 @@ class Certificate(NamedTuple):
 
 
 def certificate_of_sample(rows: Iterable[Mapping[str, Any]]) -> Certificate:
-    """The certificate that the rows of the solved cases in a sample give."""
+    """The certificate that the rows of the solved cases in a sample give.
+
+    It certifies no case if fewer than SMALLEST_SAMPLE rows have errors of a first level.
+    """
     members = [row[FIRST_LEVEL] for row in rows if FIRST_LEVEL in row]
+    if len(members) < SMALLEST_SAMPLE:
+        return Certificate((), {})
     kinds = sorted({str(member["kind"]) for member in members})
     largest = {}
     for name in QUANTITIES:
-        largest[name] = max((float(member[name]) for member in members), default=0.0)
+        largest[name] = max(float(member[name]) for member in members)
     return Certificate(tuple(kinds), largest)
 
 
@@ -129,9 +141,15 @@ def response_certified_by_sample(
 
 
 def _kind_of_case(brake: Brake, changes: Mapping[str, Any], first: Response) -> str:
-    """A text that is equal for cases of one kind: of the same changed words and kind of contact.
+    """A text that is equal for cases of one kind: same changed words and tables, same contact.
 
-    The changed words are values such as "clockwise" or the name of a file.
+    Changed words are values such as "clockwise". Changed tables are such as a clearance over the
+    angle; unlike numbers they have no extreme values that the sample could contain.
     """
-    words = {key: value for key, value in changes.items() if isinstance(value, str)}
-    return json.dumps([words, kind_of_contact(brake, first)], sort_keys=True)
+    others = {key: value for key, value in changes.items() if not is_varied_number(value)}
+    return json.dumps([others, kind_of_contact(brake, first)], sort_keys=True, default=str)
+
+
+def is_varied_number(value: Any) -> bool:
+    """Whether a changed value is a number, and not a word, a table or true or false."""
+    return isinstance(value, int | float) and not isinstance(value, bool)

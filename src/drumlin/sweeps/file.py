@@ -37,7 +37,7 @@ from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data, read_a
 from drumlin.brake.units import quantity_in_si
 from drumlin.fem.mesh.content import read_bytes_of_mesh_file
 from drumlin.foundation.model import validated_names_of_effects_to_include
-from drumlin.models import MODELS
+from drumlin.models import MODELS, model_options_given_by_user
 from drumlin.sweeps.cases import SweepCase, is_key_of_mesh_file, paths_of_mesh_files
 from drumlin.sweeps.options import MODEL_OPTIONS
 from drumlin.sweeps.sample import EVERY_CASE, positions_of_sample
@@ -260,7 +260,7 @@ def _validated_model_options(
         checked = _validated_table_of_sweep_file(
             f"model.{name}", MODEL_OPTIONS.get(name, Part), options
         )
-        models[name] = checked.model_dump(exclude_none=True)
+        models[name] = model_options_given_by_user(**checked.model_dump())
         # Check the names of effects under the option `lift`. On a plane the whole foundation model
         # is refused later.
         if "lift" in models[name] and not brake.surface.is_plane_and_not_drum:

@@ -40,11 +40,26 @@ def data_of_sweep_in_python(
     """
     if not isinstance(values, Mapping) or not values:
         raise BadInput('vary: must be a dict of keys and their values, {"friction": [0.3, 0.4]}')
-    named = [models] if isinstance(models, str) else models
-    options = dict(named) if isinstance(named, Mapping) else {name: {} for name in named}
+    for key in values:
+        if not isinstance(key, str):
+            raise BadInput(f'vary: has the key {key!r}; a key is a text such as "friction"')
+    options = _options_by_name_of_model(models)
     data = {name: value for name, value in keys.items() if value is not None}
     vary_table = {key: _values_with_units(brake, key, given) for key, given in values.items()}
     return {**data, "model": options, "vary": vary_table}
+
+
+def _options_by_name_of_model(models: Any) -> dict[str, Any]:
+    """The options of each model by its name; `models` as for `data_of_sweep_in_python`."""
+    if isinstance(models, str):
+        return {models: {}}
+    is_list = isinstance(models, Mapping | Sequence)
+    if not is_list or not all(isinstance(name, str) for name in models):
+        raise BadInput(
+            f'model = {models!r}: must be a name such as "fem", a list of names, or a dict of '
+            "names and their options"
+        )
+    return dict(models) if isinstance(models, Mapping) else {name: {} for name in models}
 
 
 def _values_with_units(brake: Brake, key: str, given: Any) -> Any:
@@ -78,9 +93,12 @@ def _listed_value_with_unit(brake: Brake, key: str, value: Any, unit: str | None
 
 
 def _value_with_unit(value: Any, unit: str | None) -> Any:
-    """A number with its SI unit as text; a number without unit and a text stay as they are."""
+    """A number with its SI unit as text; a number without unit and a text stay as they are.
+
+    An array of several numbers becomes a list, which the check of the sweep's data refuses.
+    """
     if isinstance(value, np.generic | np.ndarray):
-        value = value.item()
+        value = value.tolist()
     if isinstance(value, int | float) and not isinstance(value, bool) and unit:
         return f"{value!r} {unit}"
     return value

@@ -6,11 +6,12 @@ The command line keeps each finished case in a journal file, so that a stopped s
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import NamedTuple
+from typing import TypeVar
 
-from drumlin.base.errors import NoAnswer, Stopped
-from drumlin.base.journal import Journal, checksum_of_source_and_libraries
-from drumlin.sweeps.cases import Row, journal_keys_of_cases
+from drumlin.base.errors import BadInput, NoAnswer, Stopped
+from drumlin.base.journal import Journal, checksum_of_source_and_libraries, journal_key_of_case
+from drumlin.models import BUILT_IN_MODELS
+from drumlin.sweeps.cases import Row, SweepCase, journal_keys_of_cases
 from drumlin.sweeps.file import Sweep
 from drumlin.sweeps.sample import solve_all_cases_with_sample
 from drumlin.sweeps.sweep_table import SweepTable
@@ -26,6 +27,9 @@ Progress = Callable[[str], AbstractContextManager[Callable[[int, int], None]]]
 The `with` statement gives a function, to be called with the number of finished cases and the number
 of all cases.
 """
+
+Written = TypeVar("Written")
+"""The type of what the function returns that writes the table of a sweep."""
 
 
 def solve_sweep_in_memory(
@@ -43,7 +47,20 @@ def solve_sweep_in_memory(
     folder : folder to which paths of mesh files in the table are relative
     jobs : number of processes that solve cases at the same time; None: one for each core
     done : called with the number of finished cases and the number of all cases
+
+    Raises
+    ------
+    BadInput
+        if `jobs` is out of range, or if other processes would have to know a law of the user
+    NoAnswer
+        if no worker can be started, or all are lost
     """
+    # A worker process imports drumlin anew, without the laws that the user has registered here.
+    own_laws = sorted({case.model for case in prepared.cases} - BUILT_IN_MODELS)
+    if own_laws and jobs != 1:
+        raise BadInput(
+            f"--jobs = {jobs}: a law of your own ({', '.join(own_laws)}) is solved with jobs=1"
+        )
     with provide_workers_for_cases_of_sweep(jobs) as (pool, workers):
         solved = solve_all_cases_with_sample(
             prepared.cases, prepared.sample, executor=pool, workers=workers, done=done
@@ -65,52 +82,38 @@ def _progress_bar_that_shows_nothing(_: str) -> AbstractContextManager[Callable[
     return nullcontext(lambda finished, of: None)
 
 
-class FinishedSweep(NamedTuple):
-    """The results of a sweep with a journal.
-
-    Attributes
-    ----------
-    rows : results of each case
-    journal : path of the journal file
-    complete : whether all cases are in the journal, so that another run would solve none
-    """
-
-    rows: list[Row]
-    journal: Path | None
-    complete: bool
-
-    def delete_journal_if_complete(self) -> None:
-        """Delete the journal of a complete sweep, whose table has been written."""
-        if self.complete and self.journal is not None:
-            self.journal.unlink(missing_ok=True)
-
-
 def solve_sweep_with_journal(
     prepared: Sweep,
     table_file: Path,
+    write_table: Callable[[list[Row]], Written],
     *,
     jobs: int | None = None,
     scheduler: str | None = None,
+    keep_journal: bool = False,
     progress: Progress = _progress_bar_that_shows_nothing,
     say: Say = lambda line: None,
-) -> FinishedSweep:
-    """Solve a sweep, and keep each finished case in a journal file beside the table.
+) -> Written:
+    """Solve a sweep and write its table; a journal beside the table keeps each finished case.
 
-    If the sweep was stopped, the next call of this function solves the missing cases only.
+    If the sweep was stopped, the next call of this function solves the missing cases only. The
+    journal is deleted once the table is written, if all cases have lasting results, and if the
+    journal has no other cases. No other run can write the journal or the table meanwhile.
 
     Parameters
     ----------
     prepared : the sweep, as `read_sweep_from_toml_file` returns it
     table_file : path of the table; the journal has this path with ".journal" added
+    write_table : called with the results of each case; writes the table
     jobs : number of processes that solve cases; None: one for each core
     scheduler : address of a Dask scheduler whose workers solve the cases; None: processes of this
         machine solve them
+    keep_journal : whether the journal of a complete sweep is kept
     progress : makes a progress bar from the sweep's title
     say : called with each message about the journal or the workers
 
     Returns
     -------
-    the results of each case, and the journal file
+    what `write_table` returns
 
     Raises
     ------
@@ -139,12 +142,47 @@ def solve_sweep_with_journal(
                     done=done,
                     say=say,
                 )
-            # A case whose failure may pass is not in the journal.
-            keys = journal_keys_of_cases(solved.cases)
-            return FinishedSweep(solved.rows, journal.path, all(key in journal for key in keys))
+            written = write_table(solved.rows)
         # However the sweep is stopped, the message says where the finished cases are.
         except NoAnswer as error:
             raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
         except (KeyboardInterrupt, Stopped) as stop:
             stop.add_note(f"{len(journal)} {kept}")
             raise
+        _say_why_journal_stays_or_delete_it(journal, solved.cases, keep_journal, say)
+        return written
+
+
+def _say_why_journal_stays_or_delete_it(
+    journal: Journal, cases: list[SweepCase], keep: bool, say: Say
+) -> None:
+    """Delete the journal of a complete sweep, or say why it stays.
+
+    Parameters
+    ----------
+    journal : the journal, still locked
+    cases : all cases of the sweep, with their certificates
+    keep : whether the user wants to keep the journal
+    say : called with a line on why the journal stays
+    """
+    keys = list(journal_keys_of_cases(cases))
+    # A case whose failure may pass is not in the journal.
+    lost = sum(key not in journal for key in keys)
+    if lost:
+        say(
+            f"{lost} of {len(keys)} cases failed for want of memory, a file or a worker, or by a "
+            "fault of drumlin; the same command tries them again"
+        )
+        return
+    if keep:
+        return
+    # The journal belongs to the name of the table. It may have cases of another sweep file with
+    # this name, or of an earlier state of the sweep file.
+    others = len(journal) - len({journal_key_of_case(key) for key in keys})
+    if others:
+        say(
+            f"{journal.path}: is kept, since it has {others} finished cases that are not of this "
+            "sweep; delete it if you do not need them"
+        )
+        return
+    journal.close_and_delete_complete_journal()

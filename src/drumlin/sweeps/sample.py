@@ -13,25 +13,28 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
+from drumlin.base.journal import Journal
 from drumlin.sweeps.cases import (
     Row,
     SweepCase,
+    journal_keys_of_cases,
     paths_of_mesh_files,
     solve_all_cases_of_sweep,
 )
-from drumlin.sweeps.certificate import FIRST_LEVEL, SampleMember, certificate_of_sample
+from drumlin.sweeps.certificate import (
+    FIRST_LEVEL,
+    SMALLEST_SAMPLE,
+    Certificate,
+    SampleMember,
+    certificate_of_sample,
+    is_varied_number,
+)
 
 EVERY_CASE = "every case"
 """The value of the key `certify` with which each case states its own errors."""
 
 EVERY_NTH = "every [0-9]{1,6}(st|[nr]d|th)"
 """The pattern of the value of the key `certify` that draws a case of each N, such as N = 10."""
-
-SMALLEST_SAMPLE = 3
-"""Smallest number of cases that may be drawn for a sample.
-
-The largest error of fewer cases says little about other cases. The limit is a judgement.
-"""
 
 OPTIONS_WITH_SAMPLE = {"penalty", "model_error"}
 """Options of the finite elements that a sweep certified by sample may have.
@@ -75,8 +78,10 @@ def _number_of_drawn_cases(certify: str | int, count: int, shown: str) -> int:
     allowed = 'allowed: "every case", "every 10th" or another number, or a number of cases'
     drawn = certify
     if isinstance(certify, str):
-        step = int("".join(filter(str.isdigit, certify)) or 0)
-        if re.fullmatch(EVERY_NTH, certify) is None or step < 2:
+        # The pattern allows so few digits, and only those from 0 to 9, that they are a number.
+        is_step = re.fullmatch(EVERY_NTH, certify) is not None
+        step = int("".join(filter(str.isdigit, certify))) if is_step else 0
+        if step < 2:
             raise BadInput(f"{shown}: {allowed}")
         drawn = -(-count // step)
     if not SMALLEST_SAMPLE <= int(drawn) <= count:
@@ -112,7 +117,7 @@ def _positions_of_extreme_values(cases: Sequence[SweepCase], own: Sequence[int])
         values: list[tuple[Any, int]] = []
         for i in own:
             value = cases[i].changes[key]
-            if isinstance(value, int | float):
+            if is_varied_number(value):
                 values.append((value, i))
         if values:
             found.add(min(values)[1])
@@ -131,7 +136,9 @@ def solve_all_cases_with_sample(
     cases: Sequence[SweepCase],
     sample: Sequence[int],
     *,
+    journal: Journal | None = None,
     done: Callable[[int, int], None] = lambda finished, of: None,
+    say: Callable[[str], None] = lambda line: None,
     **options: Any,
 ) -> SolvedSweep:
     """Solve the cases of a sweep, first those of the sample and then the others.
@@ -143,16 +150,25 @@ def solve_all_cases_with_sample(
     ----------
     cases : the cases
     sample : positions of the cases in the sample, see `positions_of_sample`
+    journal : file that keeps the row of each finished case; None: they are kept in memory
     done : called with the number of finished cases and the number of all cases
+    say : called with a line when the sweep waits for workers, and if the sample is useless
     options : further arguments of `solve_all_cases_of_sweep`, which also says what is raised
     """
+    journal = Journal() if journal is None else journal
+    options |= {"journal": journal, "say": say}
     if not sample:
         return SolvedSweep(solve_all_cases_of_sweep(cases, done=done, **options), list(cases))
     members = [cases[i]._replace(certify=SampleMember()) for i in sample]
     rows_of_sample = solve_all_cases_of_sweep(
         members, done=lambda finished, _: done(finished, len(cases)), **options
     )
-    certificate = certificate_of_sample(rows_of_sample)
+    reason = _reason_against_sample(cases, sample, rows_of_sample)
+    if any(key not in journal for key in journal_keys_of_cases(members)):
+        reason = "a case of the sample failed for a reason that may pass"
+    if reason:
+        say(f"no case is certified by the sample, each states its own errors: {reason}")
+    certificate = Certificate((), {}) if reason else certificate_of_sample(rows_of_sample)
     rest = sorted(set(range(len(cases))) - set(sample))
     others = []
     for i in rest:
@@ -168,6 +184,30 @@ def solve_all_cases_with_sample(
     return SolvedSweep(
         [_row_without_first_level(rows[i]) for i in order], [solved[i] for i in order]
     )
+
+
+def _reason_against_sample(
+    cases: Sequence[SweepCase], sample: Sequence[int], rows_of_sample: Sequence[Row]
+) -> str:
+    """Why a solved sample must not certify other cases; "" if it may.
+
+    Without the errors of a case with an extreme value, or of enough cases, the largest error of
+    the sample may be too small for the other cases.
+
+    Parameters
+    ----------
+    cases : all cases of the sweep
+    sample : positions of the cases in the sample
+    rows_of_sample : results of the cases in the sample
+    """
+    solved = {i for i, row in zip(sample, rows_of_sample, strict=True) if FIRST_LEVEL in row}
+    own = [i for i, case in enumerate(cases) if case.model == "fem"]
+    missing = sorted(_positions_of_extreme_values(cases, own) - solved)
+    if missing:
+        return f"case {missing[0]}, which has an extreme value, has no errors of its first level"
+    if len(solved) < SMALLEST_SAMPLE:
+        return f"only {len(solved)} of its cases have errors of their first level"
+    return ""
 
 
 def _row_without_first_level(row: Row) -> Row:

@@ -7,10 +7,11 @@ from pydantic import TypeAdapter
 from drumlin.brake.key_meanings import add_meanings_of_keys
 from drumlin.brake.schema import DIALECT, UnitSchema, json_schema_without_entries_unfit_for_toml
 from drumlin.models import MODELS
+from drumlin.sweeps.certificate import SMALLEST_SAMPLE
 from drumlin.sweeps.file import DISTRIBUTIONS, Range, SweepFile
 from drumlin.sweeps.key_meanings import KEYS_OF_SWEEP_FILE
 from drumlin.sweeps.options import MODEL_OPTIONS
-from drumlin.sweeps.sample import EVERY_CASE, EVERY_NTH, SMALLEST_SAMPLE
+from drumlin.sweeps.sample import EVERY_CASE, EVERY_NTH
 
 
 def json_schema_of_sweep_file() -> dict[str, Any]:

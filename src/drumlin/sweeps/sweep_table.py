@@ -28,7 +28,7 @@ MOST_SHOWN_REASONS = 3
 
 
 class Statistics(NamedTuple):
-    """Statistics of one column of a sweep's table, over the cases that have a number there.
+    """Statistics of one column of a sweep's table, over the solved cases that have a number there.
 
     Attributes
     ----------
@@ -197,8 +197,15 @@ class SweepTable(Sequence[Row]):
 
     def _numbers_of_column(self, heading: str, model: str) -> Floats:
         """The numbers (n,) of a column in the solved cases of a model."""
-        values = [row.get(heading) for row in self.rows if row["model"] == model]
+        values = [row.get(heading) for row in self._solved_rows_of_model(model)]
         return np.array([value for value in values if isinstance(value, int | float)], dtype=float)
+
+    def _solved_rows_of_model(self, model: str) -> list[Row]:
+        """The rows of the solved cases of a model.
+
+        A case that has not converged has numbers, too, but they are not its answer.
+        """
+        return [row for row in self.rows if row["model"] == model and row["status"] == "solved"]
 
     def _headings_of_main_results(self) -> list[str]:
         """The headings of the results of which statistics are shown."""
@@ -256,7 +263,7 @@ class SweepTable(Sequence[Row]):
         return pandas.DataFrame(self.rows, columns=self.headings)
 
     def plot(self, x: str, y: str = "", axes: Any = None) -> Any:
-        """Draw the column `y` over the column `x` for each model, as points.
+        """Draw the column `y` over the column `x` for each model, with a point a solved case.
 
         Parameters
         ----------
@@ -266,19 +273,25 @@ class SweepTable(Sequence[Row]):
         Returns
         -------
         the axes
+
+        Raises
+        ------
+        BadInput
+            for an unknown column, and for a column of texts
         """
+        drawn = [self.heading_of_column(x), self.heading_of_column(y or self._effect_heading())]
+        for heading in drawn:
+            if any(isinstance(row.get(heading), str) for row in self.rows):
+                raise BadInput(f"column {heading!r}: has texts; only numbers can be drawn")
         if axes is None:
             # matplotlib is loaded only when something is drawn.
             from matplotlib import pyplot as plt  # noqa: PLC0415
 
             _, axes = plt.subplots()
-        drawn = [self.heading_of_column(x), self.heading_of_column(y or self._effect_heading())]
         for model in dict.fromkeys(row["model"] for row in self.rows):
-            rows = [row for row in self.rows if row["model"] == model]
-            points = np.array(
-                [[row.get(heading, math.nan) for heading in drawn] for row in rows], dtype=float
-            )
-            axes.plot(*points.T, ".", label=model)
+            rows = self._solved_rows_of_model(model)
+            columns = [[row.get(heading, math.nan) for row in rows] for heading in drawn]
+            axes.plot(*np.array(columns, dtype=float), ".", label=model)
         axes.set(xlabel=drawn[0], ylabel=drawn[1], title=self.title)
         axes.legend()
         return axes

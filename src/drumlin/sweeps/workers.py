@@ -209,7 +209,10 @@ class _ProcessPool(Executor):
             # A process that does not answer in time raises TimeoutError, which is an OSError.
             except (EOFError, OSError, MemoryError, RuntimeError) as error:
                 reason = " ".join(f"{type(error).__name__}: {error}".split())
-        raise NoAnswer(f"sweep: worker processes cannot be started ({reason})")
+        raise NoAnswer(
+            f"sweep: worker processes cannot be started ({reason}); a script that calls "
+            'drumlin.sweep with jobs needs `if __name__ == "__main__":`'
+        )
 
 
 class _Outcome(NamedTuple):
