@@ -9,6 +9,7 @@ import pytest
 import drumlin as package
 from command_line import drumlin
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.texts import error_as_text
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.fem.error_control.levels import LEVELS
@@ -108,7 +109,7 @@ def test_the_balance_is_that_of_the_corrected_pressure(flexible):
     assert found.balance.force == max(each.force for each in balances)
     assert found.balance.moment == max(each.moment for each in balances)
     (note,) = [line for line in found.notes if line.startswith("corrected for the widths")]
-    assert f"balances to {found.balance.force:.1e} (force)" in note
+    assert f"balances to {error_as_text(found.balance.force)} (force)" in note
     assert not any("not quite as round" in line for line in found.notes)
     # The pressure and the torque are corrected one by one, but by the same two answers.
     assert 1e-9 < found.balance.force < 1e-3
@@ -124,8 +125,8 @@ def test_a_solve_prints_what_remains_alone_and_with_the_error_of_the_mesh(root, 
     left, mesh = data["plane_stress_error"], data["error"]
     assert left["corrected"] is True
     assert left["peak"] is None
-    assert f"{LINE}p {left['pressure']:.1e} (mean over the width)" in text
-    assert f"both together: p {left['pressure'] + mesh['pressure']:.1e}" in text
+    assert f"{LINE}p {error_as_text(left['pressure'])} (mean over the width)" in text
+    assert f"both together: p {error_as_text(left['pressure'] + mesh['pressure'])}" in text
     assert "error of plane stress itself" not in text
     assert "corrected for the widths of the shoes: torque by " in text
     brake = read_brake(file)

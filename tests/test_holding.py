@@ -107,11 +107,11 @@ def test_at_the_rotation_of_full_slip_no_path_sticks():
 def test_an_increment_that_does_not_settle_is_halved():
     """An increment of `hold` that does not settle is halved.
 
-    A shoe with a gap is turned in one increment by forty times the rotation to full slip, and back.
+    A shoe with a gap is turned in one increment by 640 times the rotation to full slip, and back.
     """
     brake = draw_random_brake_with_clearances(420078)
     scene = make_prepared_model(brake, elements=12)
-    far = 40 * find_drum_rotation_of_full_slip(scene, brake)
+    far = 640 * find_drum_rotation_of_full_slip(scene, brake)
     there, back, again = states_of_holding_brake_at_rotations(
         scene, brake, np.array([far, -far, far])
     )

@@ -167,7 +167,8 @@ def test_a_mesh_file_may_have_a_contact_line_on_each_lining(tmp_path: Path) -> N
     assert side in text
     (tmp_path / "own.toml").write_text(text.replace(side, f'{side}\nmesh = "of/brake_right.msh"'))
     own = drumlin.solve(tmp_path / "own.toml", model_error=False)
-    columns = drumlin.solve(brake, model_error=False)
+    # Columns at their default tolerance are less exact than the mesh file.
+    columns = drumlin.solve(brake, model_error=False, tolerance=1e-5)
     assert own.error is not None and own.error["torque"] < 1e-3
     assert abs(own.torque / columns.torque - 1) < own.error["torque"]
     # A mesh with the contact of other linings is refused.

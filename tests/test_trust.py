@@ -107,7 +107,7 @@ def test_a_contact_within_some_hundredths_of_a_degree_of_the_end_is_known(gap, f
 @SHORT
 def test_such_a_contact_is_known_as_well_as_it_says(gap, force, length):
     brake, _ = corner(gap, force)
-    with pytest.raises(NoAnswer, match=r"the penalty makes .* of it; a larger --penalty"):
+    with pytest.raises(NoAnswer, match=r"the penalty makes .* of it; a larger penalty"):
         drumlin.solve(brake, tolerance=1e-3, penalty=1e5)
     one, finer = (drumlin.solve(brake, tolerance=tolerance).shoes[0] for tolerance in (5e-3, 1e-3))
     assert relative_distance_of_pressures(one, finer) < one.error["pressure"] < 5e-3

@@ -61,7 +61,7 @@ def paths_of_example_brakes() -> dict[str, Path]:
 
 
 def paths_of_example_sweeps() -> dict[str, Path]:
-    """The paths of the example sweep files by the names of the examples, "sweep_" and the stem."""
+    """The paths of the example sweep files by the names of the examples, `sweep_STEM`."""
     found = {}
     for path in sorted((REPOSITORY / "studies").glob("*/*.toml")):
         if re.search(r"(?m)^\[vary\]", path.read_text(encoding="utf-8")):
@@ -70,7 +70,7 @@ def paths_of_example_sweeps() -> dict[str, Path]:
 
 
 def paths_of_example_notebooks() -> dict[str, Path]:
-    """The paths of the example notebooks by the names of the examples, "notebook_" and the stem."""
+    """The paths of the example notebooks by the names of the examples, `notebook_STEM`."""
     files = sorted((REPOSITORY / "studies" / "notebooks").glob("*.ipynb"))
     return {f"notebook_{path.stem}": path for path in files}
 

@@ -49,14 +49,14 @@ from drumlin.fem.equilibrium.group import (
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 
-MOST_HALVINGS = 8
+MOST_HALVINGS = 4
 """Largest number of times that an increment of the drum's rotation is halved before the solve
 fails.
 
 Within a large increment a node may stick, slip and open one after the other. A single increment,
-which has one state for each node, then has no solution. This happens if the increment is several
-times as large as the rotation to full slip. An increment of forty times the rotation to full slip
-needs seven or eight halvings. With more halvings a brake without a solution is only refused later.
+which has one state for each node, then has no solution. This happens if the increment is many
+times as large as the rotation to full slip. An increment of 640 times the rotation to full slip
+needs four halvings. With more halvings a brake without a solution is only refused later.
 """
 FIRST_ROTATION = 1e-7
 """First rotation of the drum [rad] in the search for full slip, which enlarges it step by step.
