@@ -303,7 +303,7 @@ def test_a_law_of_your_own_is_a_model(brake, laws):
 @pytest.mark.parametrize(
     ("shape", "error", "said"),
     [
-        (lambda phi, layout: -phi, drumlin.NoAnswer, "the lining cannot pull"),
+        (lambda phi, layout: -phi, drumlin.NoAnswer, "the lining cannot pull: -.* deg from the"),
         (lambda phi, layout: 0.0, drumlin.NoAnswer, "zero on the whole lining"),
         (lambda phi, layout: [1.0, 2.0], drumlin.BadInput, "returned an array of shape"),
         (
@@ -317,6 +317,27 @@ def test_a_wrong_law_of_your_own_gives_no_number(brake, laws, shape, error, said
     drumlin.law("wrong")(shape)
     with pytest.raises(error, match=said):
         drumlin.solve(brake, "wrong")
+
+
+def test_round_off_below_zero_is_no_pull(brake, laws):
+    @drumlin.law("parabola")
+    def _(phi, layout):
+        x = (2 * phi - layout.phi_1 - layout.phi_2) / (layout.phi_2 - layout.phi_1)
+        return 1 - x**2 - 1e-15
+
+    drumlin.law("safe")(
+        lambda phi, layout: (layout.phi_2 - phi).clip(0) * (phi - layout.phi_1).clip(0)
+    )
+    found = [drumlin.solve(brake, name).torque for name in ("parabola", "safe")]
+    assert found[0] == pytest.approx(found[1], rel=1e-9)
+
+
+def test_a_comparison_of_named_models_names_all_of_them(brake):
+    with pytest.raises(drumlin.BadInput, match=r"^models = 'sin': unknown model \(did you mean"):
+        drumlin.compare(brake, models=["sin"])
+    compared = drumlin.compare(brake, models=["sine", "pivoted"])
+    failures = {outcome.model: outcome.failure for outcome in compared.outcomes}
+    assert failures["sine"] == "" and failures["pivoted"].startswith("does not apply: ")
 
 
 def test_a_law_of_your_own_takes_no_name_of_drumlin(laws):

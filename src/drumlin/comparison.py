@@ -22,7 +22,12 @@ from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_ali
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.heat import brake_with_heat_only_in_given_parts, names_of_heated_parts
-from drumlin.models import Model, applicable_models
+from drumlin.models import (
+    Model,
+    applicable_models,
+    reasons_why_models_do_not_apply,
+    require_known_model,
+)
 from drumlin.response.norms import (
     relative_distance_of_pressures,
     relative_distance_of_vectors,
@@ -412,10 +417,16 @@ def compare(
     Raises
     ------
     BadInput
-        for an option out of range
+        for an unknown model or an option out of range
     """
     outcomes = []
     named = ("solid",) if solid else models or ()
+    for name in models or ():
+        require_known_model(name, "models")
+    for name, reason in reasons_why_models_do_not_apply(brake, named).items():
+        # Without names the table has the models that apply.
+        if models is not None and name in models:
+            outcomes.append(Outcome(name, None, f"does not apply: {reason}", 0.0, 0))
     for model in applicable_models(brake, named):
         if models is not None and model.name not in models:
             continue

@@ -264,16 +264,21 @@ def register_law_of_shape(name: str, assumes: str, shape: Shape) -> None:
     )
 
 
+def require_known_model(name: str, option: str) -> None:
+    """Raise BadInput if no model has the name; `option` is what the user gave it as."""
+    if name not in MODELS:
+        raise BadInput(
+            f"{option} = {name!r}: unknown model{did_you_mean_hint(str(name), MODELS)}; "
+            f"allowed: {', '.join(MODELS)}"
+        )
+
+
 def model_with_name_that_applies_to_brake(name: str, brake: Brake) -> Model:
     """The model with this name.
 
     Raises BadInput if no model has this name, or if the model does not apply to the brake.
     """
-    if name not in MODELS:
-        raise BadInput(
-            f"--model = {name!r}: unknown model{did_you_mean_hint(name, MODELS)}; "
-            f"allowed: {', '.join(MODELS)}"
-        )
+    require_known_model(name, "--model")
     model = MODELS[name]
     # The message names the models that do apply, so that a user need not try them.
     reason = model.why_not(brake)

@@ -44,8 +44,9 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
     _print_table_of_shoes(brake, response)
     # Warnings and estimated errors stand below the table, since the last lines stay on the screen.
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
-    if energised:
-        print_line_folded_to_terminal_width(f"self-energising: {', '.join(energised)}")
+    if brake.friction:
+        names = ", ".join(energised) or "none, every shoe is trailing"
+        print_line_folded_to_terminal_width(f"self-energising: {names}")
     if response.self_locking is not None:
         print_line_folded_to_terminal_width(response.self_locking.line())
     for line in notes.warnings:

@@ -35,6 +35,10 @@ PEAK_POINTS = 2001
 On a lining of 120 degrees they are 0.06 degrees apart, and a smooth peak is met to 1e-6.
 """
 
+NEGLIGIBLE_PRESSURE = 1e-12
+"""Negative pressure, relative to the largest, that counts as zero: the round-off of a function that
+is zero at an end of the lining."""
+
 
 def make_law_of_shape(name: str, assumes: str, shape: Shape) -> Law:
     """Make the law of hinged shoes on a drum whose pressure has the given shape.
@@ -65,9 +69,14 @@ def make_law_of_shape(name: str, assumes: str, shape: Shape) -> Law:
         if not np.isfinite(values).all():
             wrong = np.ravel(phi)[~np.isfinite(values)][0]
             raise BadInput(f"{asked}returned {values[~np.isfinite(values)][0]} at {wrong:g} rad")
-        if (values < 0).any():
-            raise NoAnswer(f"law {name!r}: its pressure is negative, the lining cannot pull")
-        return values.reshape(np.shape(phi))
+        least = values.min()
+        if least < -NEGLIGIBLE_PRESSURE * np.abs(values).max():
+            at = np.ravel(phi)[values.argmin()]
+            raise NoAnswer(
+                f"law {name!r}: its pressure is negative, the lining cannot pull: "
+                f"{least:.3g} at {np.degrees(at):.4g} deg from the hinge"
+            )
+        return np.maximum(values, 0.0).reshape(np.shape(phi))
 
     def load_on_part(whole: Layout, part: Layout) -> Load:
         """Integrals of the shape over a part of the arc, by Gauss's rule on equal pieces."""

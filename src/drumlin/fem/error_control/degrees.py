@@ -63,11 +63,11 @@ CANCELLED_FORCE_FACTOR = 0.002
 
 No mesh has needed it so far. A larger factor makes stated errors larger. The value is a judgement.
 """
-DEGREE_FACTORS = Factors(pressure=0.45, force=0.05, cancelled=CANCELLED_FORCE_FACTOR, peak=0.5)
+DEGREE_FACTORS = Factors(pressure=0.45, force=0.03, cancelled=CANCELLED_FORCE_FACTOR, peak=0.5)
 """The factors of the error estimate from two levels on a mesh file; see `Factors` for each number.
 
 A smaller factor makes stated errors too small, a larger one only larger. On 70 meshes by Gmsh a
-pressure factor of 0.3, a force factor of 0.03 and a peak factor of 0.45 would just suffice. `make
+pressure factor of 0.3, a force factor of 0.018 and a peak factor of 0.45 would just suffice. `make
 degrees` compares stated with true errors on further meshes.
 """
 FORMER_SHARE = 0.04
