@@ -183,6 +183,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "CONVEX_ANGLE": "judgement; slightly re-entrant corners change nothing that is seen",
     },
     "fem/error_control/degrees.py": {
+        "FORCE_FACTOR": "judgement; a larger one makes stated errors of forces larger",
         "CANCELLED_FORCE_FACTOR": "judgement; a larger one makes stated errors of forces larger",
         "MESH_LEVELS": "larger elements at singular points take a level more for the same errors",
         "NEGLIGIBLE_SHARE": "judgement; a smaller one takes a level more for the same errors",
