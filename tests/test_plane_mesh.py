@@ -27,7 +27,7 @@ from flat_pads import BODY, KINDS, pad
 from shared_parts import solve_on_elements_of_files
 
 ELEMENTS = 16
-QUICK = {("hinge", True), ("abutment", False), ("guide", False)}
+QUICK = {("abutment", False), ("guide", False)}
 
 
 def filed(
