@@ -35,7 +35,7 @@ def laws():
         del MODELS[name]
 
 
-# from Python: paths, equality, what is shown
+# From Python: paths, equality, what is shown.
 
 
 def test_a_path_serves_as_well_as_a_brake(here):
@@ -84,7 +84,7 @@ def test_a_comparison_of_own_brakes_shows_planes_too():
     )
 
 
-# arrays and functions as values of keys
+# Arrays and functions as values of keys.
 
 
 @pytest.mark.slow
@@ -138,7 +138,7 @@ def test_a_brake_of_arrays_and_functions_has_a_file(brake, here):
     assert drumlin.read_brake("made.toml") == made
 
 
-# sweeps from Python
+# Sweeps from Python.
 
 
 def test_a_sweep_from_python_is_a_table_with_columns_by_name(brake, here):
@@ -260,7 +260,7 @@ def test_progress_is_one_line(brake, capsys):
     assert said.endswith("\r2 of 2 cases, 100 %\n") and said.count("\n") == 1
 
 
-# from Python: fields, own laws, errors
+# From Python: fields, own laws, errors.
 
 
 def test_fields_are_meshes_of_meshio_and_pyvista(brake):
@@ -374,7 +374,7 @@ def test_errors_name_the_arguments_of_python(brake, call, options, said):
     assert said in str(error.value) and "--" not in str(error.value)
 
 
-# the terminal
+# The terminal.
 
 
 def test_the_terminal_names_its_options(here):

@@ -48,6 +48,7 @@ FRICTION = {"friction": over(0.1, 0.5, 20)}
         ({"certify": "every 1st"}, "certify = 'every 1st': allowed"),
         ({"certify": "every 10th"}, "a sample of 2 of 20 cases"),
         ({"certify": 2}, "certify = 2: is a sample of 2 of 20"),
+        ({"certify": 2, "vary": {"friction": [0.2, 0.3]}}, "of 2 cases by .*; allowed: none"),
         ({"certify": 21}, "allowed: 3 to 20"),
         ({"certify": 4, "model": {"sine": {}}}, r"certify = 4: is for \[model.fem\]"),
         (

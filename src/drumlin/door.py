@@ -1015,7 +1015,7 @@ def fields(
     >>> right.stress.shape[1], bool(right.von_mises.max() > 0)
     (3, True)
     """
-    from drumlin.base.files import check_output_files_are_writable
+    from drumlin.base.files import check_output_files_are_writable, require_name_of_fields_file
     from drumlin.fem.analysis.fields import (
         stress_and_displacement_fields_of_shoes_and_ring,
         write_fields_to_vtu_file,
@@ -1025,8 +1025,7 @@ def fields(
 
     # A wrong path is refused before the brake is solved.
     path = None if output is None else Path(output)
-    if path is not None and path.suffix != ".vtu":
-        raise BadInput(f"output = {str(path)!r}: must end in .vtu")
+    require_name_of_fields_file(path, "output")
     check_output_files_are_writable(path)
     on_mesh, stiffness = (
         _solver_options_given_by_user(elements=elements, kind=kind),

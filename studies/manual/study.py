@@ -111,10 +111,13 @@ def _example_environment() -> dict[str, str]:
     python = os.pathsep.join(
         filter(None, [str(ROOT / "src"), str(ROOT), os.environ.get("PYTHONPATH", "")])
     )
-    figures = "module://matplotlib_inline.backend_inline"  # whatever the command line has set
+    # Figures appear in the page, whatever the command line has set.
+    figures = "module://matplotlib_inline.backend_inline"
+    # In a dumb terminal no command prints control codes.
+    terminal = "dumb"
     return os.environ | {
         "PATH": path,
         "PYTHONPATH": python,
-        "TERM": "dumb",  # so that no command prints control codes of a terminal
+        "TERM": terminal,
         "MPLBACKEND": figures,
     }

@@ -292,7 +292,10 @@ def spreadsheet_cell_without_formula(value: object) -> object:
     return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value
 
 
-def require_name_of_fields_file(path: Path | None) -> None:
-    """Raise BadInput for a file of displacements and stresses whose name does not end in .vtu."""
+def require_name_of_fields_file(path: Path | None, option: str = "--fields") -> None:
+    """Raise BadInput for a file of displacements and stresses whose name does not end in .vtu.
+
+    `option` is what the user gave the path as.
+    """
     if path is not None and path.suffix != ".vtu":
-        raise BadInput(f"--fields = {str(path)!r}: must end in .vtu")
+        raise BadInput(f"{option} = {str(path)!r}: must end in .vtu")

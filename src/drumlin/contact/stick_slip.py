@@ -51,10 +51,11 @@ An increment of a brake needs some five steps.
 """
 
 MOST_STATE_CHANGES = 6
-"""Largest number of changes between open, stick and slip, per contact node, on a path of solutions.
+"""Largest number of changes between open, stick and slip, per contact node, in one increment.
 
-The path leads from a load that the first states balance to the true load of the increment. If more
-changes are needed, the increment is refused.
+It bounds the changes on a path of solutions, which leads from a load that the first states balance
+to the true load of the increment, and the steps in which single nodes change. If more are needed,
+the increment is refused.
 """
 
 STATE_ROUND_OFF = 1e-10
@@ -305,6 +306,19 @@ table corrects it.
 """
 
 
+def _solution_and_violated_conditions(
+    system: _FrictionalSystem, state: Ints
+) -> tuple[_IncrementSolution, Bools]:
+    """The solution of the increment in the given states (n,), and the conditions it violates.
+
+    The conditions are (2, n): each state has two, which a node violates by more than round-off.
+    """
+    equations = _StateEquations(system, state)
+    point = equations.solve_increment_under_loads(system.q, system.h)
+    round_off = STATE_ROUND_OFF * _sizes_that_scale_round_off_of_distances(system, equations, point)
+    return point, equations.distances_of_nodes_from_stick_slip_change(point) < -round_off
+
+
 def _find_stick_and_slip_by_single_changes(
     system: _FrictionalSystem, start: Ints
 ) -> _SettledStates:
@@ -317,12 +331,7 @@ def _find_stick_and_slip_by_single_changes(
     """
     state, fewest = start, 3 * len(start)
     for step in range(1, MOST_STATE_CHANGES * len(start) + 1):
-        equations = _StateEquations(system, state)
-        point = equations.solve_increment_under_loads(system.q, system.h)
-        round_off = STATE_ROUND_OFF * _sizes_that_scale_round_off_of_distances(
-            system, equations, point
-        )
-        outside = equations.distances_of_nodes_from_stick_slip_change(point) < -round_off
+        point, outside = _solution_and_violated_conditions(system, state)
         wrong = int(np.count_nonzero(outside))
         if not wrong:
             return _SettledStates(state, point, step)
@@ -341,12 +350,7 @@ def _find_stick_and_slip_by_newton(system: _FrictionalSystem, start: Ints) -> _S
     """
     state, fewest, patience = start, 3 * len(start), MOST_STEPS_WITHOUT_PROGRESS
     for step in range(1, MOST_STATE_NEWTON_STEPS + 1):
-        equations = _StateEquations(system, state)
-        point = equations.solve_increment_under_loads(system.q, system.h)
-        round_off = STATE_ROUND_OFF * _sizes_that_scale_round_off_of_distances(
-            system, equations, point
-        )
-        outside = equations.distances_of_nodes_from_stick_slip_change(point) < -round_off
+        point, outside = _solution_and_violated_conditions(system, state)
         wrong = int(np.count_nonzero(outside))
         if not wrong:
             return _SettledStates(state, point, step)

@@ -84,10 +84,12 @@ def _number_of_drawn_cases(certify: str | int, count: int, shown: str) -> int:
         if step < 2:
             raise BadInput(f"{shown}: {allowed}")
         drawn = -(-count // step)
+    # A sweep with fewer cases has no sample at all.
+    allowed_numbers = f"{SMALLEST_SAMPLE} to {count}" if count >= SMALLEST_SAMPLE else "none"
     if not SMALLEST_SAMPLE <= int(drawn) <= count:
         raise BadInput(
             f"{shown}: is a sample of {drawn} of {count} cases by finite elements; "
-            f"allowed: {SMALLEST_SAMPLE} to {count}"
+            f"allowed: {allowed_numbers}"
         )
     return int(drawn)
 
