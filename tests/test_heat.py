@@ -9,8 +9,13 @@ import drumlin
 from conftest import ROOT
 from drumlin.base.errors import BadInput
 from drumlin.brake import read_any, read_brake, vary
+from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.heat import brake_with_heat_only_in_given_parts, radial_growth_of_heated_drum
+from drumlin.brake.heat import (
+    brake_with_heat_only_in_given_parts,
+    check_heated_shoes_can_expand,
+    radial_growth_of_heated_drum,
+)
 from drumlin.brake.writing import brake_file_text
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
@@ -19,12 +24,17 @@ from drumlin.fem.error_control.refinement import (
     assemble_full_system_of_group,
     solve_full_system_by_iterative_refinement,
 )
+from drumlin.fem.hp.shoe import function_from_depth_and_angle_to_point
 from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.bodies import free_thermal_strains_of_heated_layers
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.verification.triangles.levels import (
     CONTACT_FINDING_LEVEL,
     solve_on_triangle_level_sequence,
 )
+from drumlin_studies.heat_error import rows_of_drawn_brake
+from drumlin_studies.load_error import draw_loaded_brake
+from drumlin_studies.stated_true import stated_over_true_error_of_row
 
 HOT = read_brake(ROOT / "studies" / "heat" / "brake.toml")
 MAIN = read_brake(ROOT / "studies" / "double_shoe" / "brake.toml")
@@ -148,6 +158,47 @@ def test_both_divisions_have_the_same_hot_brake(gradient):
     assert mesh.torque == pytest.approx(columns.torque, rel=3e-5)
     for response in (columns, mesh):
         assert max(response.balance.force, response.balance.moment) < 1e-9
+
+
+HOT_BLOCK = {
+    "shoe.backing.material.expansion": 1e-5,
+    "shoe.backing.temperature_rise": 40.0,
+    "shoe.backing.back_temperature_rise": 300.0,
+}
+
+
+def test_the_temperature_of_a_block_is_linear_over_the_thickness_that_it_has_there():
+    """A block between a round lining and a straight beam is thicker at its ends."""
+    hot = vary(read_brake(ROOT / "studies" / "post_brake" / "brake.toml"), HOT_BLOCK)
+    for shoe in hot.shoes:
+        points_at = function_from_depth_and_angle_to_point(shoe, hot.size)
+        phi = np.linspace(*shoe.arc, 9)
+        strains = free_thermal_strains_of_heated_layers(shoe, hot.size)["backing"]
+        for share in (0.0, 0.25, 0.5, 1.0):
+            along, through = strains(points_at(np.full(9, 1 + share), phi))
+            assert along == pytest.approx(1e-5 * (40 + share * 260), rel=1e-12)
+            assert through == pytest.approx(along)
+        # The block that the file states is thinner than the block between lining and beam.
+        depth = shoe.distance_from_friction_surface(points_at(np.full(9, 2.0), phi), hot.size)
+        assert np.ptp(depth) > 0.1 * shoe.backing.thickness
+
+
+def test_a_block_of_a_mesh_before_a_straight_beam_has_one_temperature():
+    """Its thickness there is not known, so that a temperature linear over it is refused."""
+    hot = vary(read_brake(ROOT / "studies" / "post_brake" / "brake.toml"), HOT_BLOCK)
+    shoe = hot.shoes[0].model_copy(update={"mesh": "post.msh"})
+    with pytest.raises(ValueError, match=r"back_temperature_rise = 300 K: the block"):
+        check_heated_shoes_can_expand([shoe])
+
+
+@pytest.mark.slow
+def test_stated_errors_hold_for_a_post_whose_block_is_hotter_at_its_back():
+    """Strains with a kink inside elements fell more slowly from level to level than is stated."""
+    assert isinstance(draw_loaded_brake(540005).shoes[0].body, Beam)
+    for row in rows_of_drawn_brake(draw_loaded_brake, 540005):
+        assert row["outcome"] == "reached"
+        for name in ("pressure", "torque", "peak", "reaction"):
+            assert stated_over_true_error_of_row(row, name) > 1
 
 
 def test_heat_and_its_opposite_move_the_contact_force_of_a_free_lining_alike():

@@ -1,16 +1,19 @@
 """Judge the errors that drumlin states for random brakes with heated parts.
 
-    python -m drumlin_studies.heat_error FIRST LAST
+    python -m drumlin_studies.heat_error FIRST LAST FILE
 
 draws the hot brakes with the seeds FIRST to LAST - 1, solves each to the tolerances HOT_TOLERANCES,
 and prints the ratios of stated to true errors. True errors are differences from a solution on much
-finer meshes.
+finer meshes. FILE keeps the errors of each brake, so that a later run only solves the brakes that
+the file lacks, and prints the table of all brakes in the file.
 """
 
+import json
 import math
 import sys
 from collections.abc import Callable, Mapping
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -106,7 +109,8 @@ def _draw_random_temperature_rises_of_part(
 def rows_of_drawn_brake(draw: Callable[[int], Brake], seed: int) -> list[dict[str, Any]]:
     """The rows of stated and true errors of one brake, one for each judged tolerance.
 
-    `draw` is a function that draws the brake of a seed, and may raise BadInput.
+    `draw` is a function that draws the brake of a seed, and may raise BadInput. A brake that is not
+    drawn has no rows.
     """
     try:
         brake = draw(seed)
@@ -137,21 +141,50 @@ def _text_on_outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
     return f"{row['outcome']} ({name} {known[name]:.2g})"
 
 
-def judge_brakes_of_seeds(draw: Callable[[int], Brake], first: int, last: int) -> None:
-    """Judge the brakes with the seeds from `first` to below `last`, and print the summary.
+def read_judged_rows(path: Path) -> dict[int, list[dict[str, Any]]]:
+    """The rows of errors that a file keeps, by the seed of the brake; none if there is no file.
 
-    `draw` is a function that draws the brake of a seed, and may raise BadInput.
+    Each line of the file is the seed and the rows of one brake, in JSON.
     """
-    rows: list[dict[str, Any]] = []
-    for seed in range(first, last):
-        own = rows_of_drawn_brake(draw, seed)
-        rows += own
+    if not path.exists():
+        return {}
+    lines = path.read_text(encoding="utf-8").splitlines()
+    judged = map(json.loads, lines)
+    return {one["seed"]: one["rows"] for one in judged}
+
+
+def judge_brakes_of_seeds(draw: Callable[[int], Brake], first: int, last: int, path: Path) -> None:
+    """Judge brakes that a file lacks, keep their rows in it, and print the summary of all its rows.
+
+    Parameters
+    ----------
+    draw : function
+        Draws the brake of a seed, and may raise BadInput.
+    first, last : int
+        The seeds are those from `first` to below `last`.
+    path : Path
+        The file that keeps the rows.
+    """
+    judged = read_judged_rows(path)
+    for seed in sorted({*range(first, last)} - judged.keys()):
+        own = judged[seed] = rows_of_drawn_brake(draw, seed)
+        with path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps({"seed": seed, "rows": own}) + "\n")
         sys.stdout.write(f"{seed}: {', '.join(map(_text_on_outcome_and_smallest_ratio, own))}\n")
         sys.stdout.flush()
+    rows = [row for own in judged.values() for row in own]
     for row in summary_rows_of_stated_errors(rows):
         shown = {key: f"{v:.4g}" if isinstance(v, float) else v for key, v in row.items()}
         sys.stdout.write(f"{shown}\n")
 
 
+def judge_brakes_of_command_line(draw: Callable[[int], Brake]) -> None:
+    """Judge the brakes that the command line names: the arguments FIRST, LAST and FILE.
+
+    `draw` is a function that draws the brake of a seed, and may raise BadInput.
+    """
+    judge_brakes_of_seeds(draw, int(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3]))
+
+
 if __name__ == "__main__":
-    judge_brakes_of_seeds(draw_random_brake_with_heated_parts, *map(int, sys.argv[1:3]))
+    judge_brakes_of_command_line(draw_random_brake_with_heated_parts)

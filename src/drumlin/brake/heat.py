@@ -101,6 +101,11 @@ def _check_layer_can_expand(key: str, shoe: "Shoe", layer: HeatedLayer) -> None:
         raise ValueError(
             f"{key}.back_temperature_rise = {far:g} K: {shape} has one temperature; leave it out"
         )
+    if layer.key == "backing" and near != far and isinstance(shoe.body, Beam) and shoe.mesh:
+        raise ValueError(
+            f"{key}.back_temperature_rise = {far:g} K: the block of a mesh before a straight beam "
+            "has one temperature; leave it out"
+        )
 
 
 def check_heated_drum_can_expand(drum: Drum) -> None:

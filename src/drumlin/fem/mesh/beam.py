@@ -76,6 +76,30 @@ def _reason_why_no_block_fits_behind_lining(
     return None
 
 
+def relative_depth_in_block_of_beam_shoe(shoe: Shoe, radius: float, points: Floats) -> Floats:
+    """The relative depths (...) of points in the block between a lining and a straight beam.
+
+    The depth is 0 on the back of the lining and 1 on the face of the beam, and grows evenly along
+    the lines between them that are square to the beam. The thickness of the block varies along the
+    beam, whatever `thickness` the brake file gives for the backing.
+
+    Parameters
+    ----------
+    shoe : the shoe, whose beam has a constant section
+    radius : radius of the drum [m]
+    points : (2, ...) points of the block in the frame of the shoe [m]
+    """
+    # `reason_why_beam_shoe_has_no_mesh` has refused beams without a section before this call.
+    assert isinstance(shoe.body, Beam) and shoe.body.section is not None
+    axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
+    at = shoe.frame.convert_vectors_to_brake_frame(np.moveaxis(points, 0, -1)) - axis.hinge
+    x, y = at @ axis.along, at @ axis.towards
+    back = radius + shoe.lining.thickness
+    beam_face = shoe.body.section.thickness / 2
+    lining_back = axis.distance - np.sqrt(back**2 - (x - axis.foot) ** 2)
+    return np.asarray((lining_back - y) / (lining_back - beam_face))
+
+
 class _BeamShape(NamedTuple):
     """The geometry of a straight-beam shoe.
 

@@ -9,9 +9,10 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Actuation
+from drumlin.brake.components import Actuation, Beam
 from drumlin.brake.further_loads import ForceAtPoint
 from drumlin.brake.heat import HeatedLayer, heated_layers_of_shoe
+from drumlin.fem.mesh.beam import relative_depth_in_block_of_beam_shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.preparation.load_places import (
     has_load_columns_of_forces_and_mass,
@@ -250,7 +251,8 @@ def free_thermal_strains_of_heated_layers(shoe: Shoe, radius: float) -> Strains:
 
     The result has a function from points to strains by the name of each heated layer, in the shoe's
     frame. `radius` [m] is the radius of the drum. The strains depend on the depth behind the
-    friction surface. A body has the layer "shoe", and the layer "table" if it has a flange.
+    friction surface, and in the block before a straight beam on the share of the block's thickness
+    there. A body has the layer "shoe", and the layer "table" if it has a flange.
     """
     strains = {}
     for heated in heated_layers_of_shoe(shoe):
@@ -264,9 +266,14 @@ def _free_thermal_strains_at_points(
     shoe: Shoe, radius: float, heated: HeatedLayer, points: Floats
 ) -> Floats:
     """The free thermal strains (2, ...) of a heated layer of a shoe at points (2, ...) [m]."""
-    return np.asarray(
-        heated.free_thermal_strains_at_depths(shoe.distance_from_friction_surface(points, radius))
-    )
+    if heated.key == "backing" and isinstance(shoe.body, Beam) and not shoe.mesh:
+        # The block between lining and beam is not as thick everywhere as its key `thickness`.
+        near, far = heated.depths
+        share = relative_depth_in_block_of_beam_shoe(shoe, radius, points)
+        depth = near + share * (far - near)
+    else:
+        depth = shoe.distance_from_friction_surface(points, radius)
+    return np.asarray(heated.free_thermal_strains_at_depths(depth))
 
 
 def nodal_forces_of_unit_loads_besides_actuation(
