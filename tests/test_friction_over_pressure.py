@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 import drumlin
+from conftest import ROOT
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import read_any
 from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part, vary
@@ -25,7 +26,10 @@ from drumlin.fem.solve import solve
 from drumlin.peers.peer import meshes_of_shoes_for_peer_program
 from drumlin.response.balance import relative_imbalance_of_shoe
 from drumlin.response.resultants import integral_of_piecewise_polynomial
+from drumlin.verification.triangles import solve_on_triangle_level_sequence
+from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
 from drumlin_studies.random_brake import draw_random_brake
+from drumlin_studies.stated_true import true_errors_of_response
 from flat_pads import pad
 from shared_forces import cam_brake, servo
 from winkler_lining import FORCE, PIN, RADIUS, WIDTH, K, winkler
@@ -280,6 +284,35 @@ def test_stated_errors_hold_for_tables_with_kinks(seed):
     found, fine = solve(brake, tolerance=1e-2), solve(brake, tolerance=5e-4)
     off = abs(found.torque / fine.torque - 1)
     assert off <= found.error["torque"] + fine.error["torque"]
+
+
+UNLIKE = {"friction": KINKED, "shoe[1].lining.friction": FALLING}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("file", "friction"),
+    [
+        ("double_shoe/brake.toml", {"friction": FALLING}),
+        ("double_shoe/brake.toml", UNLIKE),
+        ("brakes/uni_servo.toml", {"friction": FALLING}),
+    ],
+    ids=["hinged", "hinged, unlike linings", "servo"],
+)
+def test_the_second_solver_has_the_same_friction_over_pressure(file, friction):
+    """Triangles iterate mu(p) at fixed coefficients, by no code of the elements."""
+    brake = vary(read_any(ROOT / "studies" / file), friction)
+    found = drumlin.solve(brake, tolerance=1e-3, model_error=False)
+    coarse, fine = solve_on_triangle_level_sequence(brake, TRIANGLE_LEVELS[:2])
+    own = true_errors_of_response(brake, coarse, fine)
+    true = true_errors_of_response(brake, found.shoes, fine)
+    for name in ("pressure", "torque", "peak", "reaction"):
+        # The fine triangles have at most a quarter of the error of the coarse ones.
+        assert true[name] <= found.error[name] + own[name] / 3
+    assert own["torque"] < 5e-5
+    # At the friction of no pressure the torque is another one.
+    plain = vary(brake, {"friction": brake.friction, "shoe.lining.friction": None})
+    assert drumlin.solve(plain, model_error=False).torque > 1.05 * found.torque
 
 
 # Speed and temperature.

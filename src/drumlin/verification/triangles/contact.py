@@ -235,9 +235,8 @@ def _is_abutment_friction_sense_confirmed(
     The abutment must push the foot of the shoe, and the friction on the foot must oppose its slide
     or be large enough to hold it.
     """
-    # `drum` is the force of the drum on the lining per unit of normal force, at each node.
-    drum = brake.signed_friction_stress_over_pressure(shoe) * one.tangent - one.normal
-    reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.sum_of_forces_of_all_loads
+    drum = forces_of_drum_on_lining_nodes(brake, shoe, one, found.force)
+    reaction = -drum.sum(axis=0) - shoe.sum_of_forces_of_all_loads
     return shoe.can_abutment_exert_reaction_on_shoe(reaction, sense, float(found.motions[-1]))
 
 
@@ -261,8 +260,27 @@ class _ContactMatrices(NamedTuple):
     pull: Floats
 
 
+def friction_forces_per_contact_force(brake: Brake, shoe: Shoe, one: CondensedFace) -> Floats:
+    """The friction forces (n, n) on the nodes of a face per unit normal force on each node.
+
+    They are positive towards growing theta. Without friction that depends on the pressure, each
+    normal force causes friction on its own node only.
+    """
+    if one.friction is not None:
+        return one.friction
+    return brake.signed_friction_stress_over_pressure(shoe) * np.eye(len(one.theta))
+
+
+def forces_of_drum_on_lining_nodes(
+    brake: Brake, shoe: Shoe, one: CondensedFace, force: Floats
+) -> Floats:
+    """The forces (n, 2) [N] of the drum on the nodes of a face, from the normal forces (n,) [N]."""
+    along = friction_forces_per_contact_force(brake, shoe, one) @ force
+    return along[:, None] * one.tangent - force[:, None] * one.normal
+
+
 def _contact_matrices_of_shoe(
-    one: CondensedFace, freedoms: Freedoms, drag: float
+    one: CondensedFace, freedoms: Freedoms, drag: Floats
 ) -> _ContactMatrices:
     """The matrices of one shoe in the contact problem, on a rigid drum.
 
@@ -270,13 +288,15 @@ def _contact_matrices_of_shoe(
     ----------
     one : the shoe, condensed to the face of its lining
     freedoms : rigid-body modes and test modes of the shoe
-    drag : friction force per normal force at full slip, positive towards growing theta
+    drag : (n, n) friction forces at full slip per unit normal force on each node, positive towards
+        growing theta
     """
     m = len(one.theta)
     normal, pull = np.zeros((m, 2 * m)), np.zeros((2 * m, m))
     for c in range(2):
         normal[np.arange(m), 2 * np.arange(m) + c] = one.normal[:, c]
-        pull[2 * np.arange(m) + c, np.arange(m)] = -one.normal[:, c] + drag * one.tangent[:, c]
+        pull[c::2] = one.tangent[:, c, None] * drag
+        pull[2 * np.arange(m) + c, np.arange(m)] -= one.normal[:, c]
     by_motion, tested = (
         displacements_in_rigid_body_motions(motions, one.xy.T).transpose(1, 0, 2).reshape(2 * m, -1)
         for motions in (freedoms.motions, freedoms.tests)
@@ -306,7 +326,7 @@ def _solve_for_abutment_friction_senses(
         _contact_matrices_of_shoe(
             one,
             shoe.rigid_body_modes_of_support(sense),
-            brake.signed_friction_stress_over_pressure(shoe),
+            friction_forces_per_contact_force(brake, shoe, one),
         )
         for one, shoe, sense in zip(faces, shoes, senses, strict=True)
     ]
@@ -410,8 +430,8 @@ def loaded_point_displacement_along_force(
     It is the work of F divided by F, and has a part due to elastic deformation and a part due to
     rigid-body motion.
     """
-    drum = brake.signed_friction_stress_over_pressure(shoe) * one.tangent - one.normal
-    elastic = float(one.loaded @ (found.force[:, None] * drum).ravel()) + one.elastic_actuation_work
+    drum = forces_of_drum_on_lining_nodes(brake, shoe, one, found.force)
+    elastic = float(one.loaded @ drum.ravel()) + one.elastic_actuation_work
     return elastic / shoe.actuation.force + float(
         shoe.rigid_body_modes_of_support(sense).tip @ found.motions
     )

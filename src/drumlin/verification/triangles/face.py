@@ -75,6 +75,8 @@ class CondensedFace:
     gap : (n,) gap between lining and drum before loading [m], with the growth of a heated shoe
     degree : polynomial degree of the triangles
     unknowns : number of unknowns of the shoe before its condensation
+    friction : (n, n) friction forces on the nodes, positive towards growing theta, per unit normal
+        force on each node; None if friction does not depend on the pressure
     """
 
     theta: Floats
@@ -91,6 +93,7 @@ class CondensedFace:
     gap: Floats
     degree: int
     unknowns: int
+    friction: Floats | None = None
 
 
 def node_numbers_along_edges(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -> Ints:

@@ -10,7 +10,6 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.friction import require_friction_independent_of_pressure
 from drumlin.brake.further_loads import (
     reason_against_loads_besides_actuation,
     require_springs_with_constant_pull,
@@ -36,6 +35,7 @@ from drumlin.verification.triangles.outline import (
     make_graded_shoe_mesh,
     make_shoe_outline,
 )
+from drumlin.verification.triangles.pressure_friction import solve_until_friction_fits_pressures
 from drumlin.verification.triangles.ring import (
     condense_ring_to_lining_nodes,
     mesh_drum_ring_to_match_shoe_meshes,
@@ -131,7 +131,8 @@ def solve_brake_on_one_triangle_mesh(
         If triangles cannot mesh the brake, or if the drum's ring is neither fixed nor free at its
         rim.
     NoAnswer
-        If a shoe does not touch the drum or no contact set solves the equations.
+        If a shoe does not touch the drum, if no contact set solves the equations, or if friction
+        that depends on the pressure does not settle.
     """
     refusal = reason_if_ring_edge_is_not_fixed_or_free(brake, "the verification by triangles")
     shared = _are_forces_set_by_cam_or_strut(brake)
@@ -140,7 +141,6 @@ def solve_brake_on_one_triangle_mesh(
     if refusal is not None:
         raise BadInput(refusal)
     require_springs_with_constant_pull(brake, "the verification by triangles")
-    require_friction_independent_of_pressure(brake, "the verification by triangles")
     shoes = list(brake.shoes)
     if len(indices_of_shoes_pressed_on_drum(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")
@@ -167,7 +167,12 @@ def solve_brake_on_one_triangle_mesh(
     ]
     bore = {force.name for its in before or () for force in its.supports if force.push.force > 0}
     first = ContactAtStart(nodes, frozenset(bore))
-    shoes, found = _contact_forces_of_condensed_shoes(brake, faces, ring, first)
+    shoes, faces, found = solve_until_friction_fits_pressures(
+        brake,
+        faces,
+        first,
+        lambda own, start: _contact_forces_of_condensed_shoes(brake, own, ring, start),
+    )
     return [
         solution_from_contact_forces(brake, shoe, one, its)
         for shoe, one, its in zip(shoes, faces, found, strict=True)

@@ -16,6 +16,7 @@ from drumlin.verification.triangles.contact import (
     ContactAtStart,
     ContactForces,
     contact_forces_of_shoes_in_one_system,
+    forces_of_drum_on_lining_nodes,
     loaded_point_displacement_along_force,
 )
 from drumlin.verification.triangles.face import CondensedFace
@@ -134,7 +135,6 @@ def _solve_shoe_under_force(
 
 def _force_of_foot_on_strut(brake: Brake, face: CondensedFace, solved: _SolvedShoe) -> float:
     """The force [N] with which the foot of a solved shoe presses on the strut behind the foot."""
-    drum = brake.signed_friction_stress_over_pressure(solved.shoe) * face.tangent - face.normal
-    reaction = -(solved.forces.force[:, None] * drum).sum(axis=0)
-    reaction = reaction - solved.shoe.sum_of_forces_of_all_loads
+    drum = forces_of_drum_on_lining_nodes(brake, solved.shoe, face, solved.forces.force)
+    reaction = -drum.sum(axis=0) - solved.shoe.sum_of_forces_of_all_loads
     return float(np.hypot(*reaction))

@@ -9,7 +9,7 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import SupportForce
 from drumlin.verification.triangles import lagrange
-from drumlin.verification.triangles.contact import ContactForces
+from drumlin.verification.triangles.contact import ContactForces, friction_forces_per_contact_force
 from drumlin.verification.triangles.face import (
     FACE_GAUSS,
     FACE_WEIGHTS,
@@ -90,24 +90,35 @@ def solution_from_contact_forces(
     The pressure is equivalent to the nodal forces: on the shape function of every node in contact
     both do the same work.
     """
-    a = np.flatnonzero(found.active)
-    p = np.zeros(len(one.theta))
-    p[a] = np.linalg.solve(one.mass[np.ix_(a, a)], found.force[a])
+    p = nodal_pressures_equivalent_to_contact_forces(one, found)
     theta, p, active = _insert_open_nodes_in_slots(shoe, one, p, found.active)
-    drag = brake.signed_friction_stress_over_pressure(shoe)
+    along = friction_forces_per_contact_force(brake, shoe, one) @ found.force
     on_normal = -(found.force[:, None] * one.normal).sum(axis=0)
-    on_tangent = drag * (found.force[:, None] * one.tangent).sum(axis=0)
+    on_tangent = (along[:, None] * one.tangent).sum(axis=0)
     return ShoeSolution(
         theta=theta,
         pressure=p,
         order=one.degree,
-        torque=abs(drag) * brake.size * float(found.force.sum()),
+        torque=brake.size * abs(float(along.sum())),
         normal_force=float(np.hypot(*on_normal)),
         hinge_reaction=-(on_normal + on_tangent + shoe.sum_of_forces_of_all_loads),
         arcs=_first_and_last_angles_of_contacts(theta, p, active, one.degree),
         unknowns=one.unknowns,
         supports=found.supports,
     )
+
+
+def nodal_pressures_equivalent_to_contact_forces(
+    one: CondensedFace, found: ContactForces
+) -> Floats:
+    """The nodal pressures (n,) [Pa] of a face that do the same work as its contact forces.
+
+    The pressure is 0 at open nodes.
+    """
+    a = np.flatnonzero(found.active)
+    p = np.zeros(len(one.theta))
+    p[a] = np.linalg.solve(one.mass[np.ix_(a, a)], found.force[a])
+    return p
 
 
 def _insert_open_nodes_in_slots(
