@@ -186,6 +186,49 @@ def test_a_thin_lining_on_a_rigid_shoe_is_that_of_springs():
     assert_allclose(found.pressure_at(places), k * np.sin(places), rtol=5e-3)
 
 
+@pytest.mark.parametrize(
+    "rotation", ["clockwise", pytest.param("counter-clockwise", marks=pytest.mark.slow)]
+)
+def test_elements_on_soft_contact_are_the_sine_law_under_friction_linear_in_pressure(rotation):
+    """On a contact far softer than the bodies p = k sin phi, and the moment is quadratic in k."""
+    mu, slope, M = 0.5, -0.2 / 4e5, 900.0 * (PIN + 0.12)
+    data = {
+        "title": "rigid limit",
+        "rotation": rotation,
+        "friction": {"pressure": [0.0, 4e5], "mu": [mu, mu + slope * 4e5]},
+        "drum": {"radius": RADIUS},
+        "shoe": [
+            {
+                "name": "shoe",
+                "side": "internal",
+                "hinge": {"x": PIN, "y": 0.0},
+                "lining": {"start": 0.6, "end": 2.3, "thickness": 5e-3, "width": WIDTH}
+                | {"material": {"E": 5e8, "nu": 0.25}},
+                "actuation": {"force": 900.0, "direction": math.pi / 2}
+                | {"point": {"x": -0.12, "y": 0.0}},
+            }
+        ],
+    }
+    found = drumlin.solve(make_drum_brake_from_data(data), penalty=1e-10, model_error=False)
+    (shoe,) = found.shoes
+
+    def integral(power, lever):
+        value, _ = quad(lambda x: math.sin(x) ** power * lever(x), 0.6, 2.3, epsabs=1e-14)
+        return WIDTH * RADIUS * value
+
+    def arm(x):
+        return RADIUS - PIN * math.cos(x)
+
+    sense = 1 if shoe.self_energising else -1
+    a = -sense * slope * integral(2, arm)
+    b = PIN * integral(2, lambda x: 1.0) - sense * mu * integral(1, arm)
+    k = 2 * M / (b + math.sqrt(b * b + 4 * a * M))
+    even = integral(1, lambda x: 1.0), integral(2, lambda x: 1.0)
+    assert found.torque == pytest.approx(RADIUS * (mu * k * even[0] + slope * k**2 * even[1]), 1e-9)
+    assert_allclose(shoe.pressure, k * np.sin(shoe.theta), rtol=2e-9)
+    assert max(found.balance.force, found.balance.moment) < 1e-9
+
+
 # Equilibria of finite elements.
 
 

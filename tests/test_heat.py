@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import drumlin
 from conftest import ROOT
@@ -11,6 +12,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake import read_any, read_brake, vary
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import DrumBrake
+from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.brake.heat import (
     brake_with_heat_only_in_given_parts,
     check_heated_shoes_can_expand,
@@ -28,6 +30,7 @@ from drumlin.fem.hp.shoe import function_from_depth_and_angle_to_point
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.bodies import free_thermal_strains_of_heated_layers
 from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.solve import solve
 from drumlin.verification.triangles.levels import (
     CONTACT_FINDING_LEVEL,
     solve_on_triangle_level_sequence,
@@ -35,6 +38,7 @@ from drumlin.verification.triangles.levels import (
 from drumlin_studies.heat_error import rows_of_drawn_brake
 from drumlin_studies.load_error import draw_loaded_brake
 from drumlin_studies.stated_true import stated_over_true_error_of_row
+from flat_pads import pad
 
 HOT = read_brake(ROOT / "studies" / "heat" / "brake.toml")
 MAIN = read_brake(ROOT / "studies" / "double_shoe" / "brake.toml")
@@ -42,6 +46,8 @@ DRUM = {"drum.expansion": 11e-6, "drum.temperature_rise": 100.0}
 LINING = {"shoe.lining.material.expansion": 30e-6, "shoe.lining.temperature_rise": 100.0}
 BODY = {"shoe.body.material.expansion": 12e-6, "shoe.body.temperature_rise": 40.0}
 RING = {"thickness": 0.015, "width": 0.06, "material": {"E": 1.1e11, "nu": 0.26}}
+SOFT = 1e-10
+"""Contact stiffness relative to the lining's: the elements are then as stiff as a rigid shoe."""
 DIVISIONS = pytest.mark.parametrize("level", [LEVELS[0], None], ids=["hp elements", "mesh"])
 
 
@@ -70,6 +76,55 @@ def drum_of_brake(changes):
 def test_a_rigid_hot_drum_is_one_that_has_grown():
     grown = [{"order": 0, "amplitude": 11e-4 * MAIN.size}]
     same(solved(vary(MAIN, DRUM)), solved(vary(MAIN, {"drum.out_of_round": grown})))
+
+
+@pytest.mark.parametrize("growth", [2e-4, pytest.param(-2e-4, marks=pytest.mark.slow)])
+def test_elements_on_soft_contact_are_the_sine_law_of_a_hot_drum(growth):
+    """On a contact far softer than the bodies p = K (c sin phi - growth) on a hinged shoe.
+
+    The moment of pressure and friction about the hinge is linear in c, and is that of the force.
+    """
+    R, pin, b, mu, s, e = 0.12, 0.09, 0.04, 0.3, 0.6, 2.3
+    data = {
+        "title": "rigid limit",
+        "rotation": "counter-clockwise",
+        "friction": mu,
+        "drum": {"radius": R, "expansion": 1e-5, "temperature_rise": growth / (R * 1e-5)},
+        "shoe": [
+            {
+                "name": "shoe",
+                "side": "internal",
+                "hinge": {"x": pin, "y": 0.0},
+                "lining": {"start": s, "end": e, "thickness": 5e-3, "width": b}
+                | {"material": {"E": 2e11, "nu": 0.25}},
+                "actuation": {
+                    "force": 0.02,
+                    "direction": math.pi / 2,
+                    "point": {"x": -R, "y": 0.0},
+                },
+            }
+        ],
+    }
+    found = drumlin.solve(make_drum_brake_from_data(data), penalty=SOFT, model_error=False)
+    (shoe,) = found.shoes
+    K, sense = SOFT * 2e11 / 5e-3, 1 if shoe.self_energising else -1
+
+    def moment(p):
+        """The moment about the hinge of a pressure, and of its friction."""
+        by_pressure = quad(lambda x: p(x) * pin * math.sin(x), s, e)[0]
+        return (
+            b
+            * R
+            * (by_pressure - sense * mu * quad(lambda x: p(x) * (R - pin * math.cos(x)), s, e)[0])
+        )
+
+    c = (0.02 * (pin + R) + K * growth * moment(lambda x: 1.0)) / (K * moment(math.sin))
+    pressure = K * (c * np.sin(shoe.theta) - growth)
+    assert pressure.min() > 0.1 * pressure.max()
+    assert shoe.pressure == pytest.approx(pressure, rel=2e-9)
+    torque = mu * b * R**2 * K * quad(lambda x: c * math.sin(x) - growth, s, e)[0]
+    assert found.torque == pytest.approx(torque, rel=1e-9)
+    assert max(found.balance.force, found.balance.moment) < 1e-9
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -158,6 +213,22 @@ def test_both_divisions_have_the_same_hot_brake(gradient):
     assert mesh.torque == pytest.approx(columns.torque, rel=3e-5)
     for response in (columns, mesh):
         assert max(response.balance.force, response.balance.moment) < 1e-9
+
+
+def test_a_lining_that_grows_through_its_thickness_only_is_thicker_by_the_mean_strain():
+    """On a plane the free strain alpha T(y) across the plane causes no stress: u = Int alpha T."""
+    material = {"E_along": 2e8, "E_through": 3e8, "nu_along_through": 0.2, "G_along_through": 1e8}
+    grows = {"expansion_along": 0.0, "expansion_through": 4e-5}
+    cold = vary(pad("hinge"), {"shoe.lining.material": material | grows})
+    rises = {"shoe.lining.temperature_rise": 150.0, "shoe.lining.back_temperature_rise": 50.0}
+    thicker = vary(cold, {"shoe.lining.clearance": -4e-5 * 100.0 * cold.shoes[0].lining.thickness})
+    hot, other = (solve(vary(cold, each), elements=12) for each in (rises, {}))
+    thick = solve(thicker, elements=12)
+    assert abs(hot.effect / other.effect - 1) > 1e-3
+    assert hot.effect == pytest.approx(thick.effect, rel=1e-9)
+    peak = thick.shoes[0].peak_pressure
+    assert hot.shoes[0].pressure == pytest.approx(thick.shoes[0].pressure, abs=1e-9 * peak)
+    assert max(hot.balance.force, hot.balance.moment) < 1e-9
 
 
 HOT_BLOCK = {
