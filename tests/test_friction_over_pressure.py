@@ -22,6 +22,7 @@ from drumlin.contact.pressure_friction import (
 )
 from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.explore.answers import Explorer
+from drumlin.fem.analysis.sensitivity import sensitivity_as_text_lines
 from drumlin.fem.solve import solve
 from drumlin.peers.peer import meshes_of_shoes_for_peer_program
 from drumlin.response.balance import relative_imbalance_of_shoe
@@ -257,6 +258,58 @@ def test_friction_agrees_with_the_pressure_and_every_shoe_balances(brake, name):
         assert found.effects[i] == pytest.approx(area * force, rel=1e-4)
 
 
+def differences_of_torque(brake, key, value, step=1e-5):
+    """The derivative of the torque by the logarithm of a key, by central differences of solves."""
+    up, down = (
+        on_mesh(vary(brake, {key: value(factor)})).effect for factor in (1 + step, 1 - step)
+    )
+    return (up - down) / (2 * step)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BRAKES)
+def test_slopes_of_the_torque_are_those_of_differences(brake, name):
+    """The friction of the table changes in proportion, and the pressures change it further."""
+    table = over_pressure(BRAKES[name](brake), KINKED, **{"shoe[0].lining.friction": FALLING})
+    slopes = drumlin.sensitivity(table, elements=12)
+    assert slopes.torque == pytest.approx(on_mesh(table).effect, rel=1e-12)
+
+    def scaled(factor):
+        found = table
+        for key, of in (("friction", KINKED), ("shoe[0].lining.friction", FALLING)):
+            found = vary(found, {key: of | {"mu": [mu * factor for mu in of["mu"]]}})
+        return on_mesh(found).effect
+
+    near = (scaled(1 + 1e-5) - scaled(1 - 1e-5)) / 2e-5
+    assert slopes.friction * table.friction == pytest.approx(near, rel=1e-7)
+    shoe, own = table.shoes[0], slopes.shoes[0]
+    E = shoe.lining.material.E
+    near = differences_of_torque(table, "shoe[0].lining.material.E", lambda f: E * f, 1e-4)
+    assert own.moduli["lining"] == pytest.approx(near, rel=1e-5, abs=1e-7 * slopes.torque)
+    if own.force is not None:
+        F = shoe.actuation.force
+        near = differences_of_torque(table, "shoe[0].actuation.force", lambda f: F * f)
+        assert own.force * F == pytest.approx(near, rel=1e-7)
+    if shoe.hinge is not None:
+        y = shoe.hinge.y
+        near = differences_of_torque(table, "shoe[0].hinge.y", lambda f: y * f)
+        assert own.held["hinge"][1] * y == pytest.approx(near, rel=1e-6)
+
+
+def test_the_slope_by_friction_of_a_table_names_the_table(brake):
+    """On a table of equal coefficients the slopes are those of the number."""
+    plain = drumlin.sensitivity(vary(brake, {"friction": 0.35}), elements=6)
+    even = over_pressure(brake, EVEN)
+    table = drumlin.sensitivity(even, elements=6)
+    assert table.friction == pytest.approx(plain.friction, rel=1e-10)
+    assert table.shoes[0].force == pytest.approx(plain.shoes[0].force, rel=1e-10)
+    assert table.law is None
+    (first, *_) = sensitivity_as_text_lines(table, even)
+    assert first.endswith("all frictions in proportion, friction.pressure too")
+    falling = drumlin.sensitivity(over_pressure(brake), elements=6)
+    assert falling.S < 0.9 * plain.S
+
+
 def test_the_curve_of_hp_elements_balances_with_friction_over_pressure(brake):
     table = over_pressure(brake, KINKED)
     found = solve(table, tolerance=1e-2)
@@ -488,7 +541,6 @@ def test_a_speed_without_a_table_over_speed_is_refused(brake):
 
 REFUSED = {
     "hold": drumlin.hold,
-    "sensitivity": drumlin.sensitivity,
     "self_locking": drumlin.self_locking,
     "wear": drumlin.wear,
     "reference": drumlin.reference,

@@ -6,7 +6,8 @@ forces F and, under a cam, the travel d of the points where its forces act. The 
 the solution of the transposed equations, whose right side is the derivative of a torque T with
 respect to these unknowns. If a small change of the brake changes the equations by dr, the torque
 changes by dT = -(a, b, c) . dr. A change dmu of the friction coefficient adds (T/mu) dmu, since T =
-mu times an integral of p.
+mu times an integral of p. If mu depends on p, the equations have the tangent of the friction stress
+mu(p) p, and dmu changes all coefficients in proportion.
 
 The actuation forces are unknowns of the equations, so that forces of struts and cams need no
 special case: c is the change of T per given force.
@@ -19,6 +20,10 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.equilibrium.group import ShoeGroup
+from drumlin.fem.equilibrium.pressure_friction import (
+    group_with_tangent_of_friction_stress,
+    solve_shoe_group_with_lining_friction,
+)
 from drumlin.fem.equilibrium.sharing import contact_matrix_with_forces_as_unknowns
 
 
@@ -70,13 +75,20 @@ class GroupAdjoint(NamedTuple):
 def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     """Solve a group's contact problem, and the adjoint problem for the sum of its shoes' torques.
 
-    Raises NoAnswer as `ShoeGroup.solve_contact_and_abutment_friction` does.
+    Raises NoAnswer as `solve_shoe_group_with_lining_friction` does.
     """
-    group, contact = group.solve_contact_and_abutment_friction()
+    group, contact = solve_shoe_group_with_lining_friction(group)
     size, mu = group.largest_actuation_force, group.brake.friction
     lever, n = group.torque_of_each_shoe_per_nodal_pressure, len(contact.p)
     without_friction = _equation_matrix_of_shoe_group(group, 0.0)
     per_friction = _equation_matrix_of_shoe_group(group, 1.0) - without_friction
+    # Small changes of the pressures obey the tangent of the friction stress mu(p) p.
+    tangent, tangent_per_friction = (
+        group_with_tangent_of_friction_stress(group, contact.p),
+        per_friction,
+    )
+    if tangent is not group:
+        tangent_per_friction = _equation_matrix_of_shoe_group(tangent, 1.0) - without_friction
     y = group.rigid_body_coordinates_of_each_shoe(contact)
     F = np.abs(group.actuation_forces_under_contact_pressures(contact.p))
     coordinates = sum(map(len, y))
@@ -86,10 +98,12 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     travel = np.zeros(len(without_friction) - n - coordinates - len(F))
     answer = np.concatenate([contact.p, *y, F, travel])
     weights = np.zeros((len(answer), len(F)))
-    weights[:n] = mu * lever
+    weights[:n] = mu * tangent.torque_of_each_shoe_per_nodal_pressure
     # Pressures are unknowns only at the nodes in contact. All other unknowns are always free.
     on = np.concatenate([contact.active, np.ones(len(answer) - n, dtype=bool)])
-    each = _solve_adjoint_equations_for_torques(without_friction + mu * per_friction, on, weights)
+    each = _solve_adjoint_equations_for_torques(
+        without_friction + mu * tangent_per_friction, on, weights
+    )
     # The torque of the group is the sum of the shoes' torques, and so is its adjoint.
     a, b, c = np.split(each.sum(axis=1), [n, n + coordinates])
     shoes = []

@@ -36,7 +36,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.brake.friction import require_friction_independent_of_pressure
+from drumlin.brake.friction import key_of_pressure_dependent_friction
 from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
@@ -157,7 +157,7 @@ class Sensitivity:
         nor free
     shoes : the sensitivities of each shoe
     law : S by the rigid-shoe law: for each shoe, and then for the whole brake; None if the law has
-        no solution
+        no solution, or does not apply
     """
 
     friction_coefficient: float
@@ -244,15 +244,14 @@ def compute_torque_sensitivity(
 def _refuse_brake_whose_torque_has_no_slopes(scene: PreparedModel, brake: Brake) -> None:
     """Raise an error for a brake whose torque has no slopes here.
 
-    It is NoAnswer for a frictionless brake. It is BadInput for heated shoes, for friction that
-    depends on the pressure, and for a model that was prepared without friction.
+    It is NoAnswer for a frictionless brake. It is BadInput for heated shoes, and for a model that
+    was prepared without friction.
     """
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
     heated = reason_if_any_shoe_is_heated(brake, "the analysis of slopes")
     if heated is not None:
         raise BadInput(f"sensitivity: {heated}")
-    require_friction_independent_of_pressure(brake, "the analysis of slopes")
     if scene.brake.friction == 0:
         raise BadInput(
             f"friction = {brake.friction:g}: "
@@ -334,6 +333,9 @@ class _TorqueSlopesOfShoe:
         self.own: ShoeAdjoint = adjoint.shoes[k]
         self.body, self.shoe = self.group.substructures_of_shoes[k], self.group.shoes[k]
         self.drag = self.group.brake.signed_friction_stress_over_pressure_in_shoe_frame(self.shoe)
+        # The friction stress is `drag` times `dragging`, which equals the pressure unless friction
+        # depends on it.
+        self.dragging = self.group.friction_stress_over_coefficient_of_shoe(k, self.own.pressures)
         # Under a cam the equation of the shoe's force contains the travel of the shoe's tip, the
         # point where the force acts.
         self.under_cam = k in self.group.indices_of_shoes_under_cam
@@ -401,7 +403,7 @@ class _TorqueSlopesOfShoe:
         own, load = self.own, self.group.actuation_of_each_shoe_by_one_newton[self.k].load_factors
         N, T = self.body.coupling.N, self.body.coupling.T
         nodal = np.column_stack(
-            [self.drag * (T.T @ own.pressures) - N.T @ own.pressures, N.T @ own.gap_multipliers]
+            [self.drag * (T.T @ self.dragging) - N.T @ own.pressures, N.T @ own.gap_multipliers]
         )
         adjoint_force = -own.force_multiplier if self.under_cam else 0.0
         loads = np.column_stack([self._load_column_factors_of_shoe(), adjoint_force * load])
@@ -516,7 +518,7 @@ class _TorqueSlopesOfShoe:
         N, T = self.body.coupling.N, self.body.coupling.T
         xy = shoe.convert_points_to_brake_frame(self.body.line.xy)
         on_gaps = own.gap_multipliers @ N
-        by_drum = self.drag * (own.pressures @ T) - own.pressures @ N
+        by_drum = self.drag * (self.dragging @ T) - own.pressures @ N
         # `of_gaps` is the resultant of the adjoint contact forces, `of_drum` of the forces of the
         # drum, and `push` of the actuation force.
         of_gaps = resultant_force_and_moment(
@@ -603,12 +605,12 @@ class _TorqueSlopesOfShoe:
             - modes.test_modes @ own.equilibrium_multipliers
         )
         coupling = couple_shoe_with_drum_or_plane(line, shoe)
-        nodal = self.drag * (coupling.T.T @ own.pressures) - coupling.N.T @ own.pressures
+        nodal = self.drag * (coupling.T.T @ self.dragging) - coupling.N.T @ own.pressures
         # A rotation of the shoe also rotates the vector by which a node was moved, which displaces
         # the node.
         aside = step * np.array([-move.line_motion[1], move.line_motion[0]]).T.ravel()
         gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe)
-        value = brake.friction_of_shoe(shoe) * float(coupling.lever @ own.pressures)
+        value = brake.friction_of_shoe(shoe) * float(coupling.lever @ self.dragging)
         closing = coupling.N @ (u + aside * (turns @ own.coordinates))
         value += float(own.gap_multipliers @ (closing - coupling.M @ (gap + squeezed)))
         value += float(nodal @ (v - aside * (turns @ own.equilibrium_multipliers)))
@@ -748,11 +750,13 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
     of_law = f"{name_of_rigid_shoe_law(brake)} law"
     T, elasticity = found.torque or math.inf, f"d ln {symbol}/d ln"
     own_friction = brake.key_of_first_lining_with_own_friction()
+    over_pressure = key_of_pressure_dependent_friction(brake)
+    scaled = own_friction or over_pressure
     lines = [
         f"{effect} {found.torque:.6g} {unit}, d{symbol}/dmu {found.friction:.6g} {unit}, "
         f"S = (mu/{symbol}) d{symbol}/dmu = {_friction_sensitivity_as_text(found.S)} "
         f"({of_law}: {_friction_sensitivity_as_text(law[-1])})"
-        f"{'' if own_friction is None else f', all frictions in proportion, {own_friction} too'}"
+        f"{'' if scaled is None else f', all frictions in proportion, {scaled} too'}"
     ]
     of_brake = {
         "actuation": found.drive,
@@ -849,9 +853,10 @@ def friction_sensitivity_by_rigid_shoe_law(brake: Brake) -> tuple[float | None, 
     S = (mu/T) dT/dmu is the relative change of the torque T per relative change of friction. By the
     sine law S is exact, since the shape of its pressure is constant (UWA notes, eq. 8). By other
     laws S is None for each shoe, and S of the whole brake comes from differences of the law's
-    torque. The result is None if no law has a solution, and for a brake with orthotropic parts.
+    torque. The result is None if no law has a solution, for a brake with orthotropic parts, and for
+    friction that depends on the pressure.
     """
-    if any(names_of_orthotropic_parts(brake)):
+    if any(names_of_orthotropic_parts(brake)) or key_of_pressure_dependent_friction(brake):
         return None
     try:
         if name_of_rigid_shoe_law(brake) != "sine":

@@ -52,6 +52,20 @@ def solve_shoe_group_with_lining_friction(
     raise NoAnswer(f"{group.names_of_shoes}: friction and pressure do not agree, not converged")
 
 
+def group_with_tangent_of_friction_stress(group: ShoeGroup, p: Floats) -> ShoeGroup:
+    """A copy of a solved group whose friction coefficients are the slopes of the friction stress.
+
+    The slope d(mu p)/dp = mu + p dmu/dp at nodal pressures p (n,) gives the change of the solution
+    by a small change of the brake. The group itself is returned if friction does not depend on the
+    pressure.
+    """
+    curves = [group.brake.friction_over_pressure_of_shoe(shoe) for shoe in group.shoes]
+    if all(len(curve.mu) == 1 for curve in curves):
+        return group
+    friction = _friction_and_its_slopes_at_nodes(group, curves, p)
+    return _group_with_nodal_friction(group, friction.coefficient + friction.slope * p)
+
+
 def _solve_group_at_least_or_largest_friction(
     group: ShoeGroup, curves: list[FrictionCurve], first: Bools | None
 ) -> tuple[Floats, SolvedGroup]:

@@ -333,10 +333,10 @@ class GroupState:
     def torque_of_each_shoe_per_nodal_pressure(self) -> Floats:
         """The torque (n, shoes) [m^3] of each shoe per nodal pressure, for a brake friction of 1.
 
-        The friction of a lining with a coefficient of its own is scaled in proportion.
+        The friction of a lining or node with a coefficient of its own is scaled in proportion.
         """
-        levers = block_diag(*map(attrgetter("coupling.lever"), self.substructures_of_shoes)).T
-        return np.asarray(levers * self.friction_of_each_shoe_over_brake_friction)
+        levers = block_diag(*map(attrgetter("coupling.lever"), self.substructures_of_shoes))
+        return np.asarray((levers * self.friction_of_nodes_over_brake_friction).T)
 
     @cached_property
     def friction_of_nodes_over_brake_friction(self) -> Floats:
