@@ -1,6 +1,7 @@
 """Friction that depends on pressure, speed and temperature: closed forms, equilibria, refusals."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,8 +36,8 @@ from flat_pads import pad
 from shared_forces import cam_brake, servo
 from winkler_lining import FORCE, PIN, RADIUS, WIDTH, K, winkler
 
-FALLING = {"pressure": ["0 MPa", "1 MPa"], "mu": [0.45, 0.3]}
-KINKED = {"pressure": ["0 MPa", "0.3 MPa", "1 MPa"], "mu": [0.4, 0.42, 0.25]}
+FALLING: dict[str, Any] = {"pressure": ["0 MPa", "1 MPa"], "mu": [0.45, 0.3]}
+KINKED: dict[str, Any] = {"pressure": ["0 MPa", "0.3 MPa", "1 MPa"], "mu": [0.4, 0.42, 0.25]}
 EVEN = {"pressure": ["0 MPa", "1 MPa"], "mu": [0.35, 0.35]}
 
 
