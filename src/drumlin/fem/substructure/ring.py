@@ -55,12 +55,12 @@ from drumlin.response.resultants import (
     lagrange_shape_function_values,
 )
 
-MOST_NEWTON_STEPS = 8
+MOST_RAY_CROSSING_STEPS = 8
 """Largest number of steps of Newton's iteration for a point on a curved edge.
 
 Each step about squares the error, so that three or four steps reach round-off.
 """
-LAST_NEWTON_STEP = float(np.sqrt(np.finfo(float).eps))
+LAST_RAY_CROSSING_STEP = float(np.sqrt(np.finfo(float).eps))
 """Step of Newton's iteration, in local coordinates from -1 to 1, after which it ends.
 
 The error after a step is about the square of the step, and this square is the round-off.
@@ -562,13 +562,13 @@ def _edge_coordinates_where_rays_cross(xy: Floats, angle: Floats) -> Floats:
     xi = (side[0] + side[-1]) / (side[0] - side[-1])
     # Newton's iteration starts where the chord crosses the ray, which is exact on straight edges.
     # Its error is squared in each step, so that a step below the root of the round-off is the last.
-    for _ in range(MOST_NEWTON_STEPS if order > 1 else 0):
+    for _ in range(MOST_RAY_CROSSING_STEPS if order > 1 else 0):
         functions = lagrange_shape_function_values(order, xi)
         value = np.einsum("kiq,kiq->iq", functions, side)
         slope = np.einsum("kiq,kiq->iq", lagrange_shape_function_derivatives(order, xi), side)
         step = value / slope
         xi = xi - step
-        if np.abs(step).max(initial=0.0) < LAST_NEWTON_STEP:
+        if np.abs(step).max(initial=0.0) < LAST_RAY_CROSSING_STEP:
             break
     return np.clip(xi, -1.0, 1.0)
 
