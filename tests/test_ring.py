@@ -235,13 +235,13 @@ def test_equal_shoes_around_a_free_ring_press_alike(monkeypatch):
         },
     }
     ring = {"thickness": "10 mm", "width": "50 mm", "support": "free"}
-    ring["material"] = {"E": "210 GPa", "nu": 0.3}
+    material = {"E": "210 GPa", "nu": 0.3}
     brake = make_drum_or_plane_brake_from_data(
         {
             "title": "five shoes",
             "rotation": "clockwise",
             "friction": 0.3,
-            "drum": {"radius": "150 mm", "ring": ring},
+            "drum": {"radius": "150 mm", "ring": ring | {"material": material}},
             "shoe": [shoe],
         }
     )
