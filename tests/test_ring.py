@@ -8,14 +8,19 @@ import pytest
 from conftest import STUDY
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
+from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.fem.analysis.fields import (
     stress_and_displacement_fields_of_ring,
     stress_and_displacement_fields_of_shoe,
 )
+from drumlin.fem.hp import ring as hp_ring
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.ring import mesh_of_drum_ring
+from drumlin.response.norms import relative_distance_of_pressures
+from drumlin.response.response import length_of_uncompared_edge_zone
+from drumlin_studies.random_brake import draw_random_brake
 from picking import picked, saying
 
 BRAKE = read_brake(STUDY / "brake.toml")
@@ -192,3 +197,55 @@ def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
             np.abs(ring.displacement[far].mean(axis=0)).max()
             < 0.05 * np.abs(ring.displacement).max()
         )
+
+
+def solved_without_widening(brake, monkeypatch):
+    """The answer on a ring whose columns are those of the linings."""
+    with monkeypatch.context() as patch:
+        patch.setattr(hp_ring, "width_of_ring_columns_over_width_of_lining_columns", lambda *_: 1.0)
+        return solve(brake)
+
+
+def test_the_wide_columns_of_a_ring_change_p_less_than_its_error(monkeypatch):
+    brake = draw_random_brake(7, "linings on ring")
+    wide, fine = solve(brake), solved_without_widening(brake, monkeypatch)
+    for own, other in zip(wide.shoes, fine.shoes, strict=True):
+        zone = length_of_uncompared_edge_zone(other.theta[-1] - other.theta[0])
+        assert relative_distance_of_pressures(own, other, zone) < 0.2 * wide.error["pressure"]
+    assert abs(wide.torque / fine.torque - 1) < 0.2 * wide.error["torque"]
+
+
+def test_equal_shoes_around_a_free_ring_press_alike(monkeypatch):
+    shoe = {
+        "name": "shoe",
+        "side": "internal",
+        "pattern": {"count": 5, "step": "72 deg"},
+        "hinge": {"radius": "115 mm", "angle": "-24 deg"},
+        "lining": {
+            "start": "-20 deg",
+            "end": "20 deg",
+            "thickness": "8 mm",
+            "width": "40 mm",
+            "material": {"E": "300 MPa", "nu": 0.25},
+        },
+        "actuation": {
+            "force": "2 kN",
+            "direction": "10 deg",
+            "point": {"x": "110 mm", "y": "45 mm"},
+        },
+    }
+    ring = {"thickness": "10 mm", "width": "50 mm", "support": "free"}
+    material = {"E": "210 GPa", "nu": 0.3}
+    brake = make_drum_or_plane_brake_from_data(
+        {
+            "title": "five shoes",
+            "rotation": "clockwise",
+            "friction": 0.3,
+            "drum": {"radius": "150 mm", "ring": ring | {"material": material}},
+            "shoe": [shoe],
+        }
+    )
+    wide, fine = solve(brake), solved_without_widening(brake, monkeypatch)
+    for other in wide.shoes[1:]:
+        assert other.pressure == pytest.approx(wide.shoes[0].pressure, rel=1e-7)
+    assert abs(wide.torque / fine.torque - 1) < 0.2 * wide.error["torque"]

@@ -127,10 +127,20 @@ def _legendre_coefficients_of_integrated_shapes(order: int) -> Floats:
     )
 
 
+@cache
+def _legendre_coefficients_of_shape_function_derivatives(order: int) -> Floats:
+    """The Legendre coefficients (order, order + 1) of the Lagrange shape functions' derivatives.
+
+    Each column belongs to one shape function.
+    """
+    return np.asarray(legendre.legder(_legendre_coefficients_of_shape_functions(order)))
+
+
 def lagrange_shape_function_derivatives(order: int, xi: Floats) -> Floats:
     """The derivatives (order + 1, *xi.shape) of the Lagrange shape functions at points xi."""
-    derivative = legendre.legder(_legendre_coefficients_of_shape_functions(order))
-    return np.moveaxis(legendre.legvander(xi, order - 1) @ derivative, -1, 0)
+    rows = _legendre_polynomial_values(order - 1, xi)
+    slopes = _legendre_coefficients_of_shape_function_derivatives(order)
+    return (slopes.T @ rows.reshape(order, -1)).reshape(order + 1, *rows.shape[1:])
 
 
 @cache

@@ -93,12 +93,12 @@ class GroupProblems(GroupState):
             return parts[0]
         A, q, B, C, h = zip(*parts, strict=True)
         compliance = block_diag(*A)
-        if self.factors_of_ring_flexibility is not None:
-            pressed, dragged = self.factors_of_ring_flexibility
+        if self.ring_flexibility is not None:
             drags = (
                 friction * self.brake.sign_of_motion * self.friction_of_nodes_over_brake_friction
             )
-            compliance += pressed.T @ (pressed + drags * dragged)
+            compliance += self.ring_flexibility.pressed
+            compliance += drags * self.ring_flexibility.dragged
         return ContactProblem(
             compliance, np.concatenate(q), block_diag(*B), block_diag(*C), np.concatenate(h)
         )

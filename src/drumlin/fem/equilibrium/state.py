@@ -79,6 +79,16 @@ class RingFlexibilityRoots(NamedTuple):
     dragged: Floats
 
 
+class RingFlexibility(NamedTuple):
+    """The flexibility of the drum's ring: weighted gaps (n, n) that it opens at n contact nodes.
+
+    `pressed` are the gaps per nodal pressure, and `dragged` the gaps per nodal friction traction.
+    """
+
+    pressed: Floats
+    dragged: Floats
+
+
 @dataclass(frozen=True)
 class GroupState:
     """Shoes of a brake that are solved together, on a prepared model.
@@ -370,6 +380,14 @@ class GroupState:
             pressed=np.hstack([ring.normal_half_flexibilities[i] for i in self.members]),
             dragged=np.hstack([ring.friction_half_flexibilities[i] for i in self.members]),
         )
+
+    @cached_property
+    def ring_flexibility(self) -> RingFlexibility | None:
+        """The flexibility of the drum's ring under the linings; None without a ring."""
+        if self.factors_of_ring_flexibility is None:
+            return None
+        pressed, dragged = self.factors_of_ring_flexibility
+        return RingFlexibility(pressed.T @ pressed, pressed.T @ dragged)
 
     @cached_property
     def indices_of_pushing_and_pushed_shoe_of_struts(self) -> list[tuple[int, int]]:

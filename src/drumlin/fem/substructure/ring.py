@@ -15,12 +15,14 @@ apart from round-off.
 """
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
+from drumlin.base.lapack import solve_lower_triangular_system
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Ring, Section
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
@@ -53,6 +55,16 @@ from drumlin.response.resultants import (
     lagrange_shape_function_values,
 )
 
+MOST_RAY_CROSSING_STEPS = 8
+"""Largest number of steps of Newton's iteration for a point on a curved edge.
+
+Each step about squares the error, so that three or four steps reach round-off.
+"""
+LAST_RAY_CROSSING_STEP = float(np.sqrt(np.finfo(float).eps))
+"""Step of Newton's iteration, in local coordinates from -1 to 1, after which it ends.
+
+The error after a step is about the square of the step, and this square is the round-off.
+"""
 RIM = "rim"
 """Name of the unit loads on a free ring's far edge, which balance the forces of the linings."""
 
@@ -310,12 +322,7 @@ def couple_ring_with_linings(
     linings : contact line of each lining, in its shoe's frame
     mesh, basis, line, condensed, held, rim_balance : attributes of the `RingSubstructure`
     """
-    matrices = []
-    for shoe, lining in zip(brake.shoes, linings, strict=True):
-        in_brake = replace(lining, xy=shoe.frame.convert_vectors_to_brake_frame(lining.xy.T).T)
-        matrices.append(
-            coupling_matrices_of_lining_and_ring(in_brake, line, shoe.lining.width, shoe.sign)
-        )
+    matrices = _coupling_matrices_of_all_linings_and_ring(brake.shoes, linings, line)
     return RingSubstructure(
         mesh,
         basis,
@@ -354,8 +361,56 @@ def _angle_wrapped_to_half_turn(angle: Floats) -> Floats:
     return np.asarray((angle + math.pi) % (2 * math.pi) - math.pi)
 
 
+def _coupling_matrices_of_all_linings_and_ring(
+    shoes: Sequence[Shoe], linings: Sequence[ContactLine], ring: ContactLine
+) -> list[tuple[Floats, Floats]]:
+    """The coupling matrices N and T of each lining with the ring.
+
+    Linings of one degree are integrated together, which takes less time than one after the other.
+
+    Parameters
+    ----------
+    shoes : the shoes of the linings
+    linings : contact line of each lining, in its shoe's frame
+    ring : contact line of the ring, in the brake's frame
+    """
+    found: dict[int, tuple[Floats, Floats]] = {}
+    degrees = [lining.interpolation_degree_along_contact_line for lining in linings]
+    for degree in sorted(set(degrees)):
+        members = [i for i, own in enumerate(degrees) if own == degree]
+        joined = _contact_line_of_several_linings(
+            [shoes[i] for i in members], [linings[i] for i in members]
+        )
+        edges = [linings[i].pieces.shape[1] for i in members]
+        N, T = coupling_matrices_of_lining_and_ring(
+            joined, ring, np.repeat([shoes[i].lining.width for i in members], edges), shoes[0].sign
+        )
+        ends = np.cumsum([len(linings[i].nodes) for i in members])[:-1]
+        parts = zip(np.split(N, ends), np.split(T, ends), strict=True)
+        found.update(zip(members, parts, strict=True))
+    return [found[i] for i in range(len(linings))]
+
+
+def _contact_line_of_several_linings(
+    shoes: Sequence[Shoe], linings: Sequence[ContactLine]
+) -> ContactLine:
+    """The contact lines of several linings of one degree as one line, in the brake's frame."""
+    firsts = np.cumsum([0, *(len(lining.nodes) for lining in linings[:-1])])
+    xy = [
+        shoe.frame.convert_vectors_to_brake_frame(lining.xy.T).T
+        for shoe, lining in zip(shoes, linings, strict=True)
+    ]
+    pieces = [lining.pieces + first for lining, first in zip(linings, firsts, strict=True)]
+    return ContactLine(
+        np.concatenate([lining.nodes for lining in linings]),
+        np.hstack(xy),
+        np.concatenate([lining.phi for lining in linings]),
+        np.hstack(pieces),
+    )
+
+
 def coupling_matrices_of_lining_and_ring(
-    lining: ContactLine, ring: ContactLine, width: float, sign: int
+    lining: ContactLine, ring: ContactLine, width: float | Floats, sign: int
 ) -> tuple[Floats, Floats]:
     """The coupling matrices N and T (n, 2 n_ring) [m^2] of a lining's pressure with the ring.
 
@@ -366,7 +421,7 @@ def coupling_matrices_of_lining_and_ring(
     Parameters
     ----------
     lining, ring : contact lines in the brake's frame
-    width : width of the lining [m]
+    width : width of the lining [m]; (e,) at each of its e edges if they differ
     sign : 1 if the lining presses outwards, -1 if it presses inwards
     """
     own, other = _edges_with_angles_of_their_ends(lining), _edges_with_angles_of_their_ends(ring)
@@ -377,7 +432,8 @@ def coupling_matrices_of_lining_and_ring(
 
     at = _quadrature_of_overlaps(lining, ring, own_xy, ring_xy, overlaps)
     x, r = at.x, np.hypot(*at.x)
-    ds = at.ds * width
+    widths = np.broadcast_to(width, own.start.shape)
+    ds = at.ds * widths[overlaps.lining, None]
 
     # The friction acts on the lining's arc, at the distance `arm` from the ring's arc. The couple
     # of this offset is applied by the slopes of the ring's shape functions.
@@ -505,12 +561,15 @@ def _edge_coordinates_where_rays_cross(xy: Floats, angle: Floats) -> Floats:
     side = np.einsum("cki,ciq->kiq", xy, normal)
     xi = (side[0] + side[-1]) / (side[0] - side[-1])
     # Newton's iteration starts where the chord crosses the ray, which is exact on straight edges.
-    for _ in range(8 if order > 1 else 0):
-        functions = lagrange_shape_function_values(order, xi.ravel()).reshape(-1, *xi.shape)
+    # Its error is squared in each step, so that a step below the root of the round-off is the last.
+    for _ in range(MOST_RAY_CROSSING_STEPS if order > 1 else 0):
+        functions = lagrange_shape_function_values(order, xi)
         value = np.einsum("kiq,kiq->iq", functions, side)
-        xi = xi - value / np.einsum(
-            "kiq,kiq->iq", lagrange_shape_function_derivatives(order, xi), side
-        )
+        slope = np.einsum("kiq,kiq->iq", lagrange_shape_function_derivatives(order, xi), side)
+        step = value / slope
+        xi = xi - step
+        if np.abs(step).max(initial=0.0) < LAST_RAY_CROSSING_STEP:
+            break
     return np.clip(xi, -1.0, 1.0)
 
 
@@ -606,7 +665,10 @@ def _half_flexibility_of_ring_under_forces(
     forces : (2n, k) nodal forces
     rim_balance : balance of forces on a free ring; None if the far edge is fixed
     """
-    Y = condensed.nodal_forces_over_cholesky_factor(forces)
+    # No force acts on the first rows, where the half flexibility is therefore zero.
+    first = int(np.argmax(forces.any(axis=1)))
+    Y = np.zeros(forces.shape)
+    Y[first:] = solve_lower_triangular_system(condensed.L_cc[first:, first:], forces[first:])
     if rim_balance is None:
         return Y
     rim_factors = rim_balance.factors @ forces
