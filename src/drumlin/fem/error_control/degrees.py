@@ -84,7 +84,7 @@ FINE_MESH = 2000
 
 On such a mesh elements of degree 2 often suffice, and higher degrees would take most of the time. A
 smaller number adds a level to solves on coarse meshes, where degree 2 does not suffice. With a
-larger number solves on fine meshes take two to three times as long. The value is a judgement.
+larger number solves on fine meshes take about 1.5 times as long. The value is a judgement.
 """
 FORCE_FACTOR = 0.05
 """The factor of the error estimate on a mesh file for torque and reactions; see `Factors`.

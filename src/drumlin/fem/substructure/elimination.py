@@ -23,7 +23,7 @@ LEAF_NODES = 128
 """Number of nodes of the smallest regions of the dissection, in about.
 
 Smaller regions need more calls of dense routines, and larger regions more multiplications with
-zeros. With 64 or 256 nodes condensations of seven meshes by Gmsh, of degree 1 to 5, took up to 1.5
+zeros. With 64 or 256 nodes condensations of eight meshes by Gmsh, of degree 1 to 5, took up to 1.4
 times as long. The result is the same apart from round-off.
 """
 
