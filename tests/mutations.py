@@ -88,7 +88,7 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     },
     "fem/error_control/degrees.py": dict.fromkeys(
-        ("DEGREE_FACTORS", "OUTLINE_FACTORS"),
+        ("DEGREE_FACTORS", "SHAPE_FACTORS"),
         Guard(
             "down",
             (

@@ -54,7 +54,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "SHAPE_DEGREE": "degree above which no shape changes",
     },
     "fem/substructure/body.py": {"FRAME": DEFINITION},
-    "fem/substructure/elimination.py": {"LEAF_HALVINGS": SPEED},
+    "fem/substructure/elimination.py": {"LEAF_NODES": SPEED},
     "fem/width/correction.py": {
         "REMAINING_SHARE": "measured error that is said",
     },
@@ -190,6 +190,9 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "FORCE_FACTOR": "judgement; a larger one makes stated errors of forces larger",
         "CANCELLED_FORCE_FACTOR": "judgement; a larger one makes stated errors of forces larger",
         "MESH_LEVELS": "larger elements at singular points take a level more for the same errors",
+        "CURVED_DEGREE": DEFINITION,
+        "FINE_MESH_LEVELS": "larger elements at singular points take a level more for the same errors",
+        "FINE_MESH": "judgement; a smaller one takes a level more for the same errors on coarse meshes",
         "NEGLIGIBLE_SHARE": "judgement; a smaller one takes a level more for the same errors",
         "NEGLIGIBLE_MOVE": "judgement; saves time where the sides' error is below all others",
     },

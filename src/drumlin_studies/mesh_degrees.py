@@ -2,14 +2,23 @@
 
     make degrees              60 meshes
     make degrees ARGS="8 100" 8 meshes, from seed 100 on
+    make degrees ARGS="8 100 rows.jsonl"
+
+The third form also appends a row for each mesh to the file rows.jsonl. It skips seeds whose rows
+the file already has, so that a long comparison can be made piece by piece.
 
 Gmsh meshes random shoes with elements of a tenth to a hundredth of the drum's radius: triangles or
 quadrilaterals recombined from them, of first to third order, with straight or curved sides, graded
 or not, with all digits of the coordinates or rounded. drumlin solves each mesh file. It also solves
 the same shoe without the file, in hp elements to a tolerance of 1e-4. The difference is the true
 error. The command prints a line for each mesh and the ratios of stated to true errors.
+
+On the seeds 550000 to 550043 drumlin refuses three meshes with inverted elements. On the other 41
+meshes no stated error is too small. The least ratios of stated to true errors are 1.31 to 1.40. The
+medians are 4.6 for p, 4.3 for its peak, 1.7 for the torque and 1.6 for the reaction.
 """
 
+import json
 import math
 import sys
 import tempfile
@@ -305,24 +314,61 @@ def report_lines_on_judged_meshes(judged: Sequence[JudgedMesh]) -> Iterator[str]
         )
 
 
+def write_row_of_judged_mesh(path: Path, seed: int, found: JudgedMesh | str) -> None:
+    """Append the row of a seed to the file `path`, as a line of JSON.
+
+    `found` is the judged mesh, or the reason why there is none.
+    """
+    if isinstance(found, str):
+        row: dict[str, Any] = {"seed": seed, "reason": found}
+    else:
+        row = found._asdict() | {"form": found.form._asdict()}
+    with path.open("a", encoding="utf-8") as file:
+        file.write(json.dumps(row) + "\n")
+
+
+def read_rows_of_judged_meshes(path: Path) -> dict[int, JudgedMesh | str]:
+    """The judged meshes of the file `path` by their seeds, or the reasons why there are none.
+
+    A file that does not exist has no rows.
+    """
+    rows: dict[int, JudgedMesh | str] = {}
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    for row in map(json.loads, lines):
+        if "reason" in row:
+            rows[row["seed"]] = row["reason"]
+        else:
+            rows[row["seed"]] = JudgedMesh(**row | {"form": MeshForm(**row["form"])})
+    return rows
+
+
+def line_of_judged_mesh(seed: int, found: JudgedMesh | str) -> str:
+    """The line of text on the mesh of a seed, or on the reason why there is none."""
+    if isinstance(found, str):
+        return f"{seed}: {found}"
+    errors = ", ".join(
+        f"{name} {found.stated.get(name, math.nan):.1e} {found.true[name]:.1e}"
+        for name in QUANTITIES
+    )
+    return f"{seed}: R/{found.size:.0f}, {found.form}: {errors}"
+
+
 def main(words: Sequence[str]) -> int:
     """Judge meshes and print their errors.
 
-    The first of the `words` is the number of meshes, the second is the first seed.
+    The `words` are the number of meshes, the first seed and the file of rows. All are optional.
     """
-    count, first = [int(word) for word in words] + [MESHES, 0][len(words) :]
-    judged = []
+    count, first = [int(word) for word in words[:2]] + [MESHES, 0][len(words[:2]) :]
+    path = Path(words[2]) if len(words) > 2 else None
+    rows = {} if path is None else read_rows_of_judged_meshes(path)
     for seed in range(first, first + count):
-        found = judge_mesh_of_random_shoe(seed)
-        if isinstance(found, str):
-            print(f"{seed}: {found}", flush=True)  # noqa: T201
+        if seed in rows:
             continue
-        judged.append(found)
-        errors = ", ".join(
-            f"{name} {found.stated.get(name, math.nan):.1e} {found.true[name]:.1e}"
-            for name in QUANTITIES
-        )
-        print(f"{seed}: R/{found.size:.0f}, {found.form}: {errors}", flush=True)  # noqa: T201
+        rows[seed] = judge_mesh_of_random_shoe(seed)
+        print(line_of_judged_mesh(seed, rows[seed]), flush=True)  # noqa: T201
+        if path is not None:
+            write_row_of_judged_mesh(path, seed, rows[seed])
+    judged = [found for found in rows.values() if isinstance(found, JudgedMesh)]
     for line in report_lines_on_judged_meshes(judged):
         print(line, flush=True)  # noqa: T201
     return 0

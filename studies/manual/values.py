@@ -19,7 +19,7 @@ from drumlin.brake.fields import ROWS_OF_FUNCTION
 from drumlin.brake.friction import PRESSURES_OF_FUNCTION
 from drumlin.fem.analysis.prepared import ANALYSIS_DEGREE
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
-from drumlin.fem.error_control.degrees import MESH_LEVELS
+from drumlin.fem.error_control.degrees import FINE_MESH, MESH_LEVELS
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.smooth_outline import LARGEST_SMOOTH_TURN
 from drumlin.fem.model import (
@@ -65,7 +65,8 @@ def quoted_values() -> dict[str, str]:
         "most_loss": _power_of_ten_text(LARGEST_REFINED_ROUND_OFF),
         **_width_shares(),
         "largest_smooth_turn": f"{math.degrees(LARGEST_SMOOTH_TURN):g} deg",
-        "mesh_degree": str(MESH_LEVELS[-1].degree),
+        "mesh_degree": str(MESH_LEVELS.levels[-1].degree - MESH_LEVELS.degrees_below),
+        "fine_mesh": str(FINE_MESH),
         "most_raised_nodes": f"{MOST_RAISED_NODES:,}".replace(",", " "),
         "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
         "solid_tolerance": f"{100 * DEFAULT_SOLID_TOLERANCE:g} %",

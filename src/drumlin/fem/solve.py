@@ -223,7 +223,7 @@ def prepared_model_with_finest_elements(
         try:
             return solve_brake_on_mesh_files(brake, solve_prepared_model, None, cache).scene
         except NoAnswer:
-            return prepared_model_of_mesh_files(brake, MESH_LEVELS[1], cache=cache)
+            return prepared_model_of_mesh_files(brake, MESH_LEVELS.levels[1], cache=cache)
     if not _is_brake_solved_on_hp_element_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return make_prepared_model(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)

@@ -4,11 +4,12 @@ From level to level the displacements on the mesh of a file have a higher degree
 are split into smaller ones at singular points: corners of the shoe, ends of the lining and of the
 contact. The difference of two levels states the errors of the last one. Another solve, in which
 straight element sides on curved outlines are bent to arcs, states the error of the straight sides.
-Shoes without a mesh file and the drum's ring are divided into more and more elements instead.
+Shoes without a mesh file and the drum's ring are divided into the hp elements of the same level.
 """
 
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from drumlin.fem.error_control.adapt import (
     response_with_estimated_errors,
 )
 from drumlin.fem.error_control.estimate import (
+    FACTORS,
     QUANTITIES,
     Errors,
     Factors,
@@ -32,31 +34,57 @@ from drumlin.fem.error_control.estimate import (
 )
 from drumlin.fem.error_control.levels import (
     LEVELS,
+    PrepareFunction,
     ResponseFunction,
     SolvedLevel,
     solve_brake_on_finer_and_finer_mesh_levels,
 )
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
 from drumlin.fem.hp.corner import response_with_power_laws_at_corners
 from drumlin.fem.hp.division import Level
 from drumlin.fem.mesh.degree import nodal_basis_of_shoe_mesh
-from drumlin.fem.mesh.from_file import mean_compression_of_lining
 from drumlin.fem.mesh.smooth_outline import node_displacements_onto_smooth_outline
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.columns import PointsByShape
-from drumlin.fem.preparation.meshes import ELEMENTS, RaisedDegree, read_mesh_file_of_shoe
+from drumlin.fem.preparation.meshes import RaisedDegree, read_mesh_file_of_shoe
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.preparation.scene import PreparedModel
+from drumlin.fem.preparation.scene import PointsByShape, PreparedModel
 from drumlin.response.response import Response
 
-MESH_LEVELS = tuple(replace(level, degree=level.degree - 2) for level in LEVELS[1:5])
-"""The levels of refinement on the mesh of a file: degree of the elements, and their sizes at
-singular points.
 
-The sizes are those of hp elements of a degree higher by two: most elements of a mesh are smaller
-than hp elements, so that most of the errors come from the singular points. With the sizes of hp
-elements of a degree higher by one, p at degree 3 was 0.3 % to 1 % off on 7 of 15 meshes by Gmsh.
-Now p is off by 0.02 % to 0.1 % on most meshes, and many solves need one level less.
+class MeshLevels(NamedTuple):
+    """The levels of refinement of a solve on the meshes of files.
+
+    Attributes
+    ----------
+    levels : the levels, from coarse to fine. Their sizes at singular points are those of all
+        elements, and their degrees those of the hp elements beside the mesh of a file
+    degrees_below : how much the degree of the elements on the mesh of a file is below the degree of
+        these hp elements
+    """
+
+    levels: tuple[Level, ...]
+    degrees_below: int
+
+
+MESH_LEVELS = MeshLevels(LEVELS[1:5], degrees_below=2)
+"""The levels of refinement on meshes of files, with elements of degree 2 to 5.
+
+The sizes at singular points are those of hp elements of a degree higher by two: most elements of a
+mesh are smaller than hp elements, so that most of the errors come from the singular points. With
+the sizes of hp elements of a degree higher by one, p at degree 3 was 0.3 % to 1 % off on 7 of 15
+meshes by Gmsh. Now p is off by 0.02 % to 0.1 % on most meshes, and many solves need one level less.
+"""
+FINE_MESH_LEVELS = MeshLevels(LEVELS[1:6], degrees_below=3)
+"""The levels of refinement on fine meshes, see FINE_MESH, with elements of degree 1 to 5.
+
+The sizes at singular points are those of hp elements of a degree higher by three. On four meshes of
+10 000 nodes p is 0.4 % to 0.8 % off on the first level, and 0.05 % to 0.2 % on the second.
+"""
+FINE_MESH = 2000
+"""Number of vertices of a file's mesh from which on it is solved on FINE_MESH_LEVELS.
+
+On such a mesh elements of degree 2 often suffice, and higher degrees would take most of the time. A
+smaller number adds a level to solves on coarse meshes, where degree 2 does not suffice. With a
+larger number solves on fine meshes take about 1.5 times as long. The value is a judgement.
 """
 FORCE_FACTOR = 0.05
 """The factor of the error estimate on a mesh file for torque and reactions; see `Factors`.
@@ -86,10 +114,11 @@ The last difference, between the last two levels, may be small by accident. A la
 stated errors larger. With 0.02 the error of p was stated 8 % too small on a uniform mesh of ten
 elements along the lining; no other mesh needed a larger one.
 """
-OUTLINE_FACTORS = Factors(pressure=1.3, force=1.3, cancelled=0.1, peak=1.3)
-"""Error that straight sides on curved outlines cause, divided by the change of the result when arcs
-replace these sides.
+SHAPE_FACTORS = Factors(pressure=1.3, force=1.3, cancelled=0.1, peak=1.3)
+"""Error that the shape of a mesh causes, divided by the change of the result with another shape.
 
+Arcs replace straight sides on curved outlines, or a round lining replaces a gap below the rounding
+of coordinates. For such a gap the change is the error itself, if rounding alone has caused the gap.
 See `Factors` for each number. If the straight sides cause the largest error, the change is nearly
 the true error: on 45 meshes by Gmsh with straight sides the error of p was 1.0 to 1.15 times its
 change, and the error of the peak up to 1.25 times the larger of the changes of p and of the peak.
@@ -114,6 +143,8 @@ this rest. With a smaller fraction some meshes with straight sides need one more
 two to three times as long, for errors that are smaller by less than this fraction. With a larger
 fraction the last level could leave a larger part of the errors. The value is a judgement.
 """
+CURVED_DEGREE = 2
+"""Lowest degree of elements whose sides can be arcs: a side has a node in its middle."""
 NEGLIGIBLE_MOVE = 1e-5
 """Largest distance between a straight side and its arc, in lining thicknesses, that is neglected.
 
@@ -153,20 +184,34 @@ def solve_brake_on_mesh_files(
     responses: list[Response] = []
     error: Errors | None = None
     stopped = ""
-    prepare = partial(prepared_model_of_mesh_files, brake, cache=cache)
+    mesh_levels = mesh_levels_of_brake(brake, cache)
+    prepare = partial(
+        prepared_model_of_mesh_files,
+        brake,
+        degrees_below=mesh_levels.degrees_below,
+        cache=cache,
+    )
     levels = solve_brake_on_finer_and_finer_mesh_levels(
-        brake, respond, cache, MESH_LEVELS, prepare=prepare
+        brake, respond, cache, mesh_levels.levels, prepare=prepare
     )
     try:
         for scene, response in levels:
             responses.append(response_with_power_laws_at_corners(brake, response))
             solved_last = scene
             if len(responses) == 1:
+                first = SolvedLevel(scene, response)
                 continue
             if len(responses) == 2:
-                shape = _errors_by_straight_element_sides(brake, respond, responses[0], cache)
+                # Elements of degree 1 have straight sides, and those of the second level are taken.
+                second = SolvedLevel(scene, response)
+                curved = second if mesh_levels is FINE_MESH_LEVELS else first
+                smooth = partial(prepare, smooth=True)
+                shape = _errors_by_straight_element_sides(brake, respond, curved, smooth, cache)
                 shape = shape + _errors_by_rounded_mesh_coordinates(brake, cache)
-                shape = shape + _errors_of_gaps_below_rounding(brake, responses[0], cache)
+                fitting = partial(prepare, fitting=True)
+                shape = shape + _errors_of_gaps_below_rounding(
+                    brake, respond, first, fitting, cache
+                )
             error = _estimated_errors_on_last_mesh_level(brake, responses, shape)
             of_level = _estimated_errors_on_last_mesh_level(brake, responses, 0.0)
             if not _would_further_level_help(error, of_level, aim):
@@ -178,7 +223,11 @@ def solve_brake_on_mesh_files(
         response = respond(own, brake)
         warning = f"warning: no error stated: {stopped}"
         return SolvedLevel(own, replace(response, notes=(*response.notes, warning)))
-    degree = max(shoe.order for shoe in responses[-1].shoes)
+    degree = max(
+        answer.order
+        for shoe, answer in zip(brake.shoes, responses[-1].shoes, strict=True)
+        if shoe.mesh is not None
+    )
     notes = [f"meshes of files: elements of degree {degree}, split at singular points"]
     if stopped:
         notes.append(f"meshes of files: no higher degree: {stopped}")
@@ -192,24 +241,37 @@ def solve_brake_on_mesh_files(
     return SolvedLevel(solved_last, response_with_estimated_errors(responses, error, notes))
 
 
+def mesh_levels_of_brake(brake: Brake, cache: Cache) -> MeshLevels:
+    """The levels of refinement for a brake with mesh files.
+
+    Raises BadInput for a mesh file that cannot be used.
+    """
+    read = [read_mesh_file_of_shoe(brake, shoe, cache) for shoe in brake.shoes]
+    vertices = max(each.mesh.nvertices for each in read if each is not None)
+    return FINE_MESH_LEVELS if vertices >= FINE_MESH else MESH_LEVELS
+
+
 def prepared_model_of_mesh_files(
     brake: Brake,
     level: Level,
     points: PointsByShape | None = None,
     *,
+    degrees_below: int = MESH_LEVELS.degrees_below,
     smooth: bool = False,
+    fitting: bool = False,
     cache: Cache | None = None,
 ) -> PreparedModel:
     """The prepared model of a brake on a level, with the meshes of its files split.
 
-    Shoes without a mesh file and the drum ring have twice as many elements as on the level before.
-
     Parameters
     ----------
     brake : the brake
-    level : degree of the elements, and their sizes at singular points
+    level : sizes of elements at singular points, and the degree of hp elements
     points : singular points of the pressure by the first shoe of each shape; None for no points
+    degrees_below : how much the degree on the mesh of a file is below the degree of the level
     smooth : whether straight sides of elements on curved lines become arcs
+    fitting : whether contact nodes are put on the drum that lie off it by no more than the rounding
+        of coordinates
     cache : keeps condensed bodies of earlier solves
 
     Raises
@@ -220,12 +282,13 @@ def prepared_model_of_mesh_files(
         for a mesh with too many nodes on this level, and for a singular stiffness
     """
     of_shoes = tuple(tuple((points or {}).get(i, ())) for i in range(len(brake.shoes)))
-    elements = ELEMENTS * 2**level.degree // 2 ** MESH_LEVELS[1].degree
-    raised = RaisedDegree(level.degree, smooth=smooth, level=level, points=of_shoes)
+    degree = level.degree - degrees_below
+    own = replace(level, degree=degree)
+    raised = RaisedDegree(degree, smooth=smooth, fitting=fitting, level=own, points=of_shoes)
     try:
-        return make_prepared_model(brake, elements=elements, raised=raised, cache=cache)
+        return make_prepared_model(brake, level, points, raised=raised, cache=cache)
     except NoAnswer as refusal:
-        raise NoAnswer(f"at degree {level.degree}: {refusal}") from refusal
+        raise NoAnswer(f"at degree {degree}: {refusal}") from refusal
 
 
 def _estimated_errors_on_last_mesh_level(
@@ -240,8 +303,20 @@ def _estimated_errors_on_last_mesh_level(
     if former:
         steps = relative_differences_of_responses_on_two_levels(brake, former[-1], before).steps
         moved = moved._replace(steps=moved.steps + FORMER_SHARE * steps)
-    errors = estimate_errors_from_response_differences(moved, last, DEGREE_FACTORS, shape)
+    factors = _factors_of_error_estimate(brake)
+    errors = estimate_errors_from_response_differences(moved, last, factors, shape)
     return errors_with_singular_points_included(errors, brake, last)[0]
+
+
+def _factors_of_error_estimate(brake: Brake) -> Factors:
+    """The factors of the error estimate of a brake with mesh files.
+
+    Hp elements beside the meshes need larger factors, since their levels begin with larger
+    elements. A force may depend on all bodies, so that the larger factors count for all shoes.
+    """
+    if brake.ring is None and all(shoe.mesh is not None for shoe in brake.shoes):
+        return DEGREE_FACTORS
+    return Factors(*map(max, DEGREE_FACTORS, FACTORS))
 
 
 def _would_further_level_help(error: Errors, of_level: Errors, aim: Tolerance) -> bool:
@@ -261,35 +336,63 @@ def _would_further_level_help(error: Errors, of_level: Errors, aim: Tolerance) -
 
 
 def _errors_by_straight_element_sides(
-    brake: Brake, respond: ResponseFunction, first: Response, cache: Cache
+    brake: Brake,
+    respond: ResponseFunction,
+    straight: SolvedLevel,
+    prepare_smooth: PrepareFunction,
+    cache: Cache,
 ) -> Floats | float:
     """The relative errors (1 + 4 shoes,) that straight sides on curved outlines cause.
 
-    They are 0 if the sides already follow the curves. `first` is the response on the first level,
-    whose contact is the first guess.
+    They are 0 if the sides already follow the curves.
+
+    Parameters
+    ----------
+    brake : the brake
+    respond : function that computes the response on a prepared model
+    straight : solved level with elements of degree 2 or higher
+    prepare_smooth : function that makes the prepared model of a level, in which straight sides on
+        curved lines become arcs
+    cache : cache of meshes that were read from files
     """
     if not _has_mesh_straight_sides_on_curved_outline(brake, cache):
         return 0.0
-    # Both solves have the elements of the first pass on the first level. The straight ones are
-    # still in the cache.
-    level = MESH_LEVELS[0]
-    error = level.pressure_error_by_column_ratio
-    points = singular_points_of_all_linings(brake, None, error=error)
-    prepare = partial(prepared_model_of_mesh_files, brake, level, points, cache=cache)
+    cause = "with sides that follow the curves"
+    return _errors_by_change_of_shape(brake, respond, straight, prepare_smooth, cause)
+
+
+def _errors_by_change_of_shape(
+    brake: Brake,
+    respond: ResponseFunction,
+    solved: SolvedLevel,
+    prepare_changed: PrepareFunction,
+    cause: str,
+) -> Floats:
+    """The relative errors (1 + 4 shoes,) of a solved level, from its change with another shape.
+
+    Parameters
+    ----------
+    brake : the brake
+    respond : function that computes the response on a prepared model
+    solved : the solved level
+    prepare_changed : function that makes the prepared model of a level with the other shape
+    cause : words that name the other shape if it has no solution
+    """
+    level = solved.scene.level
+    assert level is not None
     try:
-        of_straight, of_smooth = (
-            respond(prepare(smooth=smooth), brake, start=first) for smooth in (False, True)
-        )
+        scene = prepare_changed(level, solved.scene.points)
+        changed = respond(scene, brake, start=solved.response)
     except NoAnswer as refusal:
-        raise NoAnswer(f"with sides that follow the curves: {refusal}") from refusal
-    moved = relative_differences_of_responses_on_two_levels(brake, of_smooth, of_straight)
+        raise NoAnswer(f"{cause}: {refusal}") from refusal
+    moved = relative_differences_of_responses_on_two_levels(brake, changed, solved.response)
     torque, of_shoes = moved.steps[:1], moved.steps[1:].reshape(-1, len(QUANTITIES)).copy()
     pressure, peak = (QUANTITIES.index(name) for name in ("pressure", "peak"))
     # The difference of a peak may be small by accident; it counts as at least the difference of p.
     of_shoes[:, peak] = of_shoes[:, [pressure, peak]].max(axis=1)
     steps = np.concatenate([torque, of_shoes.ravel()])
-    factors = OUTLINE_FACTORS.error_factors_of_refinement_differences(len(brake.shoes))
-    return factors * steps + OUTLINE_FACTORS.cancelled * moved.chance
+    factors = SHAPE_FACTORS.error_factors_of_refinement_differences(len(brake.shoes))
+    return factors * steps + SHAPE_FACTORS.cancelled * moved.chance
 
 
 def _errors_by_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Floats:
@@ -303,25 +406,35 @@ def _errors_by_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Floats:
     return np.array([ROUNDING_FACTORS["torque"] * max(of_shoes), *rows.ravel()])
 
 
-def _errors_of_gaps_below_rounding(brake: Brake, response: Response, cache: Cache) -> Floats:
+def _errors_of_gaps_below_rounding(
+    brake: Brake,
+    respond: ResponseFunction,
+    solved: SolvedLevel,
+    prepare_fitting: PrepareFunction,
+    cache: Cache,
+) -> Floats | float:
     """The relative errors (1 + 4 shoes,) by gaps that rounded coordinates may have caused.
 
     Neighbouring contact nodes that lie off the drum to the same side count as a gap, even if each
-    node lies off by less than the rounding. A few times in a thousand nodes this is chance. Such a
-    gap changes p and its peak by about the ratio of the gap to the compression of the lining in
-    `response`.
+    node lies off by less than the rounding. A few times in a thousand nodes this is chance. The
+    errors are the changes of the response if these nodes lie on the drum.
+
+    Parameters
+    ----------
+    brake : the brake
+    respond : function that computes the response on a prepared model
+    solved : a solved level
+    prepare_fitting : function that makes the prepared model of a level, in which these nodes lie on
+        the drum
+    cache : cache of meshes that were read from files
     """
-    rows = np.zeros((len(brake.shoes), len(QUANTITIES)))
-    for row, shoe, answer in zip(rows, brake.shoes, response.shoes, strict=True):
+    for shoe in brake.shoes:
         read = read_mesh_file_of_shoe(brake, shoe, cache)
-        compression = mean_compression_of_lining(shoe, answer)
-        if read is None or compression <= 0:
-            continue
-        gap = np.abs(read.off)
-        doubtful = gap[gap <= read.contact.rounded_by].max(initial=0.0)
-        for name in ("pressure", "peak"):
-            row[QUANTITIES.index(name)] = doubtful / compression
-    return np.array([0.0, *rows.ravel()])
+        gaps = np.zeros(0) if read is None else np.abs(read.off[read.off != 0])
+        if read is not None and (gaps <= read.contact.rounded_by).any():
+            cause = "without gaps below the rounding of coordinates"
+            return _errors_by_change_of_shape(brake, respond, solved, prepare_fitting, cause)
+    return 0.0
 
 
 def _has_mesh_straight_sides_on_curved_outline(brake: Brake, cache: Cache) -> bool:
@@ -329,7 +442,7 @@ def _has_mesh_straight_sides_on_curved_outline(brake: Brake, cache: Cache) -> bo
     for shoe in brake.shoes:
         read = read_mesh_file_of_shoe(brake, shoe, cache)
         if read is not None:
-            basis = nodal_basis_of_shoe_mesh(read.mesh, MESH_LEVELS[0].degree, shoe, brake.size)
+            basis = nodal_basis_of_shoe_mesh(read.mesh, CURVED_DEGREE, shoe, brake.size)
             largest = abs(node_displacements_onto_smooth_outline(basis)).max()
             if largest > NEGLIGIBLE_MOVE * shoe.lining.thickness:
                 return True

@@ -17,10 +17,9 @@ from drumlin.fem.error_control.singular_points import singular_points_of_all_lin
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Level, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import index_of_first_shoe_of_equal_shape as equal_shapes
-from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.preparation.scene import PreparedModel
+from drumlin.fem.preparation.scene import PointsByShape, PreparedModel
 from drumlin.response.response import Response
 
 DEG = math.pi / 180

@@ -120,6 +120,24 @@ def move_contact_nodes_onto_drum_or_plane(
     )
 
 
+def mesh_without_gaps_below_rounding(
+    mesh: Any, rounded_by: float, shoe: Shoe, radius: float
+) -> Any:
+    """The mesh with those contact nodes on the drum or the plane that rounding may have moved off.
+
+    Parameters
+    ----------
+    mesh : scikit-fem's mesh in the shoe's frame [m], with the group "contact"
+    rounded_by : largest offset [m] that rounding may have caused
+    shoe : the shoe of the mesh
+    radius : radius of the drum [m]; on a plane the length of the pad
+    """
+    exact = np.zeros(mesh.doflocs.shape)
+    line = _contact_nodes_in_order_of_angle(mesh, exact, shoe, radius)
+    moves = np.where(np.abs(line.off) <= rounded_by, -line.off, 0.0)
+    return _mesh_with_moved_contact_nodes(mesh, line, moves, shoe)
+
+
 def contact_offsets_in_order_of_angle(mesh: Any, shoe: Shoe, radius: float) -> Floats:
     """The distances (n,) [m] of a mesh's contact nodes off the drum or the plane, along the lining.
 

@@ -134,13 +134,19 @@ def _which_triangles_have_too_long_side(parts: ElementParts, finest: FinestSides
     start = parts.xy[:, parts.t]
     along = parts.xy[:, np.roll(parts.t, -1, axis=1)] - start
     length = np.hypot(*along)
+    longest = length.max(axis=1)
+    centre = start.mean(axis=2)
     found = np.zeros(len(parts.t), dtype=bool)
     for point, side in zip(finest.xy.T, finest.sides, strict=True):
-        to = point[:, None, None] - start
-        share = np.clip((to * along).sum(axis=0) / length**2, 0, 1)
-        distance = np.hypot(*(to - share * along)).min(axis=1)
+        # No point of a triangle is farther from its centre than its longest side. Triangles that
+        # are small enough for this least distance are not looked at more closely.
+        least_distance = np.hypot(*(point[:, None] - centre)) - longest
+        near = np.flatnonzero(longest > np.maximum(side, SIDE_PER_DISTANCE * least_distance))
+        to = point[:, None, None] - start[:, near]
+        share = np.clip((to * along[:, near]).sum(axis=0) / length[near] ** 2, 0, 1)
+        distance = np.hypot(*(to - share * along[:, near])).min(axis=1)
         limit = np.maximum(side, SIDE_PER_DISTANCE * distance)
-        found |= length.max(axis=1) > (1 + ROUND_OFF_OF_LENGTHS) * limit
+        found[near] |= longest[near] > (1 + ROUND_OFF_OF_LENGTHS) * limit
     return found
 
 

@@ -1,5 +1,10 @@
-"""Bodies of hp elements: divide each parametric shoe into columns of elements and condense it."""
+"""Bodies of hp elements: divide each parametric shoe into columns of elements and condense it.
 
+Some shoes of the brake may have the mesh of a file; their condensed bodies are given. The ring is
+always divided into hp elements.
+"""
+
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -43,7 +48,8 @@ from drumlin.fem.preparation.cache import (
     shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.load_places import BODY_PARTS, points_where_shoe_body_is_loaded
-from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time
+from drumlin.fem.preparation.meshes import nodes_of_changed_shoe_with_mesh_file
+from drumlin.fem.preparation.scene import DividedBodies, PointsByShape, Seconds, add_elapsed_time
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 
 MOST_CONTACT_NODES = 3000
@@ -52,11 +58,6 @@ MOST_CONTACT_NODES = 3000
 On a rigid drum each shoe is a problem of its own. An elastic ring couples the nodes of all shoes.
 The dense matrices of a contact problem have two rows for each node, and with more nodes they take
 gigabytes of memory.
-"""
-PointsByShape = Mapping[int, Sequence[SingularPoint]]
-"""The singular points of the pressure for each shape of shoe.
-
-The key is the index of the first shoe of the shape.
 """
 
 
@@ -89,6 +90,7 @@ def make_condensed_shoes_of_hp_elements(
     alike: Sequence[int],
     cache: Cache,
     seconds: Seconds,
+    of_files: Mapping[int, ShoeSubstructure] | None = None,
 ) -> DividedBodies:
     """Make the condensed bodies of a brake from hp elements; shoes of one shape share one body.
 
@@ -101,6 +103,8 @@ def make_condensed_shoes_of_hp_elements(
         `cache.index_of_first_shoe_of_equal_shape`
     cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
     seconds : time of each phase [s], to which this function adds its own times
+    of_files : condensed bodies of the shoes that have mesh files, by the index of the first shoe of
+        each shape
 
     Raises
     ------
@@ -108,48 +112,59 @@ def make_condensed_shoes_of_hp_elements(
         if more than MOST_CONTACT_NODES contact nodes are coupled
     """
     # Each shape is divided and condensed once.
-    shapes = list(dict.fromkeys(alike))
+    made = dict(of_files or {})
     rules = {
         i: _rule_for_dividing_shoes_of_one_shape(brake, level, places or {}, alike, i)
-        for i in shapes
+        for i in dict.fromkeys(alike)
+        if i not in made
     }
-    _require_few_contact_nodes(brake, rules, alike)
-    made = {
-        i: _cached_or_newly_condensed_body(brake, rule, cache, seconds) for i, rule in rules.items()
-    }
+    contact_nodes = {i: len(body.line.nodes) for i, body in made.items()}
+    contact_nodes |= {i: rule.division.contact_nodes for i, rule in rules.items()}
+    _require_few_contact_nodes(brake, [contact_nodes[i] for i in alike])
+    for i, rule in rules.items():
+        made[i] = _cached_or_newly_condensed_body(brake, rule, cache, seconds)
     bodies = tuple(made[i] for i in alike)
 
-    # The smallest elements of the ring are as small as the smallest elements of the linings.
-    singular_layer_size = min(rule.division.singular_layer_size for rule in rules.values())
+    # The smallest elements of the ring are as small as the smallest hp elements of the linings.
+    singular_layer_size = min(
+        (rule.division.singular_layer_size for rule in rules.values()), default=math.inf
+    )
     ring = None
     ring_under = partial(
         condensed_ring_in_hp_elements, brake, level, singular_layer_size=singular_layer_size
     )
     if brake.ring is not None:
-        keys = [rule.division.dictionary_key_of_division for rule in rules.values()]
+        lines = tuple(body.line for body in bodies)
+        # Under linings with equal nodes the ring is divided in the same way.
+        keys = [
+            (line.interpolation_degree_along_contact_line, line.phi.tobytes()) for line in lines
+        ]
         loadless = brake_without_loads_and_clearances(brake)
         key = (loadless, level, singular_layer_size, *keys)
-        lines = tuple(body.line for body in bodies)
         with add_elapsed_time(seconds, "ring"):
             ring = cache.get(key, partial(ring_under, lines), memory_of_condensed_body)
 
     # Analyses of changed shoes divide a changed shoe by the same rule as the present shoe.
-    nodes_by_shape = {
-        i: partial(_hp_element_nodes_of_changed_shoe, rule, brake.size) for i, rule in rules.items()
+    nodes_by_shape: dict[int, Callable[[Shoe], BodyNodes]] = {
+        i: partial(nodes_of_changed_shoe_with_mesh_file, body)
+        for i, body in (of_files or {}).items()
     }
+    for i, rule in rules.items():
+        nodes_by_shape[i] = partial(_hp_element_nodes_of_changed_shoe, rule, brake.size)
     nodes_of = partial(_nodes_of_changed_shoe_divided_as_before, nodes_by_shape, alike)
     divisions = {i: rule.division for i, rule in rules.items()}
     return DividedBodies(bodies, ring, nodes_of, ring_under, divisions)
 
 
-def _require_few_contact_nodes(
-    brake: Brake, rules: Mapping[int, _DivisionRule], alike: Sequence[int]
-) -> None:
-    """Raise NoAnswer if a contact problem has more than MOST_CONTACT_NODES contact nodes."""
+def _require_few_contact_nodes(brake: Brake, of_shoes: Sequence[int]) -> None:
+    """Raise NoAnswer if a contact problem has more than MOST_CONTACT_NODES contact nodes.
+
+    `of_shoes` has the number of contact nodes of each shoe.
+    """
     # An elastic ring couples the contact nodes of all shoes. On a rigid drum each shoe is a contact
     # problem of its own.
     together = sum if brake.ring is not None else max
-    nodes = together(rules[i].division.contact_nodes for i in alike)
+    nodes = together(of_shoes)
     if nodes > MOST_CONTACT_NODES:
         raise NoAnswer(
             f"its {nodes} contact nodes are more than the {MOST_CONTACT_NODES} that are allowed"

@@ -1,7 +1,7 @@
 """Condensed bodies on meshes: each shoe has a parametric mesh or the mesh of a file."""
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple, cast
@@ -104,6 +104,8 @@ class RaisedDegree(NamedTuple):
     degree : the degree; None for the degree that the mesh has in the file
     smooth : whether straight sides of elements on curved lines become arcs, see
         `mesh.smooth_outline`
+    fitting : whether contact nodes are put on the drum or the plane that lie off it by no more than
+        the rounding of coordinates
     level : sizes of the elements at singular points; None if no element is split
     points : singular points of the pressure on each shoe; none for a shoe that has the same shape
         as an earlier shoe
@@ -111,6 +113,7 @@ class RaisedDegree(NamedTuple):
 
     degree: int | None = None
     smooth: bool = False
+    fitting: bool = False
     level: Level | None = None
     points: tuple[tuple[SingularPoint, ...], ...] = ()
 
@@ -124,11 +127,12 @@ def make_condensed_shoes_from_meshes(
     elements: int,
     kind: str,
     mesher: Mesher | None,
-    raised: RaisedDegree,
     cache: Cache,
     seconds: Seconds,
 ) -> DividedBodies:
     """Make the condensed bodies of a brake on meshes; shoes of one shape share one body.
+
+    The mesh of a file keeps its degree and its elements.
 
     Parameters
     ----------
@@ -138,7 +142,6 @@ def make_condensed_shoes_from_meshes(
     kind : kind of the elements, "quad2", "quad1", "tri2" or "tri1"
     mesher : function that makes the mesh of a shoe without a file, in place of
         `parametric_mesh_of_shoe`; its bodies are not taken from the cache
-    raised : degree of the displacements on meshes from files, and how their elements are split
     cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
     seconds : time of each phase [s], which this function adds to
 
@@ -153,32 +156,68 @@ def make_condensed_shoes_from_meshes(
     mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     # Shoes of one shape share a body within the brake. The cache shares equal bodies between
     # brakes.
-    setting = (elements, kind, raised)
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
-    for i, shoe in enumerate(brake.shoes):
+    for shoe in brake.shoes:
         shape = cache_key_of_shoe_shape(brake, shoe)
         if shape not in made:
-            own = raised._replace(points=raised.points[i : i + 1])
-            key = (
-                shoe_without_loads_and_clearances(shoe),
-                brake.size,
-                brake.friction > 0,
-                (elements, kind, own),
-                digest_of_mesh_file_of_shoe(shoe),
+            key = (*_cache_key_of_meshed_body(brake, shoe), elements, kind)
+            make = partial(
+                _mesh_condense_and_couple_shoe, brake, shoe, mesher, seconds, OWN_DEGREE, cache
             )
-            make = partial(_mesh_condense_and_couple_shoe, brake, shoe, mesher, seconds, own, cache)
             made[shape] = cache.get(key, make, memory_of_condensed_body)
     bodies = tuple(made[cache_key_of_shoe_shape(brake, shoe)] for shoe in brake.shoes)
     ring = None
     ring_under = partial(condense_meshed_drum_ring_to_contact_nodes, brake, elements)
     if brake.ring is not None:
         digests = map(digest_of_mesh_file_of_shoe, brake.shoes)
-        ring_key = (brake_without_loads_and_clearances(brake), setting, *digests)
+        ring_key = (brake_without_loads_and_clearances(brake), elements, kind, *digests)
         lines = tuple(body.line for body in bodies)
         with add_elapsed_time(seconds, "ring"):
             ring = cache.get(ring_key, partial(ring_under, lines), memory_of_condensed_body)
     nodes_of = partial(_mesh_nodes_of_changed_shoe, mesher, brake.size, bodies)
     return DividedBodies(bodies, ring, nodes_of, ring_under)
+
+
+def condensed_bodies_of_mesh_files(
+    brake: Brake, raised: RaisedDegree, alike: Sequence[int], cache: Cache, seconds: Seconds
+) -> dict[int, ShoeSubstructure]:
+    """The condensed bodies of all shoes that have mesh files.
+
+    The key of a body is the index of the first shoe of its shape.
+
+    Parameters
+    ----------
+    brake : the brake
+    raised : degree of the displacements on the meshes, and how their elements are split
+    alike : for each shoe the index of the first shoe of the same shape
+    cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
+    seconds : time of each phase [s], which this function adds to
+
+    Raises
+    ------
+    BadInput
+        if a mesh file cannot be used
+    """
+    made = {}
+    for i in dict.fromkeys(alike):
+        shoe = brake.shoes[i]
+        if shoe.mesh is None:
+            continue
+        own = raised._replace(points=raised.points[i : i + 1])
+        make = partial(_mesh_condense_and_couple_shoe, brake, shoe, None, seconds, own, cache)
+        key = (*_cache_key_of_meshed_body(brake, shoe), own)
+        made[i] = cache.get(key, make, memory_of_condensed_body)
+    return made
+
+
+def _cache_key_of_meshed_body(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
+    """A key of the body of a meshed shoe, which does not yet contain how the shoe is meshed."""
+    return (
+        shoe_without_loads_and_clearances(shoe),
+        brake.size,
+        brake.friction > 0,
+        digest_of_mesh_file_of_shoe(shoe),
+    )
 
 
 def _mesh_nodes_of_changed_shoe(
@@ -189,11 +228,22 @@ def _mesh_nodes_of_changed_shoe(
     The changed shoe is meshed with the same number and kind of elements. A mesh from a file stays
     the same in the frame of the shoe.
     """
-    if shoe.mesh is None:
-        mesh = mesher(shoe, radius)
-        basis = nodal_basis_of_mesh(mesh)
-    else:
-        mesh, basis = bodies[i].mesh, bodies[i].basis
+    if shoe.mesh is not None:
+        return nodes_of_changed_shoe_with_mesh_file(bodies[i], shoe)
+    mesh = mesher(shoe, radius)
+    return _nodes_and_actuation_forces_of_mesh(mesh, nodal_basis_of_mesh(mesh), shoe)
+
+
+def nodes_of_changed_shoe_with_mesh_file(body: ShoeSubstructure, shoe: Shoe) -> BodyNodes:
+    """The nodes of a mesh file's body if its shoe were changed to `shoe`.
+
+    In the frame of the shoe the mesh stays the same.
+    """
+    return _nodes_and_actuation_forces_of_mesh(body.mesh, body.basis, shoe)
+
+
+def _nodes_and_actuation_forces_of_mesh(mesh: Any, basis: Any, shoe: Shoe) -> BodyNodes:
+    """The nodes of a mesh with its basis, and the nodal forces of the shoe's actuation."""
     if "actuation" not in mesh.boundaries or shoe.has_support_on_back_of_body:
         return BodyNodes(basis.doflocs, np.zeros(basis.doflocs.shape))
     unit_loads, centre = nodal_forces_of_unit_loads_on_loaded_end(
@@ -257,7 +307,7 @@ def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: fl
 def mesh_and_assemble_shoe(
     brake: Brake,
     shoe: Shoe,
-    mesher: Mesher,
+    mesher: Mesher | None,
     seconds: Seconds,
     raised: RaisedDegree = OWN_DEGREE,
     cache: Cache | None = None,
@@ -268,7 +318,7 @@ def mesh_and_assemble_shoe(
     ----------
     brake : the brake
     shoe : the shoe
-    mesher : function that makes the mesh of a shoe without a file
+    mesher : function that makes the mesh of a shoe without a file; None for a shoe with a file
     seconds : time of each phase [s], which this function adds to
     raised : degree of the displacements on a mesh from a file, and how its elements are split
     cache : cache of meshes that were read from files
@@ -280,11 +330,20 @@ def mesh_and_assemble_shoe(
     """
     with add_elapsed_time(seconds, "mesh"):
         of_file = read_mesh_file_of_shoe(brake, shoe, cache or Cache())
-        mesh = mesher(shoe, brake.size) if of_file is None else of_file.mesh
-        # The degree of a parametric mesh is never raised, and its elements are never split: their
-        # kind and number were chosen when it was made.
-        degree = OWN_DEGREE if of_file is None else raised
-        basis = _basis_of_raised_degree(mesh, degree, shoe, brake.size)
+        if of_file is not None:
+            mesh = of_file.mesh
+            if raised.fitting:
+                # The module loads scipy's interpolation, which takes long.
+                from drumlin.fem.mesh.contact_surface import (  # noqa: PLC0415
+                    mesh_without_gaps_below_rounding,
+                )
+
+                slack = of_file.contact.rounded_by
+                mesh = mesh_without_gaps_below_rounding(mesh, slack, shoe, brake.size)
+        else:
+            assert mesher is not None
+            mesh = mesher(shoe, brake.size)
+        basis = _basis_of_raised_degree(mesh, raised, shoe, brake.size)
         mesh = basis.mesh
     with add_elapsed_time(seconds, "assembly"):
         K = sparse_stiffness_of_body(basis, elastic_layers_of_shoe(shoe))
@@ -406,7 +465,7 @@ def _memory_of_mesh_read_from_file(read: ShoeMesh) -> int:
 def _mesh_condense_and_couple_shoe(
     brake: Brake,
     shoe: Shoe,
-    mesher: Mesher,
+    mesher: Mesher | None,
     seconds: Seconds,
     raised: RaisedDegree,
     cache: Cache,

@@ -8,15 +8,17 @@ from drumlin.fem.hp.division import Level
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import index_of_first_shoe_of_equal_shape as equal_shapes
-from drumlin.fem.preparation.columns import PointsByShape, make_condensed_shoes_of_hp_elements
+from drumlin.fem.preparation.columns import make_condensed_shoes_of_hp_elements
 from drumlin.fem.preparation.meshes import (
     ELEMENTS,
     OWN_DEGREE,
     Mesher,
     RaisedDegree,
+    condensed_bodies_of_mesh_files,
     make_condensed_shoes_from_meshes,
 )
 from drumlin.fem.preparation.scene import (
+    PointsByShape,
     PreparedModel,
     Seconds,
     messages_on_rigid_parts,
@@ -44,7 +46,8 @@ def make_prepared_model(
     Parameters
     ----------
     brake : the brake
-    level : degree of hp elements, and their sizes at singular points; if None, every shoe is meshed
+    level : degree of hp elements, and their sizes at singular points; if None, every shoe without a
+        file has a parametric mesh
     places : singular points of the pressure for each shape of shoe; they matter for hp elements
         only
     alike : for each shoe the index of the first shoe of the same shape, see
@@ -54,7 +57,8 @@ def make_prepared_model(
     mesher : function that makes the mesh of a shoe without a file, in place of
         `parametric_mesh_of_shoe`; `elements` then divides an elastic ring only, and no body is
         taken from the cache
-    raised : degree of the displacements on meshes from files, and how their elements are split
+    raised : degree of the displacements on meshes from files, and how their elements are split,
+        together with a `level`; without a level these meshes keep their degree and elements
     cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
 
     Raises
@@ -72,11 +76,12 @@ def make_prepared_model(
     cache = cache or Cache()
     alike = alike or equal_shapes(brake)
     if level is None:
-        made = make_condensed_shoes_from_meshes(
-            brake, elements, kind, mesher, raised, cache, seconds
-        )
+        made = make_condensed_shoes_from_meshes(brake, elements, kind, mesher, cache, seconds)
     else:
-        made = make_condensed_shoes_of_hp_elements(brake, level, places, alike, cache, seconds)
+        of_files = condensed_bodies_of_mesh_files(brake, raised, alike, cache, seconds)
+        made = make_condensed_shoes_of_hp_elements(
+            brake, level, places, alike, cache, seconds, of_files
+        )
     left_out = _messages_on_what_prepared_model_neglects(
         brake, len(set(alike))
     ) + messages_on_rigid_parts(brake)
@@ -89,6 +94,8 @@ def make_prepared_model(
         nodes_of_changed_shoe=made.nodes_of_changed_shoe,
         ring_under_lines=made.ring_under_lines,
         divisions=made.divisions,
+        level=level,
+        points=places or {},
     )
 
 

@@ -1,7 +1,7 @@
 """The prepared model of a brake: its condensed bodies, and messages on what they neglect."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.heat import is_any_shoe_heated
-from drumlin.fem.hp.division import ShoeDivision
+from drumlin.fem.hp.division import Level, ShoeDivision, SingularPoint
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
@@ -19,6 +19,11 @@ from drumlin.laws import rigid
 
 Seconds = dict[str, float]
 """The type of a dictionary with the time [s] of each phase of a solve, by the phase's name."""
+PointsByShape = Mapping[int, Sequence[SingularPoint]]
+"""The singular points of the pressure for each shape of shoe.
+
+The key is the index of the first shoe of the shape.
+"""
 
 
 @contextmanager
@@ -66,6 +71,10 @@ class PreparedModel:
         the ring under these lines; None if the bodies cannot be divided anew
     divisions : division into hp elements by the index of the first shoe of each shape; empty for
         meshes
+    level : degree of hp elements, and sizes at singular points; None if every shoe without a mesh
+        file has a parametric mesh
+    points : singular points of the pressure at which the elements of this level are small, by the
+        index of the first shoe of each shape
     """
 
     brake: Brake
@@ -78,6 +87,8 @@ class PreparedModel:
     nodes_of_changed_shoe: Callable[[int, Shoe], BodyNodes] | None = None
     ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
     divisions: Mapping[int, ShoeDivision] = field(default_factory=dict)
+    level: Level | None = None
+    points: PointsByShape = field(default_factory=dict)
 
     @cached_property
     def cache_keys_of_shoe_shapes(self) -> list[tuple[object, ...]]:

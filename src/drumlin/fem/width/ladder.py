@@ -58,8 +58,7 @@ from drumlin.fem.error_control.levels import (
 from drumlin.fem.hp.division import Level, ShoeDivision
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.columns import PointsByShape
-from drumlin.fem.preparation.scene import PreparedModel
+from drumlin.fem.preparation.scene import PointsByShape, PreparedModel
 from drumlin.fem.width.error import (
     WIDTH_DEGREE,
     plane_stress_solution_on_coarse_hp_elements,

@@ -24,8 +24,9 @@ from drumlin.fem.preparation.cache import (
     index_of_first_shoe_of_equal_shape,
     shoe_without_loads_and_clearances,
 )
-from drumlin.fem.preparation.columns import MOST_CONTACT_NODES, PointsByShape
+from drumlin.fem.preparation.columns import MOST_CONTACT_NODES
 from drumlin.fem.preparation.scene import (
+    PointsByShape,
     PreparedModel,
     Seconds,
     add_elapsed_time,
