@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from command_line import drumlin
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
 from drumlin.fem import solid
 from drumlin.fem.error_control.adapt import Tolerance
