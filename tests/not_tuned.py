@@ -76,6 +76,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/width/functions.py": {
         "SAME_SIDE": ROUND_OFF,
         "BESIDE_WEB": DEFINITION,
+        **dict.fromkeys(("LEAST_OUTER_PIECE", "SHORT_OVERHANG", "LEAST_OVERHANG"), DEFINITION),
     },
     "fem/width/integrals.py": {"SYMMETRIES": DEFINITION},
     "fem/width/ladder.py": {
@@ -84,6 +85,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "SECTION_DEGREE": "the least degree that varies across a lining beside its web",
         "SECTION_SHARE": "half of a tolerance for each of two parts of the error",
         "MOST_SECTION_LEVELS": "bound of the work of one solve; the errors that remain are stated",
+        "LARGEST_SECTION": "bound of the work of one solve; the errors that remain are stated",
+        "LEAST_WIDTH_SHARE": "bound of the work of one solve; the errors that remain are stated",
         "MOST_DEGREE": "bound of the work of one solve; the errors that remain are stated",
         "SLOWEST_FALL": "power for the strongest singularity at a corner",
     },

@@ -156,10 +156,19 @@ def test_breaks_are_at_the_sides_of_the_parts(brake, flexible):
     assert piece_ends_across_half_width_of_shoe(table.shoes[0], beside=False) == pytest.approx(
         (0.0, 2.5e-3, 20e-3)
     )
-    # A lining that overhangs by less than one and a half thicknesses has no further break.
+    # The overhang of 1.44 thicknesses is short: its break is at a quarter of it.
     short = vary(table, {"shoe.body.width": 17e-3})
     assert piece_ends_across_half_width_of_shoe(short.shoes[0]) == pytest.approx(
-        (0.0, 8.5e-3, 20e-3)
+        (0.0, 8.5e-3, 11.375e-3, 20e-3)
+    )
+    shorter = vary(table, {"shoe.body.width": 34e-3})
+    assert piece_ends_across_half_width_of_shoe(shorter.shoes[0]) == pytest.approx(
+        (0.0, 17e-3, 20e-3)
+    )
+    # A long overhang, of 4.7 thicknesses, has a second break.
+    long = vary(table, {"shoe.lining.width": 80e-3})
+    assert piece_ends_across_half_width_of_shoe(long.shoes[0]) == pytest.approx(
+        (0.0, 2.5e-3, 10.5e-3, 22.5e-3, 40e-3)
     )
 
 

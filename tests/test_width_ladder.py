@@ -17,6 +17,7 @@ from drumlin.fem.error_control.singular_points import singular_points_of_all_lin
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
+from drumlin.fem.width import ladder
 from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.ladder import (
@@ -283,3 +284,26 @@ def test_the_truth_of_a_solve_agrees_with_a_direct_one_within_its_uncertainty():
         brake, reference.truth, direct
     ).brake.items():
         assert error < 0.5 * far[name], name
+
+
+def test_a_higher_degree_makes_up_for_the_section_as_long_as_a_fifth_is_left():
+    left = ladder._tolerance_left_for_width
+    assert left(0.01, 0.002) == pytest.approx(0.008)
+    assert left(0.01, 0.007) == pytest.approx(0.003)
+    assert left(0.01, 0.0081) == left(0.01, 0.5) == pytest.approx(0.005)
+
+
+@pytest.mark.slow
+def test_a_small_section_has_one_more_level_than_a_large_one(flexible, monkeypatch):
+    table, exact = t_section(flexible), Tolerance(1e-9, 1e-9)
+
+    def number_of_levels(largest, *, must):
+        monkeypatch.setattr(ladder, "LARGEST_SECTION", largest)
+        levels = LEVELS[: ladder.MOST_SECTION_LEVELS + 1]
+        climb = ladder.refine_cross_section_up_to_tolerance(
+            table, exact, solve_prepared_model, Cache(), levels, solve(table), must=must
+        )
+        return len(climb.levels)
+
+    assert number_of_levels(0, must=False) == ladder.MOST_SECTION_LEVELS
+    assert number_of_levels(10**9, must=False) == ladder.MOST_SECTION_LEVELS + 1

@@ -13,4 +13,12 @@ enter contact, equilibrium and response like those of plane stress. It also esti
 plane stress, and corrects answers of plane stress for the widths of the shoes (hierarchic plate
 models: Szabo & Babuska, Introduction to Finite Element Analysis, ch. 13; Duester, Broeker & Rank
 2001).
+
+Each row of nodes has all functions of z of its part. Fewer functions in rows far from bonds and
+free sides would save few unknowns. On the second level with degree 3, 14 to 19 % of the unknowns on
+a line through the thickness belong to the rows of the web, on four random brakes whose linings
+overhang their webs ("built" 510003 and 510011, "free" 510000 and 510013 of
+`drumlin_studies.solid_error`). All other rows belong to linings and tables, which have bonds or
+free sides no farther away than their thickness. This share is counted from the divisions; rows with
+fewer functions were not solved.
 """
