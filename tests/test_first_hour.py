@@ -241,6 +241,9 @@ def test_numbers_of_failed_cases_are_not_counted_nor_drawn():
     table = SweepTable("title", rows, ["friction"])
     (found,) = table.statistics("torque")
     assert found.cases == 2 and found.mean == 2.0 and found.largest == 3.0
+    assert np.array_equal(table["torque"], [1.0, 3.0, np.nan], equal_nan=True)
+    assert table["friction"].tolist() == [0.3, 0.3, 0.3] and table[2]["torque [N m]"] == 1e9
+    assert "1e+09" not in repr(table)
     (line,) = table.plot("friction").lines
     assert line.get_ydata().tolist() == [1.0, 3.0]
     for x, y in (("model", ""), ("friction", "status")):
