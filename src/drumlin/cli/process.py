@@ -93,16 +93,16 @@ def run_command_line(words: Sequence[str]) -> int:
     import typer
 
     from drumlin.base.files import protect_input_files
-    from drumlin.cli.commands import app
+    from drumlin.cli.commands import app, application_for_words
 
     # Only Python code can pass a word with a NUL character; some versions of typer fail on it.
     for word in words:
         if "\0" in word:
             raise BadInput(f"argument {word!r}: it holds a NUL character, which is not allowed")
-    command = typer.main.get_command(app)
     # If a shell asks how to complete a command line, click prints the answer and ends the process.
     if SHELL_COMPLETION_VARIABLE in os.environ:
-        command(list(words), prog_name="drumlin")
+        typer.main.get_command(app)(list(words), prog_name="drumlin")
+    command = typer.main.get_command(application_for_words(words))
     with protect_input_files():
         try:
             with command.make_context("drumlin", list(words) or ["--help"]) as context:

@@ -106,7 +106,8 @@ class SweepTable(Sequence[Row]):
     `table[0]` is the first row, with values by heading. `table["torque"]` is a column: an array of
     numbers, with nan for the results of cases that are not solved, or a list of texts. A row, and
     the file of the table, keep the numbers of a case that has not converged beside its status. The
-    unit of a heading may be left out. All numbers are in SI units, unless the sweep file asks for others.
+    unit of a heading may be left out. All numbers are in SI units, unless the sweep file asks for
+    others.
 
     Parameters
     ----------
