@@ -4,10 +4,11 @@ A solve divides the brake into elements, condenses its bodies and solves its con
 finer and finer divisions until the a posteriori error estimate is small enough.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_as_text
@@ -227,6 +228,34 @@ def prepared_model_with_finest_elements(
 ) -> PreparedModel:
     """The prepared model of the finest division that `solve` uses, for further analyses.
 
+    The parameters and the errors raised are those of `finest_model_with_stated_errors`.
+    """
+    return finest_model_with_stated_errors(brake, elements=elements, kind=kind, cache=cache).scene
+
+
+class FinestModel(NamedTuple):
+    """The prepared model of the finest division of a brake, and the errors of its response.
+
+    Attributes
+    ----------
+    scene : the prepared model
+    error : estimated relative errors of the response in sliding, as in `Response.error`; None
+        without an estimate or without a solution
+    """
+
+    scene: PreparedModel
+    error: Mapping[str, float] | None = None
+
+
+def finest_model_with_stated_errors(
+    brake: Brake,
+    *,
+    elements: int | None = None,
+    kind: str | None = None,
+    cache: Cache | None = None,
+) -> FinestModel:
+    """The prepared model of the finest division that `solve` uses, with the errors that it states.
+
     The elements of a mesh file are split and their degree is raised as in `solve`. A brake without
     a solution in sliding gets the second of the levels of refinement.
 
@@ -244,19 +273,22 @@ def prepared_model_with_finest_elements(
     require_element_options_have_effect(brake, elements=elements, kind=kind)
     if elements is None and kind is None and any(shoe.mesh for shoe in brake.shoes):
         try:
-            return solve_brake_on_mesh_files(brake, solve_prepared_model, None, cache).scene
+            solved = solve_brake_on_mesh_files(brake, solve_prepared_model, None, cache)
         except NoAnswer:
-            return prepared_model_of_mesh_files(brake, MESH_LEVELS[1], cache=cache)
+            return FinestModel(prepared_model_of_mesh_files(brake, MESH_LEVELS[1], cache=cache))
+        return FinestModel(solved.scene, solved.response.error)
     if not _is_brake_solved_on_hp_element_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
-        return make_prepared_model(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
+        kind = kind or DEFAULT_KIND
+        return FinestModel(make_prepared_model(brake, elements=elements, kind=kind, cache=cache))
     # The model is that of the last level on which a solution was found.
     try:
-        return solve_brake_to_tolerance(
+        solved = solve_brake_to_tolerance(
             brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False, cache=cache
-        ).scene
+        )
     except NoAnswer:
-        return make_prepared_model(brake, LEVELS[1], cache=cache)
+        return FinestModel(make_prepared_model(brake, LEVELS[1], cache=cache))
+    return FinestModel(solved.scene, solved.response.error)
 
 
 def require_element_options_have_effect(
