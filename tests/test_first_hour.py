@@ -14,6 +14,8 @@ from conftest import partly
 from drumlin.base.arrays import are_equal_with_arrays
 from drumlin.base.texts import error_as_text
 from drumlin.cli.solving import _SolvedBrake
+from drumlin.fem import solve as fem_solve
+from drumlin.fem.error_control.adapt import solve_brake_to_tolerance
 from drumlin.models import BUILT_IN_MODELS, MODELS
 from drumlin.studies import PACKAGES_OF_STUDIES, paths_of_all_examples
 from drumlin.sweeps.sweep_table import SweepTable
@@ -241,6 +243,9 @@ def test_numbers_of_failed_cases_are_not_counted_nor_drawn():
     table = SweepTable("title", rows, ["friction"])
     (found,) = table.statistics("torque")
     assert found.cases == 2 and found.mean == 2.0 and found.largest == 3.0
+    assert np.array_equal(table["torque"], [1.0, 3.0, np.nan], equal_nan=True)
+    assert table["friction"].tolist() == [0.3, 0.3, 0.3] and table[2]["torque [N m]"] == 1e9
+    assert "1e+09" not in repr(table)
     (line,) = table.plot("friction").lines
     assert line.get_ydata().tolist() == [1.0, 3.0]
     for x, y in (("model", ""), ("friction", "status")):
@@ -438,8 +443,18 @@ def test_wear_prints_columns_apart_and_states_its_error(here):
 
 
 @pytest.mark.slow
-def test_wear_starts_where_solve_is_and_states_its_error(here):
-    worn, solved = drumlin.wear("my.toml", distance=0.1), drumlin.solve("my.toml")
+def test_wear_starts_where_solve_is_and_states_its_error(here, monkeypatch):
+    solves = []
+
+    def solve_and_count(*given, **options):
+        solves.append(given)
+        return solve_brake_to_tolerance(*given, **options)
+
+    monkeypatch.setattr(fem_solve, "solve_brake_to_tolerance", solve_and_count)
+    worn = drumlin.wear("my.toml", distance=0.1)
+    # The error is that of the solve that finds the elements for the wear.
+    assert len(solves) == 1
+    solved = drumlin.solve("my.toml")
     assert worn.states[0].torque == pytest.approx(solved.torque, rel=solved.error["torque"])
     said = worn.lines()[-1]
     for key in ("pressure", "torque"):

@@ -3,14 +3,14 @@
 import pytest
 
 from conftest import ROOT, STUDY
-from drumlin.base.errors import BadInput
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.journal import Journal
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.estimate import (
     QUANTITIES,
     relative_differences_of_responses_on_two_levels,
 )
-from drumlin.fem.error_control.first_level import kind_of_contact
+from drumlin.fem.error_control.first_level import errors_of_first_level, kind_of_contact
 from drumlin.fem.solve import solve, solve_first_level_of_brake
 from drumlin.sweeps import cases as case_solving
 from drumlin.sweeps import certificate as certifying
@@ -19,8 +19,9 @@ from drumlin.sweeps.cases import (
     journal_keys_of_cases,
     solve_all_cases_of_sweep,
     solve_case_and_return_results_or_failure,
+    solve_case_without_raising,
 )
-from drumlin.sweeps.certificate import FIRST_LEVEL, Certificate
+from drumlin.sweeps.certificate import FIRST_LEVEL, Certificate, SampleMember
 from drumlin.sweeps.file import sweep_from_file_data
 from drumlin.sweeps.sample import solve_all_cases_with_sample
 
@@ -60,6 +61,8 @@ FRICTION = {"friction": over(0.1, 0.5, 20)}
             "does not go with model.fem.tolerance = 0.001",
         ),
         ({"certify": 1.5}, "certify"),
+        ({"certify": 10**5000}, r"certify = \(more than 4300 digits\): is a sample of .* 3 to 20"),
+        ({"seed": -(10**5000)}, r"seed = \(more than 4300 digits\): must be"),
     ],
 )
 def test_what_no_sample_can_certify_is_refused_by_its_key(more, words):
@@ -172,6 +175,47 @@ def test_case_of_a_kind_that_the_sample_has_not_certifies_itself(brake):
     brakes = brake, vary(brake, case.changes)
     kinds = [kind_of_contact(b, solve_first_level_of_brake(b)) for b in brakes]
     assert "corner" in kinds[0] and kinds[0] != kinds[1]
+
+
+def test_member_of_sample_takes_first_level_from_its_own_solve(monkeypatch):
+    (case,) = sweep({"shoe.lining.clearance": ["0.02 mm"]}).cases
+    one = vary(case.brake, case.changes)
+    found = errors_of_first_level(one, solve_first_level_of_brake(one), solve(one))
+    # The division of the brake on the first level is not solved once more.
+    monkeypatch.setattr(certifying, "solve_first_level_of_brake", None)
+    row = solve_case_and_return_results_or_failure(case._replace(certify=SampleMember()))
+    assert {name: row[FIRST_LEVEL][name] for name in QUANTITIES} == found
+    assert 1e-4 < found["pressure"] < 0.05
+
+
+def certificate_of_every_kind(monkeypatch):
+    monkeypatch.setattr(certifying, "_kind_of_case", lambda brake, changes, first: "a kind")
+    return Certificate(("a kind",), dict.fromkeys(QUANTITIES, 1e-3))
+
+
+def test_first_level_that_fails_for_want_of_memory_is_tried_again(monkeypatch):
+    (case,) = sweep({"friction": [0.3]}).cases
+
+    def refuse_for_want_of_memory(brake, **options):
+        raise NoAnswer("no solution") from MemoryError()
+
+    monkeypatch.setattr(certifying, "solve_first_level_of_brake", refuse_for_want_of_memory)
+    certified = case._replace(certify=certificate_of_every_kind(monkeypatch))
+    answer = solve_case_without_raising(certified)
+    assert answer.again and not answer.lasting
+
+
+def test_brake_that_is_not_modelled_is_refused_as_without_a_sample(monkeypatch):
+    file = str(STUDIES / "brakes" / "s_cam.toml")
+    (case,) = sweep({"shoe.lining.clearance": ["0 mm"]}, brake=file).cases
+    hot = case._replace(changes={"shoe.lining.temperature_rise": 50.0})
+    hot = hot._replace(changes=hot.changes | {"shoe.lining.material.expansion": 1e-5})
+    own = solve_case_and_return_results_or_failure(hot)
+    assert "a cam on heated shoes is not modelled" in own["status"]
+    certificate = certificate_of_every_kind(monkeypatch)
+    assert solve_case_and_return_results_or_failure(hot._replace(certify=certificate)) == own
+    cold = solve_case_and_return_results_or_failure(case._replace(certify=certificate))
+    assert cold["certified"] == "sample"
 
 
 def test_refused_case_has_the_words_of_its_own_solve():

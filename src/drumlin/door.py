@@ -9,7 +9,6 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path
@@ -571,7 +570,7 @@ def wear(
         worn, model, both_ways=reverse is not None, **options
     )
     say("wearing")
-    run = whole_brake.wear_linings_of_whole_brake(
+    return whole_brake.wear_linings_of_whole_brake(
         setups,
         law,
         distance=distance,
@@ -579,19 +578,6 @@ def wear(
         torque=held,
         tolerance=tolerance,
     )
-    # Elements that the user chooses have no estimated error. Those of the default are those of the
-    # last level of `solve`, which estimates the error.
-    if model != "fem" or on_mesh:
-        return run
-    # A held torque changes the actuation of the unworn state, and with it the contact.
-    if held is not None:
-        return run
-    from drumlin.fem.solve import solve as solve_in_plane_stress
-
-    # A brake whose error is not known can still wear.
-    with suppress(NoAnswer):
-        return replace(run, start_error=solve_in_plane_stress(worn).error)
-    return run
 
 
 class HoldingRun(NamedTuple):

@@ -127,6 +127,17 @@ def exception_for_unusable_file(path: object, doing: str, error: BaseException) 
     return kind(f"{path}: cannot be {doing} ({system_message_of_error(error)})")
 
 
+def is_failure_of_memory_or_system(error: BaseException | None) -> bool:
+    """Whether a lack of memory, or the operating system, caused an error, and not the input."""
+    # A model may turn an error of the system into a refusal, so that the causes of the error are
+    # looked at, too.
+    while error is not None:
+        if isinstance(error, MemoryError | OSError):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
 def text_of_error_for_command_line(error: BaseException) -> str:
     """The message of an error for the command line, with options in place of arguments."""
     return getattr(error, "command_line_text", "") or str(error)

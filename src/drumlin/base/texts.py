@@ -6,6 +6,7 @@ In a printable text, line breaks and control characters are replaced by escape s
 import difflib
 import re
 import shlex
+import sys
 from collections.abc import Iterable, Sequence
 from pathlib import PurePath
 
@@ -70,6 +71,15 @@ def _command_word_with_path_cut_to_file_name(word: str) -> str:
     option, equals, path = word.rpartition("=") if word.startswith("-") else ("", "", word)
     name = PurePath(path).name if PurePath(path).is_absolute() else path
     return option + equals + name
+
+
+def value_as_text(value: object) -> str:
+    """A value as the text of an error line; an integer that Python cannot write is described."""
+    try:
+        return repr(value)
+    except ValueError:
+        # Python refuses to write integers of more than some 4300 digits, which takes it long.
+        return f"(more than {sys.get_int_max_str_digits()} digits)"
 
 
 def number_as_text(value: float, form: str) -> str:

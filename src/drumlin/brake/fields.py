@@ -8,7 +8,7 @@ convert it. Data that a program gives may be plain numbers in SI units. The vali
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Annotated, Any, ClassVar, Self, get_args, get_origin
 
 import numpy as np
@@ -130,8 +130,7 @@ class Part(BaseModel):
     @classmethod
     def _check_keys_are_known(cls, data: object) -> object:
         """Return the data unchanged; ValueError if they have a key that the part does not have."""
-        # A file may use the alias of a field, such as `shoe` for the field `shoes`.
-        allowed = [field.alias or name for name, field in cls.model_fields.items()]
+        allowed = _keys_of_part_in_files(cls)
         if isinstance(data, Mapping):
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
@@ -152,6 +151,15 @@ class Part(BaseModel):
         for name in found.__dict__.keys() - type(self).model_fields:
             del found.__dict__[name]
         return found
+
+
+@cache
+def _keys_of_part_in_files(kind: type[Part]) -> list[str]:
+    """The keys that a file may have for a part: the names of its fields, or their aliases.
+
+    A file uses the alias of a field, such as `shoe` for the field `shoes`.
+    """
+    return [field.alias or name for name, field in kind.model_fields.items()]
 
 
 class Material(Part):

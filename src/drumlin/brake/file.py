@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from drumlin.base.errors import BadInput
 from drumlin.base.files import read_text
-from drumlin.base.texts import check_toml_parses_quickly
+from drumlin.base.texts import check_toml_parses_quickly, value_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Lining
 from drumlin.brake.drum_brake import DrumBrake
@@ -83,7 +83,7 @@ def _error_line_about_invalid_brake_data(error: ValidationError, data: Any) -> s
         message = FAULT_TEXTS[fault["type"]].format(key=key)
     if fault["type"] == "missing":
         return f"{key}: is missing"
-    shown = f" = {data!r}" if isinstance(data, str | int | float) else ""
+    shown = f" = {value_as_text(data)}" if isinstance(data, str | int | float) else ""
     # A long value is cut off, so that the line still shows what is allowed.
     if len(shown) > 60:
         shown = shown[:57] + "..."

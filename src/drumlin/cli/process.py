@@ -6,7 +6,6 @@ drumlin itself. Heavy modules are imported after `main` has started, so that a f
 is reported as one line, too.
 """
 
-import gc
 import os
 import signal
 import sys
@@ -23,17 +22,12 @@ from drumlin.base.errors import (
     call_function_and_return_exit_status,
     exception_for_unusable_file,
 )
+from drumlin.base.garbage import search_memory_for_garbage_seldom
 
 SHELL_COMPLETION_VARIABLE = "_DRUMLIN_COMPLETE"
 """Environment variable that a shell sets to complete a command line with the Tab key.
 
 The library click then answers with the words that may come next.
-"""
-GARBAGE_THRESHOLD = 20_000
-"""Number of new objects after which Python searches memory for garbage; Python's default is 700.
-
-Imported modules stay in memory until the end. With the default, Python searches them again and
-again, which takes 3 % of the time of a solve.
 """
 
 
@@ -47,7 +41,7 @@ def _prepare_process_and_run_command() -> int:
     _make_end_signals_raise_stopped()
     _make_output_streams_usable()
     _exclude_current_folder_from_imports()
-    gc.set_threshold(GARBAGE_THRESHOLD)
+    search_memory_for_garbage_seldom()
     # Python's warnings concern programmers, not users. `python -W default` shows them.
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
@@ -93,16 +87,16 @@ def run_command_line(words: Sequence[str]) -> int:
     import typer
 
     from drumlin.base.files import protect_input_files
-    from drumlin.cli.commands import app
+    from drumlin.cli.commands import app, application_for_words
 
     # Only Python code can pass a word with a NUL character; some versions of typer fail on it.
     for word in words:
         if "\0" in word:
             raise BadInput(f"argument {word!r}: it holds a NUL character, which is not allowed")
-    command = typer.main.get_command(app)
     # If a shell asks how to complete a command line, click prints the answer and ends the process.
     if SHELL_COMPLETION_VARIABLE in os.environ:
-        command(list(words), prog_name="drumlin")
+        typer.main.get_command(app)(list(words), prog_name="drumlin")
+    command = typer.main.get_command(application_for_words(words))
     with protect_input_files():
         try:
             with command.make_context("drumlin", list(words) or ["--help"]) as context:

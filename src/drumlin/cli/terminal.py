@@ -231,22 +231,23 @@ def print_table_fitted_to_terminal(
 
 
 def _lines_of_printed_table(columns: Collection[Column]) -> list[str]:
-    """The lines of a printed table without ruled lines, with two spaces between the columns."""
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
+    """The lines of a printed table without ruled lines, with two spaces between the columns.
 
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    for column in columns:
-        table.add_column(
-            Text(column.head), justify="left" if column.left else "right", no_wrap=True
-        )
-    for row in zip(*(column.cells for column in columns), strict=True):
-        table.add_row(*map(Text, row))
-    console = Console(width=sum(column.width + 2 for column in columns), color_system=None)
-    with console.capture() as text:
-        console.print(table)
-    return [line.rstrip() for line in text.get().splitlines()]
+    Headings of fewer lines than others stand low, cells of fewer lines stand high.
+    """
+    rows = zip(*((column.head, *column.cells) for column in columns), strict=True)
+    lines: list[str] = []
+    for number, row in enumerate(rows):
+        cells = [text.split("\n") for text in row]
+        height = max(map(len, cells))
+        for k in range(height):
+            words = []
+            for column, cell in zip(columns, cells, strict=True):
+                at = k - (height - len(cell)) * (number == 0)
+                word = cell[at] if 0 <= at < len(cell) else ""
+                words.append(word.ljust(column.width) if column.left else word.rjust(column.width))
+            lines.append("  ".join(words).rstrip())
+    return lines
 
 
 def print_table_of_compared_models(

@@ -4,10 +4,11 @@ A solve divides the brake into elements, condenses its bodies and solves its con
 finer and finer divisions until the a posteriori error estimate is small enough.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_as_text
@@ -26,7 +27,10 @@ from drumlin.fem.error_control.degrees import (
     prepared_model_of_mesh_files,
     solve_brake_on_mesh_files,
 )
-from drumlin.fem.error_control.first_level import solve_on_first_level
+from drumlin.fem.error_control.first_level import (
+    solve_on_first_level,
+    solve_on_levels_and_hand_out_first,
+)
 from drumlin.fem.error_control.levels import LEVELS, SolvedLevel
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
@@ -67,6 +71,7 @@ def solve(
     model_error: bool = False,
     self_locking: bool = False,
     use_model: Callable[[PreparedModel, Response], None] | None = None,
+    use_first_level: Callable[[Response], None] | None = None,
     cache: Cache | None = None,
 ) -> Response:
     """Solve a brake by finite elements, on finer and finer divisions up to a tolerance.
@@ -91,6 +96,9 @@ def solve(
         without effect for friction that depends on the pressure
     use_model : called with the prepared model and its response in plane stress, before any
         correction, for instance to write the stresses inside the shoes
+    use_first_level : called with the response on the first level, without errors of its own, if the
+        first level has a solution; not called for brakes with mesh files, and with a tolerance,
+        elements or their kind
     cache : keeps the condensed bodies of earlier solves
 
     Raises
@@ -108,7 +116,13 @@ def solve(
     if finite_width:
         require_that_width_model_applies_to_brake(brake)
     scene, response = _solved_model_in_plane_stress(
-        brake, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
+        brake,
+        elements=elements,
+        kind=kind,
+        tolerance=tolerance,
+        penalty=penalty,
+        use_first_level=use_first_level,
+        cache=cache,
     )
     seconds = dict(response.seconds)
     if use_model is not None:
@@ -144,12 +158,16 @@ def solve_first_level_of_brake(
 ) -> Response:
     """The response of a brake on the first level of a solve, which states no errors of its own.
 
-    The parameters are those of `solve`. Raises NoAnswer if the first level has no solution.
+    On a drum it has no figures of merit and no notes on the assumptions: a sweep, which needs the
+    response many times, shows neither. The parameters are those of `solve`. Raises NoAnswer if the
+    first level has no solution.
     """
     require_positive_penalty(penalty)
     brake.check_shoes_can_be_meshed()
-    answer = partial(solve_prepared_model, penalty=penalty)
-    response = response_with_figures_of_merit(brake, solve_on_first_level(brake, answer, cache))
+    response = solve_on_first_level(brake, partial(solve_prepared_model, penalty=penalty), cache)
+    # The braking force of a shoe on a plane is one of its figures of merit.
+    if brake.surface.is_plane_and_not_drum:
+        response = response_with_figures_of_merit(brake, response)
     if not model_error:
         return response
     own = estimate_error_of_plane_stress(brake, response, penalty=penalty, cache=cache)
@@ -174,6 +192,7 @@ def _solved_model_in_plane_stress(
     kind: str | None,
     tolerance: float | None,
     penalty: float,
+    use_first_level: Callable[[Response], None] | None,
     cache: Cache | None,
 ) -> SolvedLevel:
     """The prepared model and the response of a brake in plane stress; parameters as in `solve`.
@@ -190,7 +209,12 @@ def _solved_model_in_plane_stress(
         asked = Tolerance(tolerance, tolerance)
         return solve_brake_to_tolerance(brake, asked, answer, cache=cache)
     if _is_brake_solved_on_hp_element_levels(brake, elements, kind):
-        return solve_brake_to_tolerance(brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache)
+        levels = None
+        if use_first_level is not None:
+            levels = solve_on_levels_and_hand_out_first(brake, answer, cache, use_first_level)
+        return solve_brake_to_tolerance(
+            brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache, levels=levels
+        )
     model = prepared_model_with_finest_elements(brake, elements=elements, kind=kind, cache=cache)
     return SolvedLevel(model, answer(model, brake))
 
@@ -203,6 +227,34 @@ def prepared_model_with_finest_elements(
     cache: Cache | None = None,
 ) -> PreparedModel:
     """The prepared model of the finest division that `solve` uses, for further analyses.
+
+    The parameters and the errors raised are those of `finest_model_with_stated_errors`.
+    """
+    return finest_model_with_stated_errors(brake, elements=elements, kind=kind, cache=cache).scene
+
+
+class FinestModel(NamedTuple):
+    """The prepared model of the finest division of a brake, and the errors of its response.
+
+    Attributes
+    ----------
+    scene : the prepared model
+    error : estimated relative errors of the response in sliding, as in `Response.error`; None
+        without an estimate or without a solution
+    """
+
+    scene: PreparedModel
+    error: Mapping[str, float] | None = None
+
+
+def finest_model_with_stated_errors(
+    brake: Brake,
+    *,
+    elements: int | None = None,
+    kind: str | None = None,
+    cache: Cache | None = None,
+) -> FinestModel:
+    """The prepared model of the finest division that `solve` uses, with the errors that it states.
 
     The elements of a mesh file are split and their degree is raised as in `solve`. A brake without
     a solution in sliding gets the second of the levels of refinement.
@@ -221,19 +273,24 @@ def prepared_model_with_finest_elements(
     require_element_options_have_effect(brake, elements=elements, kind=kind)
     if elements is None and kind is None and any(shoe.mesh for shoe in brake.shoes):
         try:
-            return solve_brake_on_mesh_files(brake, solve_prepared_model, None, cache).scene
+            solved = solve_brake_on_mesh_files(brake, solve_prepared_model, None, cache)
         except NoAnswer:
-            return prepared_model_of_mesh_files(brake, MESH_LEVELS.levels[1], cache=cache)
+            return FinestModel(
+                prepared_model_of_mesh_files(brake, MESH_LEVELS.levels[1], cache=cache)
+            )
+        return FinestModel(solved.scene, solved.response.error)
     if not _is_brake_solved_on_hp_element_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
-        return make_prepared_model(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
+        kind = kind or DEFAULT_KIND
+        return FinestModel(make_prepared_model(brake, elements=elements, kind=kind, cache=cache))
     # The model is that of the last level on which a solution was found.
     try:
-        return solve_brake_to_tolerance(
+        solved = solve_brake_to_tolerance(
             brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False, cache=cache
-        ).scene
+        )
     except NoAnswer:
-        return make_prepared_model(brake, LEVELS[1], cache=cache)
+        return FinestModel(make_prepared_model(brake, LEVELS[1], cache=cache))
+    return FinestModel(solved.scene, solved.response.error)
 
 
 def require_element_options_have_effect(

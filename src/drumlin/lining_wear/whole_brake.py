@@ -84,10 +84,13 @@ class WearSetups(NamedTuple):
     ----------
     forward : setup for the drum turning as the brake file states
     backward : setup for the drum turning the other way; None if the drum never does
+    start_error : estimated relative errors of the unworn state, see `WearRun`; None if the model or
+        the elements have no estimate
     """
 
     forward: WearSetup
     backward: WearSetup | None
+    start_error: Mapping[str, float] | None = None
 
 
 def require_options_of_wear_model(
@@ -151,13 +154,18 @@ def make_wear_setups_of_brake(
             None if turned_back is None else wear_setup_by_foundation_model(turned_back, **options)
         )
         return WearSetups(forward, backward)
-    # The import takes long, and only finite elements need it.
+    # The imports take long, and only finite elements need them.
     from drumlin.fem.analysis.prepared import prepared_model_for_analysis  # noqa: PLC0415
+    from drumlin.fem.solve import finest_model_with_stated_errors  # noqa: PLC0415
 
-    scene = prepared_model_for_analysis(brake, model, **options)
+    error = None
+    if model == "fem":
+        scene, error = finest_model_with_stated_errors(brake, **options)
+    else:
+        scene = prepared_model_for_analysis(brake, model, **options)
     forward = wear_setup_by_finite_elements(scene, brake)
     backward = None if turned_back is None else wear_setup_by_finite_elements(scene, turned_back)
-    return WearSetups(forward, backward)
+    return WearSetups(forward, backward, error)
 
 
 def sliding_distance_from_option(option: str, given: float | str, unit: float) -> float:
@@ -212,7 +220,7 @@ def wear_linings_of_whole_brake(
     NoAnswer
         for no equilibrium, no convergence, self-locking, or a lining that is worn through
     """
-    setup, backward = setups
+    setup, backward, start_error = setups
     unit = sliding_distance_of_e_fold_pressure_change(setup, law)
     # Options that are None are left out, so that `wear_brake_linings_until_worn_in` uses its
     # defaults.
@@ -225,4 +233,7 @@ def wear_linings_of_whole_brake(
     states = wear_brake_linings_until_worn_in(setup, law, backward=backward, **options)
     require_linings_not_worn_through(setup, states)
     goal = final_pressure_and_torque_by_rigid_shoe_law(setup, law, torque)
-    return WearRun(setup, law, tuple(states), goal, tolerance or DEFAULT_WEAR_STEP_ERROR)
+    # A held torque changes the actuation of the unworn state, and with it the contact.
+    error = start_error if torque is None else None
+    step_error = tolerance or DEFAULT_WEAR_STEP_ERROR
+    return WearRun(setup, law, tuple(states), goal, step_error, error)

@@ -18,7 +18,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.errors import BadInput, DrumlinError, NoAnswer
+from drumlin.base.errors import (
+    BadInput,
+    DrumlinError,
+    NoAnswer,
+    is_failure_of_memory_or_system,
+)
 from drumlin.base.journal import Journal, checksum_of_source_and_libraries, journal_key_of_case
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
@@ -120,16 +125,29 @@ class CaseAnswer(NamedTuple):
 
 
 def solve_case_and_return_brake_and_response(
-    case: SweepCase, cache: Cache | None = None
+    case: SweepCase,
+    cache: Cache | None = None,
+    use_first_level: Callable[[Response], None] | None = None,
 ) -> tuple[Brake, Response]:
     """Solve a case; returns the brake with its changed values, and the response of the model.
 
-    The models "fem" and "solid" take the condensed stiffness of a shoe from the cache if an equal
-    shoe was condensed before, and else store it there. Raises BadInput and NoAnswer as the model
-    does.
+    Parameters
+    ----------
+    case : the case
+    cache : the models "fem" and "solid" take the condensed stiffness of a shoe from it if an equal
+        shoe was condensed before, and else store it there
+    use_first_level : called by the model "fem" with the response on its first level, see
+        `drumlin.fem.solve.solve`; None for other models
+
+    Raises
+    ------
+    BadInput, NoAnswer
+        as the model does
     """
     brake = _brake_of_case(case)
     options = dict(case.options)
+    if use_first_level is not None:
+        options["use_first_level"] = use_first_level
     if case.model in {"fem", "solid"}:
         options["cache"] = cache
     return brake, model_with_name_that_applies_to_brake(case.model, brake).solve(brake, **options)
@@ -172,15 +190,15 @@ def _results_of_case(case: SweepCase, cache: Cache | None) -> Row:
         if by_sample is not None:
             row = results_of_response_by_name(brake, by_sample)
             return {"status": row["status"], CERTIFIED: "sample"} | row
-    brake, response = solve_case_and_return_brake_and_response(case, cache)
+    first: list[Response] = []
+    use = first.append if isinstance(case.certify, SampleMember) else None
+    brake, response = solve_case_and_return_brake_and_response(case, cache, use)
     row = results_of_response_by_name(brake, response)
     if case.certify is None:
         return row
     row = {"status": row["status"], CERTIFIED: "itself"} | row
-    if isinstance(case.certify, SampleMember) and response.converged:
-        member = first_level_of_sample_member(brake, case.changes, response, case.options, cache)
-        if member is not None:
-            row[FIRST_LEVEL] = member
+    if first and response.converged:
+        row[FIRST_LEVEL] = first_level_of_sample_member(brake, case.changes, first[0], response)
     return row
 
 
@@ -188,22 +206,11 @@ def _answer_of_failed_case(case: SweepCase, error: Exception) -> CaseAnswer:
     """The answer for a case that ended with an error: a row with the error's text as its status."""
     known = isinstance(error, DrumlinError)
     text = str(error) if known else f"unexpected {type(error).__name__}: {error}"
-    passing = _is_failure_of_memory_or_system(error)
+    passing = is_failure_of_memory_or_system(error)
     # If a mesh file cannot be read now (its digest is "none"), a later attempt may succeed.
     readable = "none" not in map(digest_of_mesh_file, paths_of_mesh_files(case.brake, case.changes))
     row = {"status": f"failed: {' '.join(text.split())}"}
     return CaseAnswer(row, lasting=known and not passing and readable, again=passing)
-
-
-def _is_failure_of_memory_or_system(error: BaseException | None) -> bool:
-    """Whether a lack of memory, or the operating system, caused an error, and not the case."""
-    # A model may turn an error of the system into a refusal, so that the causes of the error are
-    # looked at, too.
-    while error is not None:
-        if isinstance(error, MemoryError | OSError):
-            return True
-        error = error.__cause__ or error.__context__
-    return False
 
 
 def results_of_response_by_name(brake: Brake, response: Response) -> Row:

@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
-from drumlin.base.errors import NoAnswer
+from drumlin.base.errors import NoAnswer, is_failure_of_memory_or_system
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.estimate import QUANTITIES
 from drumlin.fem.error_control.first_level import (
@@ -19,6 +19,7 @@ from drumlin.fem.error_control.first_level import (
     kind_of_contact,
 )
 from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled
 from drumlin.fem.solve import solve_first_level_of_brake
 from drumlin.response.response import Response
 
@@ -84,29 +85,16 @@ def certificate_of_sample(rows: Iterable[Mapping[str, Any]]) -> Certificate:
 
 
 def first_level_of_sample_member(
-    brake: Brake,
-    changes: Mapping[str, Any],
-    last: Response,
-    options: Mapping[str, Any],
-    cache: Cache | None,
-) -> dict[str, Any] | None:
+    brake: Brake, changes: Mapping[str, Any], first: Response, last: Response
+) -> dict[str, Any]:
     """The kind of a case in the sample, and the errors of its first level by name.
-
-    None if the first level has no solution.
 
     Parameters
     ----------
     brake : the brake with its changed values
     changes : the changed values, by key of the brake file
-    last : response of the last level
-    options : options of the finite elements; the error of plane stress does not matter here
-    cache : keeps the condensed bodies of earlier solves
+    first, last : responses on the first and on the last level
     """
-    plain = {name: value for name, value in options.items() if name != "model_error"}
-    try:
-        first = solve_first_level_of_brake(brake, **plain, cache=cache)
-    except NoAnswer:
-        return None
     errors = errors_of_first_level(brake, first, last)
     return {"kind": _kind_of_case(brake, changes, first)} | errors
 
@@ -120,8 +108,8 @@ def response_certified_by_sample(
 ) -> Response | None:
     """The response of a case on the first level, with the errors of the sample.
 
-    None if the case must be solved on all levels: its first level has no solution, or the case is
-    of a kind that is not in the sample.
+    None if the case must be solved on all levels: finite elements do not apply to it, its first
+    level has no solution, or the case is of a kind that is not in the sample.
 
     Parameters
     ----------
@@ -130,10 +118,20 @@ def response_certified_by_sample(
     certificate : what the sample tells
     options : options of the finite elements
     cache : keeps the condensed bodies of earlier solves
+
+    Raises
+    ------
+    NoAnswer
+        if the first level has no solution because memory or a file is missing
     """
+    if reason_why_brake_is_not_modelled(brake) is not None:
+        return None
     try:
         first = solve_first_level_of_brake(brake, **options, cache=cache)
-    except NoAnswer:
+    except NoAnswer as refusal:
+        # A lack of memory says nothing about the case, which is tried again.
+        if is_failure_of_memory_or_system(refusal):
+            raise
         return None
     if not first.converged or _kind_of_case(brake, changes, first) not in certificate.kinds:
         return None

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
 from drumlin.base.journal import Journal
+from drumlin.base.texts import value_as_text
 from drumlin.sweeps.cases import (
     Row,
     SweepCase,
@@ -61,7 +62,7 @@ def positions_of_sample(
     """
     if certify == EVERY_CASE:
         return ()
-    shown = f"certify = {certify!r}"
+    shown = f"certify = {value_as_text(certify)}"
     own = [i for i, case in enumerate(cases) if case.model == "fem"]
     _require_levels_that_sample_can_certify(cases, own, shown)
     drawn = _number_of_drawn_cases(certify, len(own), shown)
@@ -88,7 +89,7 @@ def _number_of_drawn_cases(certify: str | int, count: int, shown: str) -> int:
     allowed_numbers = f"{SMALLEST_SAMPLE} to {count}" if count >= SMALLEST_SAMPLE else "none"
     if not SMALLEST_SAMPLE <= int(drawn) <= count:
         raise BadInput(
-            f"{shown}: is a sample of {drawn} of {count} cases by finite elements; "
+            f"{shown}: is a sample of {value_as_text(drawn)} of {count} cases by finite elements; "
             f"allowed: {allowed_numbers}"
         )
     return int(drawn)

@@ -4,7 +4,7 @@ import importlib
 import math
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, overload
 
@@ -104,8 +104,10 @@ class SweepTable(Sequence[Row]):
     """The table of a solved sweep: a sequence of rows, one for each case, with columns by name.
 
     `table[0]` is the first row, with values by heading. `table["torque"]` is a column: an array of
-    numbers with nan where a case has failed, or a list of texts. The unit of a heading may be left
-    out. All numbers are in SI units, unless the sweep file asks for others.
+    numbers, with nan for the results of cases that are not solved, or a list of texts. A row, and
+    the file of the table, keep the numbers of a case that has not converged beside its status. The
+    unit of a heading may be left out. All numbers are in SI units, unless the sweep file asks for
+    others.
 
     Parameters
     ----------
@@ -134,7 +136,8 @@ class SweepTable(Sequence[Row]):
         if not isinstance(which, str):
             return self.rows[which]
         heading = self.heading_of_column(which)
-        values = [row.get(heading) for row in self.rows]
+        given = self._headings_of_given_values()
+        values = [_value_unless_result_of_unsolved_case(row, heading, given) for row in self.rows]
         if any(isinstance(value, str) for value in values):
             return values
         return np.array([math.nan if value is None else value for value in values], dtype=float)
@@ -163,6 +166,10 @@ class SweepTable(Sequence[Row]):
             hint = did_you_mean_hint(name, names)
             raise BadInput(f"column {name!r}: unknown{hint}; allowed: {', '.join(names)}")
         return names[name]
+
+    def _headings_of_given_values(self) -> set[str]:
+        """The headings of the columns that are given for each case, and are no results."""
+        return {"case", *map(self.heading_of_column, self.varied)}
 
     @property
     def failures(self) -> Counter[str]:
@@ -308,10 +315,14 @@ class SweepTable(Sequence[Row]):
         headings = ["case", *keys, "model", *main, "status"]
         columns = {heading: ShownColumn.column_with_heading(heading) for heading in headings}
         rows = [tuple(column.heading for column in columns.values())]
+        given = self._headings_of_given_values()
         for row in self.rows[:MOST_SHOWN_ROWS]:
+            cells = {}
+            for heading in headings:
+                cells[heading] = _value_unless_result_of_unsolved_case(row, heading, given)
             # The reasons of failures are shown above the table.
-            cells = {**row, "status": str(row["status"]).partition(":")[0]}
-            rows.append(tuple(column.text(cells.get(key), 6) for key, column in columns.items()))
+            cells["status"] = str(row["status"]).partition(":")[0]
+            rows.append(tuple(column.text(cells[key], 6) for key, column in columns.items()))
         return rows
 
     def __repr__(self) -> str:
@@ -327,6 +338,17 @@ class SweepTable(Sequence[Row]):
         outcome = self.lines_of_outcome()[0]
         first = html_table_with_caption(f"{self.title}, {outcome}", self._shown_cells())
         return first + html_table_with_caption("statistics", self.cells_of_statistics())
+
+
+def _value_unless_result_of_unsolved_case(row: Row, heading: str, given: Collection[str]) -> Any:
+    """The value of a row under a heading; None for a number that is no answer of the case.
+
+    A case that has not converged has numbers as results, too. `given` are the headings of values
+    that are no results.
+    """
+    value = row.get(heading)
+    is_result = heading not in given and not isinstance(value, str)
+    return None if is_result and row["status"] != "solved" else value
 
 
 def _statistics_of_values(heading: str, model: str, values: Floats) -> Statistics:

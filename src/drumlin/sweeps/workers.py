@@ -22,6 +22,7 @@ from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.garbage import search_memory_for_garbage_seldom
 
 OLDEST_DASK = "2025.4"
 """The oldest version of Dask whose scheduler can list all its workers."""
@@ -266,6 +267,7 @@ def _call_functions_from_pipe(pipe: Any) -> None:
     This is the main function of a worker process.
     """
     _end_process_when_parent_ends()
+    search_memory_for_garbage_seldom()
     with suppress(EOFError):
         while True:
             fn, args, kwargs = pipe.recv()

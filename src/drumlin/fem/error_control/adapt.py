@@ -374,11 +374,14 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
     """
     order = answer.order
     theta, p = answer.theta, answer.pressure
+    tips = clearance.gap_kinks_that_point_to_drum(shoe.lining)
+    if not tips:
+        return 0.0
     zone = length_of_edge_zone_without_pressure_errors(theta, p, order, zone, answer.slots)
     modulus = shoe.lining.material.young_modulus_of_equivalent_half_plane
     missing = 0.0
     # Under each tip outside the end zones the exact pressure may be higher than the computed peak.
-    for tip, slope in clearance.gap_kinks_that_point_to_drum(shoe.lining):
+    for tip, slope in tips:
         if not any(start + zone < tip < end - zone for start, end in shoe.lining.arcs):
             continue
         # `around` are the nodes of the two elements that meet nearest to the tip.

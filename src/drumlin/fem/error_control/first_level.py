@@ -8,7 +8,7 @@ sample. This holds as long as the contact is of the same kind: near an end of th
 lifted off, or at a new opening, the pressure has a singular point that the sample has not.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from drumlin.fem.error_control.estimate import (
 from drumlin.fem.error_control.levels import (
     LEVELS,
     ResponseFunction,
+    SolvedLevel,
     solve_brake_on_finer_and_finer_mesh_levels,
 )
 from drumlin.fem.error_control.singular_points import (
@@ -77,6 +78,31 @@ def solve_on_first_level(
     if solved is None:
         raise NoAnswer("the first level has no solution")
     return response_with_power_laws_at_corners(brake, solved.response)
+
+
+def solve_on_levels_and_hand_out_first(
+    brake: Brake, respond: ResponseFunction, cache: Cache | None, use: Callable[[Response], None]
+) -> Iterator[SolvedLevel]:
+    """Solve a brake on finer and finer levels, and hand out the response on the first level.
+
+    Parameters
+    ----------
+    brake : the brake
+    respond : function that computes the response on a prepared model
+    cache : keeps the condensed bodies of earlier solves
+    use : called with the response that `solve_on_first_level` would return; not called if the first
+        level has no solution
+
+    Raises
+    ------
+    NoAnswer
+        as `solve_brake_on_finer_and_finer_mesh_levels` does
+    """
+    for solved in solve_brake_on_finer_and_finer_mesh_levels(brake, respond, cache):
+        # Only the first level has elements of its degree.
+        if solved.response.shoes[0].order == LEVELS[0].degree:
+            use(response_with_power_laws_at_corners(brake, solved.response))
+        yield solved
 
 
 def errors_of_first_level(brake: Brake, first: Response, last: Response) -> dict[str, float]:

@@ -192,6 +192,9 @@ def _singular_points_at_kinks_of_gap(
     """
     (start, end), frame = shoe.arc, shoe.frame
     angle = np.array(clearance.coordinates_of_clearance_table_rows(shoe.lining))
+    # Most linings have no table.
+    if not len(angle):
+        return []
     change = pressure_changes_by_kinks_of_gap(shoe.lining, scale_factor)
     near = [
         start < phi < end and _is_angle_near_contact(phi, arcs)
