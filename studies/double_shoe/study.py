@@ -22,8 +22,8 @@ from drumlin.comparison import (
 from drumlin.report import figures
 from drumlin.report.comparison import (
     comparisons_as_json,
+    draw_stress_fields,
     panel_title_and_responses_of_each_shoe,
-    write_and_draw_stress_fields,
 )
 from drumlin.report.page import write_html_page
 from drumlin.response.norms import relative_error_of_number
@@ -103,8 +103,13 @@ def report(result: Result, folder: Path) -> Path:
     draw_figures(result, folder)
     # The stress picture is that of the stiff brake.
     main = result.comparisons[0]
-    not_drawn = write_and_draw_stress_fields(
-        main.brake, main.responses["fem"], folder, "fields", elements=result.elements
+    draw_stress_fields(
+        main.brake,
+        main.responses["fem"],
+        folder,
+        "fields",
+        ("svg", "png", "vtu"),
+        elements=result.elements,
     )
     missed = {}
     for row in rows:
@@ -123,7 +128,6 @@ def report(result: Result, folder: Path) -> Path:
         rows=rows,
         columns=COLUMNS,
         missed=missed,
-        not_drawn=not_drawn,
         meshes=meshes,
         limit=limit,
         orders=orders,

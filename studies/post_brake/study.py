@@ -24,8 +24,8 @@ from drumlin.fem.solve import solve
 from drumlin.report import figures as drawing
 from drumlin.report.comparison import (
     comparisons_as_json,
+    draw_stress_fields,
     panel_title_and_responses_of_each_shoe,
-    write_and_draw_stress_fields,
 )
 from drumlin.report.page import write_html_page
 from drumlin.response.norms import relative_error_of_number
@@ -126,8 +126,8 @@ def report(result: Result, folder: Path) -> Path:
     comparison = result.comparison
     brake, responses = comparison.brake, comparison.responses
     draw_figures(result, folder)
-    not_drawn = write_and_draw_stress_fields(
-        brake, responses["fem"], folder, "fields", elements=result.elements
+    draw_stress_fields(
+        brake, responses["fem"], folder, "fields", ("svg", "png", "vtu"), elements=result.elements
     )
     write_text(folder / "results.csv", table_as_csv_text(comparison.rows))
     write_text(
@@ -149,7 +149,6 @@ def report(result: Result, folder: Path) -> Path:
         rows=comparison.rows,
         columns=COLUMNS,
         left_out=foundation.solve_brake_by_foundation_model(brake, lift=ALL_LIFTS).left_out,
-        not_drawn=not_drawn,
         file=(HERE / "brake.toml").read_text(),
     )
 
