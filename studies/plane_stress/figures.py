@@ -24,8 +24,8 @@ from drumlin_studies.plane_stress import (
 
 PANELS = {
     "torque": "torque",
-    "pressure": "mean pressure over the width (L2)",
-    "uneven": "spread of pressure across the width",
+    "pressure": "mean p over the width (L2)",
+    "uneven": "spread of p across the width",
     "corrected_torque": "torque, corrected for the width",
 }
 

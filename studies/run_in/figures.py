@@ -19,7 +19,7 @@ from drumlin.report.figures import (
     make_figure_for_print,
     mark_where_curve_leaves_axes,
 )
-from drumlin.report.palette import BLUE, INK, RED
+from drumlin.report.palette import BLUE, FAINT, INK, RED
 from drumlin_studies.run_in_limits import EqualStepsEnd, Reversals, Run
 
 NEW, LATE, LAW = BLUE, INK, RED
@@ -72,22 +72,22 @@ def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
             left.set(xlim=(theta[0], theta[-1]), ylabel="pressure p [MPa]")
             left.set_title(f"{surface.name} shoe")
             _draw_pressure_map(right, one, surface, top)
-            white = _words_on_white_places(one, surface)
-            right.set_title(f"{surface.name} shoe, over the distance{white}")
+            right.set_title(f"{surface.name} shoe, over the distance")
         for axes in grid[-1]:
             axes.set_xlabel("angle on the drum θ [deg]")
-        draw_legend_below_figure(figure, grid[0, 0])
+        # The legend is taken from the panel with the most different labels.
+        named = max(grid[:, 0], key=lambda axes: len(set(axes.get_legend_handles_labels()[1])))
+        if _has_lining_without_contact_anywhere(one):
+            named.plot([], [], "s", mfc="white", mec=FAINT, label="white: no contact")
+        draw_legend_below_figure(figure, named)
         bar = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top * 1e-6), "viridis")
         figure.colorbar(bar, ax=grid[:, 1].tolist(), label="pressure p [MPa]", shrink=0.8)
     return figure
 
 
-def _words_on_white_places(one: Run, surface: WornLining) -> str:
-    """The explanation of white places in a map of pressures, if the map has white places."""
-    for state in one.states:
-        if (surface.lining_values_by_growing_angle(state.pressure) <= 0).any():
-            return "; white: no contact"
-    return ""
+def _has_lining_without_contact_anywhere(one: Run) -> bool:
+    """Whether a place of a lining is out of contact in a state of the run."""
+    return any(bool((state.pressure <= 0).any()) for state in one.states)
 
 
 def _draw_pressure_map(axes: Axes, one: Run, surface: WornLining, top: float) -> None:

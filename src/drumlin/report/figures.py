@@ -94,10 +94,16 @@ def save_figure(figure: Figure, path: Path) -> Path:
     """Write a figure into a file whole or not at all; returns `path`.
 
     The ending of the path chooses the format. Equal figures give identical files. A character that
-    the font does not have is drawn as a box.
+    the font does not have is drawn as a box. A figure for print says its width in the file.
     """
+    metadata: dict[str, str | None] = {}
+    is_for_print = figure.get_figwidth() in {COLUMN_WIDTH, FULL_WIDTH}
+    if is_for_print and path.suffix in {".png", ".svg"}:
+        width = figure.get_figwidth() * 25.4
+        metadata["Description"] = f"drawn for print at a width of {width:.0f} mm"
     # An SVG file gets no date, so that it depends on the figure alone.
-    metadata = {"Date": None} if path.suffix == ".svg" else None
+    if path.suffix == ".svg":
+        metadata["Date"] = None
     with (
         mpl.rc_context(STYLE),
         temporary_file_replacing_output(path) as partial,

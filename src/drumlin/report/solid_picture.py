@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 
 from drumlin.base.round_numbers import largest_round_number_not_above_value
 from drumlin.report.field_picture import (
-    LARGEST_COLOURED_STRESS,
     draw_colour_bar_of_stress,
     rounded_up_to_end_of_colour_bar,
 )
@@ -30,6 +29,14 @@ deformation would not be seen.
 
 STRESS_NAME = "von Mises stress [MPa]"
 """The name of the stresses [MPa] in the grid of pyvista."""
+
+COLOURED_NODES = 99.0
+"""Percentage of the nodes whose stress is within the colour bar.
+
+With a larger share the shoes away from their loaded ends, where the stresses are far smaller, have
+one dark colour; with a smaller share the ends have the brightest colour as a whole. The value is a
+judgement by eye.
+"""
 
 WINDOW = 2000, 1600
 """Width and height [pixels] in which the shoes are drawn, before their blank margins are cut."""
@@ -60,7 +67,7 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
     grid.point_data[STRESS_NAME] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
     factor = _factor_that_enlarges_drawn_displacements(grid)
     stress = np.asarray(grid.point_data[STRESS_NAME])
-    top = rounded_up_to_end_of_colour_bar(float(np.percentile(stress, LARGEST_COLOURED_STRESS)))
+    top = rounded_up_to_end_of_colour_bar(float(np.percentile(stress, COLOURED_NODES)))
     plotter = pv.Plotter(off_screen=True, window_size=WINDOW)
     plotter.set_background("white")
     for half in _deformed_surfaces_of_both_halves(grid, factor):
