@@ -145,10 +145,8 @@ def draw_figures(result: Result, folder: Path) -> None:
     for comparison in result.comparisons:
         panels[comparison.case] += panel_title_and_responses_of_each_shoe(comparison)
     stiff, flexible = panels.values()
-    for ending in ("svg", "png"):
-        figures.save_figure(
-            figures.draw_pressure_along_lining_of_each_shoe(stiff), folder / f"pressure.{ending}"
-        )
+    pressures = figures.draw_pressure_along_lining_of_each_shoe(stiff)
+    figures.save_figure_as_files(pressures, folder / "pressure")
     figures.save_figure(
         figures.draw_pressure_along_lining_of_each_shoe(flexible), folder / "pressure_flexible.svg"
     )

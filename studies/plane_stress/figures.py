@@ -105,6 +105,7 @@ def draw_face_pressures(three: SolidAndPlane, worn: WornSolid) -> Figure:
                     shoe.surface.z * 1e3,
                     shoe.surface.pressure.T * 1e-6,
                     shading="gouraud",
+                    rasterized=True,
                     cmap="viridis",
                     vmin=0,
                     vmax=top * 1e-6,

@@ -170,8 +170,8 @@ def draw_figures(result: Result, folder: Path) -> None:
         },
     }
     for name, figure in made.items():
-        for ending in ("svg", "png") if name in {"pressure", "map"} else ("svg",):
-            drawing.save_figure(figure, folder / f"{name}.{ending}")
+        endings = ("svg", "png") if name in {"pressure", "map"} else ("svg",)
+        drawing.save_figure_as_files(figure, folder / name, endings)
 
 
 def results_data(result: Result) -> dict[str, Any]:

@@ -41,7 +41,7 @@ judgement by eye.
 WINDOW = 2000, 1600
 """Width and height [pixels] in which the shoes are drawn, before their blank margins are cut."""
 
-SHOES_WIDTH, TITLE_HEIGHT = 0.86, 0.3
+SHOES_WIDTH, SOLID_TITLE_HEIGHT = 0.86, 0.3
 """Width of the shoes in the picture, relative to its width, and height of the title [inches]."""
 
 
@@ -106,7 +106,7 @@ def _figure_around_pixels(pixels: Any, title: str, top: float, *, beyond: bool) 
     larger.
     """
     height = SHOES_WIDTH * FULL_WIDTH * pixels.shape[0] / pixels.shape[1]
-    total = height + TITLE_HEIGHT
+    total = height + SOLID_TITLE_HEIGHT
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(FULL_WIDTH, total))
         axes = figure.add_axes((0, 0, SHOES_WIDTH, height / total))
