@@ -34,18 +34,19 @@ LEAST_TEXT = 6.5
 LEAST_EXPONENT = 5.5
 
 
+def number_or_text(value):
+    """A field of a table as a float, or as it stands if it is no number."""
+    try:
+        return float(value)
+    except ValueError:
+        return value
+
+
 def stored(name):
     """The rows of a stored table, with numbers as floats; empty fields are left out."""
     rows = []
     for line in csv.DictReader((KEPT / name).read_text().splitlines()):
-        row = {}
-        for key, value in line.items():
-            if value:
-                try:
-                    row[key] = float(value)
-                except ValueError:
-                    row[key] = value
-        rows.append(row)
+        rows.append({key: number_or_text(value) for key, value in line.items() if value})
     return rows
 
 
@@ -225,8 +226,8 @@ def test_a_picture_of_stresses_is_legible_and_shows_the_pressure_of_the_response
     arrows = _pressure_arrows(brake, response, _friction_surface_of_brake(brake).size)
     tips, pushes = arrows[:, 1], arrows[:, 1] - arrows[:, 0]
     lengths = np.linalg.norm(pushes, axis=1)
-    # A law's p(theta) at the tips, with the longest tenth cut.
-    p = []
+    # The response's p(theta) at the tips; the longest tenth of the arrows is cut.
+    found_at_tips = []
     for tip in tips:
         place = tip[0] if brake.surface.is_plane_and_not_drum else np.arctan2(*tip[::-1])
         found = 0.0
@@ -234,8 +235,8 @@ def test_a_picture_of_stresses_is_legible_and_shows_the_pressure_of_the_response
             for turn in (-2 * np.pi, 0.0, 2 * np.pi):
                 if shoe.theta[0] <= place + turn <= shoe.theta[-1]:
                     found = max(found, float(shoe.pressure_at(np.array([place + turn]))[0]))
-        p.append(found)
-    p = np.array(p)
+        found_at_tips.append(found)
+    p = np.array(found_at_tips)
     uncut = lengths < 0.999 * lengths.max()
     assert uncut.sum() > 0.8 * len(p)
     np.testing.assert_allclose(lengths[uncut] / p[uncut], (lengths / p)[uncut][0], rtol=1e-6)

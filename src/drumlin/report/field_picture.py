@@ -237,7 +237,8 @@ def _colours_with_smooth_edges(fine: Any, colours: ScalarMappable) -> Any:
     shades = np.full((*fine.shape, 3), 255, np.uint8)
     # A table of 256 colours is faster than one colour for each value.
     table = colours.cmap(np.arange(256), bytes=True)[:, :3]
-    shades[painted] = table[np.clip(colours.norm(fine[painted]) * 256, 0, 255).astype(np.uint8)]
+    relative = np.asarray(colours.norm(fine[painted]), float)
+    shades[painted] = table[np.clip(256 * relative, 0, 255).astype(np.uint8)]
     sums = np.zeros((fine.shape[0] // SMOOTHING, fine.shape[1] // SMOOTHING, 3), np.uint16)
     for row, column in np.ndindex(SMOOTHING, SMOOTHING):
         sums += shades[row::SMOOTHING, column::SMOOTHING]
@@ -366,7 +367,7 @@ def _write_title_and_legend(figure: Figure, title: str, surface: str) -> None:
     """
     height = figure.get_figheight()
     figure.text(0.01, 1 - 0.06 / height, title, va="top", weight="bold")
-    arrow = {"marker": ">", "markevery": [1], "ms": 4}
+    arrow: dict[str, Any] = {"marker": ">", "markevery": [1], "ms": 4}
     handles = [
         Line2D([], [], color=RED, lw=1, label=f"pressure of the {surface} on the lining", **arrow),
         Line2D([], [], color=INK, lw=1.4, label="actuation", **arrow),
