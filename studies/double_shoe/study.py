@@ -26,6 +26,7 @@ from drumlin.report.comparison import (
     panel_title_and_responses_of_each_shoe,
 )
 from drumlin.report.page import write_html_page
+from drumlin.report.plane_picture import draw_plane_fields_and_return_failure_reason
 from drumlin.response.norms import relative_error_of_number
 from drumlin.verification.cost import Cost, measure_time_and_memory_of_fem
 from drumlin_studies.orders import (
@@ -111,6 +112,9 @@ def report(result: Result, folder: Path) -> Path:
         ("svg", "png", "vtu"),
         elements=result.elements,
     )
+    not_drawn = draw_plane_fields_and_return_failure_reason(
+        folder / "fields.vtu", folder / "fields_vtk.png", main.brake.title
+    )
     missed = {}
     for row in rows:
         if (row["model"], row["shoe"]) == ("sine", "all"):
@@ -128,6 +132,7 @@ def report(result: Result, folder: Path) -> Path:
         rows=rows,
         columns=COLUMNS,
         missed=missed,
+        not_drawn=not_drawn,
         meshes=meshes,
         limit=limit,
         orders=orders,

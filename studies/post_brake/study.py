@@ -28,6 +28,7 @@ from drumlin.report.comparison import (
     panel_title_and_responses_of_each_shoe,
 )
 from drumlin.report.page import write_html_page
+from drumlin.report.plane_picture import draw_plane_fields_and_return_failure_reason
 from drumlin.response.norms import relative_error_of_number
 from drumlin_studies import post_brake_rows as post
 from drumlin_studies.post_brake_rows import ALL_LIFTS, POST_MODELS, Curve, ErrorMap, Merits, Offsets
@@ -129,6 +130,9 @@ def report(result: Result, folder: Path) -> Path:
     draw_stress_fields(
         brake, responses["fem"], folder, "fields", ("svg", "png", "vtu"), elements=result.elements
     )
+    not_drawn = draw_plane_fields_and_return_failure_reason(
+        folder / "fields.vtu", folder / "fields_vtk.png", brake.title
+    )
     write_text(folder / "results.csv", table_as_csv_text(comparison.rows))
     write_text(
         folder / "results.json",
@@ -149,6 +153,7 @@ def report(result: Result, folder: Path) -> Path:
         rows=comparison.rows,
         columns=COLUMNS,
         left_out=foundation.solve_brake_by_foundation_model(brake, lift=ALL_LIFTS).left_out,
+        not_drawn=not_drawn,
         file=(HERE / "brake.toml").read_text(),
     )
 
