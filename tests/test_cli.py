@@ -302,15 +302,26 @@ def test_solving_loads_what_it_calls(tmp_path, options, none_of):
 @pytest.mark.slow
 def test_compare_view_mesh_and_cost(tmp_path):
     done = drumlin(
-        "compare", STUDY / "brake.toml", "--output", tmp_path / "report", "--elements", 30
+        "compare",
+        STUDY / "brake.toml",
+        "--output",
+        tmp_path / "report",
+        "--elements",
+        30,
+        "--fields",
     )
     assert done.returncode == 0, done.stderr
     for unit in ("[N m]", "[%]", "[MPa]", "[N]", "[deg]", "[ms]"):
         assert unit in done.stdout.split("converged")[0], unit
     assert "…" not in done.stdout and "not shown here" not in done.stdout
-    assert {"index.html", "results.csv", "results.json", "pressure.svg", "fields.vtu"} <= set(
-        picked((tmp_path / "report").iterdir(), "name")
-    )
+    assert {
+        "index.html",
+        "results.csv",
+        "results.json",
+        "pressure.svg",
+        "fields.svg",
+        "fields.vtu",
+    } <= set(picked((tmp_path / "report").iterdir(), "name"))
     page = (tmp_path / "report" / "index.html").read_text()
     assert "sine" in page and 'src="data:image/svg+xml;base64' in page and "scikit-fem" in page
     picture = tmp_path / "v.png"

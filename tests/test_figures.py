@@ -10,8 +10,8 @@ from drumlin.brake import read_any
 from drumlin.door import solve
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
+from drumlin.report.field_picture import rounded_up_to_end_of_colour_bar
 from drumlin.report.palette import CATEGORIES, COLOR_AND_LINE_STYLE_BY_MODEL, GRADES
-from drumlin.report.render import _rounded_up_to_end_of_colour_bar
 from picking import saying
 
 # Dichromats by Machado, Oliveira & Fernandes (2009), severity 1, on linear RGB
@@ -182,10 +182,10 @@ def test_a_strut_reaches_from_a_foot_to_the_shoe_that_it_pushes(root):
 
 def test_the_top_of_a_colour_bar_is_round_in_its_quarters_and_near():
     for value in np.geomspace(0.013, 900, 300):
-        top = _rounded_up_to_end_of_colour_bar(float(value))
+        top = rounded_up_to_end_of_colour_bar(float(value))
         assert value <= top * (1 + 1e-9) and top <= 1.51 * value
         assert len(f"{top / 4:.6g}".replace("0.", "").strip("0.").replace(".", "")) <= 2
-    assert _rounded_up_to_end_of_colour_bar(10.6) == pytest.approx(12)
+    assert rounded_up_to_end_of_colour_bar(10.6) == pytest.approx(12)
 
 
 def test_panels_of_other_angles_say_their_own(root, brake):

@@ -13,6 +13,8 @@ import tomllib
 import pytest
 
 from conftest import ROOT, STUDY
+from drumlin.report import render
+from drumlin.report.solid_picture import draw_solid_shoes_and_return_failure_reason
 
 PROGRAM = "from drumlin.cli import main; main()"
 BRAKE = str(STUDY / "brake.toml")
@@ -76,12 +78,27 @@ def test_without_posix_and_vtk_a_brake_is_solved_and_exported(tmp_path):
 
 
 @pytest.mark.slow
-def test_without_vtk_compare_names_the_extra_for_the_picture(tmp_path):
+def test_without_vtk_compare_draws_its_fields(tmp_path):
     done = lacking(["compare", BRAKE, *QUICK], tmp_path, "pyvista,vtk,vtkmodules")
     assert done.returncode == 0, done.stderr
     (page,) = tmp_path.glob("**/index.html")
-    assert "no field picture: pyvista needs the extra drumlin[fields]" in page.read_text()
-    assert not list(tmp_path.glob("**/fields.png")) and list(tmp_path.glob("**/fields.vtu"))
+    assert "Von Mises stress" in page.read_text()
+    assert list(tmp_path.glob("**/fields.svg")) and not list(tmp_path.glob("**/fields.vtu"))
+
+
+def test_without_vtk_a_picture_in_space_names_the_extra(tmp_path, monkeypatch):
+    monkeypatch.setattr(render, "DRAWING_PACKAGES", ("no_such_package",))
+    said = draw_solid_shoes_and_return_failure_reason(tmp_path / "a.vtu", tmp_path / "a.png", "a")
+    assert said == "no field picture: pyvista needs the extra drumlin[fields]"
+
+
+def test_a_picture_in_space_that_cannot_be_drawn_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr(render, "DRAWING_PACKAGES", ())
+    monkeypatch.setattr(render.sys, "executable", "/bin/false")
+    (tmp_path / "a.png").write_bytes(b"an earlier picture")
+    said = draw_solid_shoes_and_return_failure_reason(tmp_path / "a.vtu", tmp_path / "a.png", "a")
+    assert "off-screen rendering is not possible here" in said
+    assert not (tmp_path / "a.png").exists()
 
 
 @pytest.mark.slow

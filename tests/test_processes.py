@@ -50,17 +50,16 @@ def test_a_signal_leaves_no_temporary_file_and_no_child(tmp_path, number):
         stdout=subprocess.DEVNULL,
     )
     end = time.monotonic() + 60
-    # Once this file is there the child that draws is at work.
-    while not (tmp_path / "report" / "fields.vtu").exists():
+    # Once this file is there the fields are being drawn.
+    while not (tmp_path / "report" / "pressure.svg").exists():
         assert process.poll() is None and time.monotonic() < end
         time.sleep(0.005)
-    time.sleep(0.3)
     process.send_signal(number)
     said = process.communicate(timeout=60)[1].decode()
     assert process.returncode == 128 + number
     assert said.startswith("drumlin: stopped") and said.count("\n") == 1
     assert not [path.name for path in (tmp_path / "report").iterdir() if path.name.startswith(".")]
-    assert not (tmp_path / "report" / "fields.png").exists()
+    assert not (tmp_path / "report" / "index.html").exists()
 
 
 def test_a_usage_error_is_one_line_with_status_2(tmp_path):
@@ -214,7 +213,7 @@ FOREIGN = (
 
 
 def test_nothing_is_imported_from_the_current_folder(tmp_path):
-    """Neither by compare and the renderer that it starts, nor by the workers of a sweep."""
+    """Neither by compare nor by the workers of a sweep."""
     for name in FOREIGN:
         (tmp_path / f"{name}.py").write_text(f"open(r'{tmp_path}/RAN {name}', 'w').close()\n")
     script = tmp_path / "bin" / "drumlin"
@@ -238,7 +237,7 @@ def test_nothing_is_imported_from_the_current_folder(tmp_path):
         )
         assert done.returncode == 0, done.stderr
         assert not list(tmp_path.glob("RAN *"))
-    assert (tmp_path / "report" / "fields.png").exists() or "no field picture" in (
+    assert (tmp_path / "report" / "index.html").exists() or "no field picture" in (
         tmp_path / "report" / "index.html"
     ).read_text()
 

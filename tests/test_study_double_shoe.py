@@ -65,6 +65,8 @@ def test_the_report_holds_every_number_and_the_files(module, result, tmp_path):
     assert "a fault" not in text
     # A white page has some 9 kB.
     assert (tmp_path / "fields.png").stat().st_size > 20_000
+    assert (tmp_path / "fields_vtk.png").stat().st_size > 20_000
+    assert (tmp_path / "fields.svg").read_text().count("<image") >= 1
 
 
 def test_without_off_screen_rendering_the_report_says_so_and_goes_on(
@@ -73,5 +75,5 @@ def test_without_off_screen_rendering_the_report_says_so_and_goes_on(
     monkeypatch.setattr(render.sys, "executable", "/bin/false")
     text = module.report(result, tmp_path).read_text()
     assert "off-screen rendering is not possible here" in text
-    assert not (tmp_path / "fields.png").exists()
+    assert not (tmp_path / "fields_vtk.png").exists()
     assert (tmp_path / "fields.vtu").exists()

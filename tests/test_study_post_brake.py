@@ -47,7 +47,7 @@ def test_a_worn_in_lining_brings_the_torque_back_to_nominal(result):
     off = keyed(result.clearances, ("case", "model", "shoe"), "from_nominal")
     assert len(off) == len(result.clearances) == 6 * 2 * 2
     for shoe in ("right", "left"):
-        assert abs(off["worn in", "foundation, all lifted", shoe]) < 1e-4
+        assert abs(off["worn in", "foundation, unsimplified", shoe]) < 1e-4
         assert abs(off["worn in", "finite elements", shoe]) < 0.03
         assert off["fits", "finite elements", shoe] < -0.05
 

@@ -82,8 +82,8 @@ MAPPED_MODELS = ("sine", "foundation", "lifted")
 MODEL_NAMES = {
     "fem": "finite elements",
     "sine": "sine law",
-    "foundation": "foundation, as printed",
-    "lifted": "foundation, all lifted",
+    "foundation": "foundation, as published",
+    "lifted": "foundation, unsimplified",
 }
 """Words for the models in tables and figures, by key."""
 

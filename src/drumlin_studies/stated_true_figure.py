@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
-from drumlin.report.figures import STYLE, draw_legend_below_figure
+from drumlin.report.figures import STYLE, draw_legend_below_figure, make_figure_for_print
 from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 
 PANEL_TITLES = {
@@ -42,7 +42,7 @@ def draw_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
     rows : rows of `stated_true.row_of_stated_and_true_errors`.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10.4, 6.4), layout="constrained")
+        figure = make_figure_for_print(5.0)
         drawn = None
         for axes, name in zip(figure.subplots(2, 2).flat, PANEL_TITLES, strict=True):
             if _draw_error_points_of_quantity(axes, rows, name):
@@ -111,7 +111,7 @@ def draw_shares_of_stated_over_true_ratios(ratios: Mapping[str, Floats]) -> Figu
     ratios : the ratios (n,) of stated to true error for each quantity.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+        figure = make_figure_for_print(3.6)
         axes = figure.subplots()
         for (name, values), (_, color) in zip(ratios.items(), PANEL_MARKS, strict=True):
             # The percentage of ratios up to each sorted ratio is the cumulative distribution.
@@ -132,7 +132,7 @@ def draw_errors_over_unknowns_of_levels(rows: Sequence[Mapping[str, Any]]) -> Fi
     rows : rows of `orders.error_rows_of_hp_levels`.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+        figure = make_figure_for_print(3.6)
         axes = figure.subplots()
         x = [row["root"] for row in rows]
         for name, label, mark, color in (

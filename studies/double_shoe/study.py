@@ -22,10 +22,11 @@ from drumlin.comparison import (
 from drumlin.report import figures
 from drumlin.report.comparison import (
     comparisons_as_json,
+    draw_stress_fields,
     panel_title_and_responses_of_each_shoe,
-    write_and_draw_stress_fields,
 )
 from drumlin.report.page import write_html_page
+from drumlin.report.plane_picture import draw_plane_fields_and_return_failure_reason
 from drumlin.response.norms import relative_error_of_number
 from drumlin.verification.cost import Cost, measure_time_and_memory_of_fem
 from drumlin_studies.orders import (
@@ -103,8 +104,16 @@ def report(result: Result, folder: Path) -> Path:
     draw_figures(result, folder)
     # The stress picture is that of the stiff brake.
     main = result.comparisons[0]
-    not_drawn = write_and_draw_stress_fields(
-        main.brake, main.responses["fem"], folder, "fields", elements=result.elements
+    draw_stress_fields(
+        main.brake,
+        main.responses["fem"],
+        folder,
+        "fields",
+        ("svg", "png", "vtu"),
+        elements=result.elements,
+    )
+    not_drawn = draw_plane_fields_and_return_failure_reason(
+        folder / "fields.vtu", folder / "fields_vtk.png", main.brake.title
     )
     missed = {}
     for row in rows:
@@ -141,10 +150,8 @@ def draw_figures(result: Result, folder: Path) -> None:
     for comparison in result.comparisons:
         panels[comparison.case] += panel_title_and_responses_of_each_shoe(comparison)
     stiff, flexible = panels.values()
-    for ending in ("svg", "png"):
-        figures.save_figure(
-            figures.draw_pressure_along_lining_of_each_shoe(stiff), folder / f"pressure.{ending}"
-        )
+    pressures = figures.draw_pressure_along_lining_of_each_shoe(stiff)
+    figures.save_figure_as_files(pressures, folder / "pressure")
     figures.save_figure(
         figures.draw_pressure_along_lining_of_each_shoe(flexible), folder / "pressure_flexible.svg"
     )

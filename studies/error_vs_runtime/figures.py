@@ -7,7 +7,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import STYLE
+from drumlin.report.figures import STYLE, make_figure_for_print
 from drumlin.report.palette import (
     BLUE,
     BROWN,
@@ -45,9 +45,28 @@ MARKERS = {
     "cosine": "P",
     "uniform": "X",
 }
+FAMILY_NAMES = {
+    "law": "laws",
+    "foundation": "elastic foundation",
+    "even mesh": "uniform mesh",
+    "graded mesh": "graded mesh",
+    "columns": "hp elements",
+    "columns, error stated": "hp elements, error stated",
+}
+"""Name of each family in the figure, where it differs from the name in the rows."""
+MARKER_NAMES = {
+    "quad2": "quadratic quadrilaterals",
+    "quad1": "linear quadrilaterals",
+    "tri2": "quadratic triangles",
+    "tri1": "linear triangles",
+    "sine": "sine law",
+    "cosine": "cosine law",
+    "uniform": "uniform pressure",
+}
+"""Name of each marker in the figure."""
 PANELS = {
     "torque_error": "error of the torque [%]",
-    "pressure_error": "error of p, L2, worst shoe [%]",
+    "pressure_error": "error of the pressure (L2), worst shoe [%]",
 }
 LOOKS = {
     "ring": ("o", BLUE),
@@ -73,7 +92,7 @@ def draw_error_over_time(
     of methods.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10.6, 4.9), layout="constrained")
+        figure = make_figure_for_print(4.6)
         grid = figure.subplots(1, 2)
         for axes, (key, label) in zip(grid, PANELS.items(), strict=True):
             _draw_error_panel(axes, rows, key, floors[key])
@@ -89,8 +108,8 @@ def draw_error_over_time(
                     [],
                     color=COLORS[family],
                     ls=_line_style(family, "") or "-",
-                    lw=3,
-                    label=family,
+                    lw=2,
+                    label=FAMILY_NAMES.get(family, family),
                 )
             )
         marks = set()
@@ -99,13 +118,19 @@ def draw_error_over_time(
         for name, marker in MARKERS.items():
             if name in marks:
                 handles.append(
-                    mpl.lines.Line2D([], [], color=FAINT, marker=marker, ls="", ms=6, label=name)
+                    mpl.lines.Line2D(
+                        [], [], color=FAINT, marker=marker, ls="", ms=5, label=MARKER_NAMES[name]
+                    )
                 )
         if any("lower" in row for row in rows):
             words = "bars: quartiles of the repeats"
             handles.append(mpl.lines.Line2D([], [], color=FAINT, marker="|", ms=7, label=words))
-        handles.append(mpl.patches.Patch(color=SHADE, label="below what the reference knows"))
-        figure.legend(handles=handles, loc="outside right upper", fontsize=8.5)
+        if any(name.endswith("even") for _, name in converged_rows_by_mesh_series(rows)):
+            words = "dotted: peer on a uniform mesh"
+            handles.append(mpl.lines.Line2D([], [], color=FAINT, ls=":", lw=1.5, label=words))
+        words = "uncertainty of the reference"
+        handles.append(mpl.patches.Patch(color=SHADE, label=words))
+        figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
 
 
@@ -147,7 +172,7 @@ def _draw_error_panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, fl
             xerr=spread,
             color=COLORS[family],
             marker=MARKERS.get(name.split(",")[0], "o"),
-            ms=9 if family == "law" else 4.5,
+            ms=7 if family == "law" else 3.5,
             lw=1.0 if light else 1.5,
             alpha=0.75 if light else 1.0,
             ls=_line_style(family, name),
@@ -169,7 +194,7 @@ def draw_predicted_changes(rows: Sequence[Mapping[str, Any]]) -> Figure:
     drawn. rows : from `omission_table.table_rows_for_each_part_omitted_from_brake`.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10.4, 4.4), layout="constrained")
+        figure = make_figure_for_print(3.2)
         grid = figure.subplots(1, len(CHANGES))
         for axes, (key, title) in zip(grid, CHANGES, strict=True):
             for part, (marker, color) in LOOKS.items():

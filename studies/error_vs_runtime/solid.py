@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake
-from drumlin.report.figures import STYLE
-from drumlin.report.palette import BLUE, BROWN, GREEN, INK, OCHRE, PURPLE, RED, SHADE, SKY
+from drumlin.report.figures import COLUMN_WIDTH, STYLE, make_figure_for_print
+from drumlin.report.palette import BLUE, GREEN, GREY, INK, OCHRE, PURPLE, RED, SHADE, SKY
 from drumlin_studies.solid_work import (
     SolidSetting,
     measure_models_against_solid_shoes,
@@ -29,18 +29,19 @@ SHORT = SolidSetting(2, 1, (2,), (2e-2,), ())
 BRAKES = {"double_shoe/brake": ONE_WIDTH, "plane_stress/brake": T_SECTION}
 """Brakes that are solved as solids, with their settings."""
 FAMILIES = {
-    "law": ("laws", PURPLE, "X", ""),
+    "law": ("laws", GREY, "X", ""),
     "foundation": ("elastic foundation", GREEN, "P", ""),
     "degree 0": ("plane stress", BLUE, "o", "-"),
     "degree 2": ("solid, degree 2", OCHRE, "s", "-"),
     "degree 3": ("solid, degree 3", RED, "^", "-"),
-    "degree 4": ("solid, degree 4", BROWN, "v", "-"),
+    "degree 4": ("solid, degree 4", PURPLE, "v", "-"),
     "error stated": ("solid, error stated", INK, "*", ""),
-    "CalculiX": ("CalculiX, C3D20R", SKY, "D", "--"),
+    "CalculiX": ("CalculiX", SKY, "D", "--"),
 }
 """Name in the key, colour, marker and line of each family of models."""
 PANELS = {"plane": "compared with plane stress", "solid": "compared with the solid shoe"}
 """Title of the panel of each truth."""
+ERROR_LABELS = {"pressure": "error of mean p (L2) [%]", "torque": "error of torque [%]"}
 LOWEST = 0.5
 """Smallest error that is drawn, over the uncertainty of the solid truth."""
 
@@ -94,20 +95,25 @@ def draw_error_against_solid(
     uncertain : uncertainty of the solid truth
     key : "pressure" or "torque"
     """
-    with mpl.rc_context(STYLE | {"font.size": 7.5, "axes.titlesize": 8.0}):
-        figure = Figure(figsize=(3.35, 5.3), layout="constrained")
+    with mpl.rc_context(STYLE):
+        figure = make_figure_for_print(5.4, COLUMN_WIDTH)
         grid = figure.subplots(2, 1, sharex=True, sharey=True)
         for axes, (truth, title) in zip(grid, PANELS.items(), strict=True):
             lowest = 100 * LOWEST * uncertain[key] if truth == "solid" else 0.0
             _draw_errors_against_truth(axes, rows, f"{truth}_{key}", lowest)
             axes.set_title(title)
-            axes.set_ylabel("error of mean p, L2 [%]" if key == "pressure" else "of torque [%]")
+            axes.set_ylabel(ERROR_LABELS[key])
         grid[1].axhspan(
-            50 * LOWEST * uncertain[key], 100 * uncertain[key], color=SHADE, alpha=0.7, lw=0
+            50 * LOWEST * uncertain[key],
+            100 * uncertain[key],
+            color=SHADE,
+            alpha=0.7,
+            lw=0,
+            label="uncertainty of the solid",
         )
         grid[1].set_xlabel("run time of a cold solve [ms]")
         handles, labels = grid[1].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=7.5)
+        figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure
 
 

@@ -26,7 +26,7 @@ from drumlin.comparison import table_as_csv_text
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.solve import solve
-from drumlin.report.figures import save_figure
+from drumlin.report.figures import save_figure, save_figure_as_files
 from drumlin.report.page import software_versions, write_html_page
 from drumlin.verification import triangles
 from drumlin.verification.reference import (
@@ -210,8 +210,7 @@ def _write_solid_files(result: Result, folder: Path) -> dict[str, str]:
     for name, found in result.solid.items():
         stem = f"solid_{name.replace('/', '_')}"
         picture = draw_error_against_solid(found["rows"], found["uncertain"])
-        for ending in ("png", "svg"):
-            save_figure(picture, folder / f"{stem}.{ending}")
+        save_figure_as_files(picture, folder / stem)
         write_text(folder / f"{stem}.csv", table_as_csv_text(found["rows"]))
         pictures[name] = f"{stem}.svg"
     return pictures
@@ -243,8 +242,7 @@ def _write_brake_files(result: Result, name: str, folder: Path) -> str:
     title = result.references[name]["title"]
     own_rows = method_rows_of_brake_with_given_name(result.rows, name)
     picture = draw_error_over_time(title, own_rows, result.floors[name])
-    for ending in ("png", "svg"):
-        save_figure(picture, folder / f"work_precision_{stem}.{ending}")
+    save_figure_as_files(picture, folder / f"work_precision_{stem}")
     write_reference_file(result.references[name], folder / "values" / f"{stem}.json")
     return f"work_precision_{stem}.svg"
 

@@ -10,6 +10,7 @@ from drumlin.report.figures import (
     STYLE,
     draw_legend_below_figure,
     evenly_spaced_pressure_curve_of_shoe,
+    make_figure_for_print,
     mark_where_curve_leaves_axes,
 )
 from drumlin.report.palette import BLUE, GREEN, INK, OCHRE, PURPLE, RED
@@ -41,7 +42,7 @@ def draw_pressures_of_each_state(responses: Mapping[str, Response], law: Respons
         shoe.peak_pressure for response in responses.values() for shoe in response.shoes
     )
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(4.6 * count, 4.0), layout="constrained")
+        figure = make_figure_for_print(2.8)
         panels = figure.subplots(1, count, squeeze=False, sharey=True)[0]
         for i, (axes, shoe) in enumerate(zip(panels, law.shoes, strict=True)):
             axes.set_ylim(0, top)

@@ -14,7 +14,12 @@ from drumlin.brake.brake import Brake
 from drumlin.laws.shapes import SHORT_LAW, Layout, ratio_of_equivalent_friction
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.drawing import draw_brake
-from drumlin.report.figures import STYLE, draw_legend_below_figure, title_of_model_in_figures
+from drumlin.report.figures import (
+    STYLE,
+    draw_legend_below_figure,
+    make_figure_for_print,
+    title_of_model_in_figures,
+)
 from drumlin.report.palette import BLUE, FAINT, GREEN, GREY, PURPLE, RED, line_style_of_model
 from drumlin.response.response import ShoeResponse
 
@@ -24,7 +29,7 @@ HIGHEST = 4.0  # of eta and S in a figure; both grow without bound towards locki
 def draw_brakes_side_by_side(brakes: Sequence[tuple[str, Brake]]) -> Figure:
     """Brakes side by side, each under its title."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.2 * len(brakes), 4.8), layout="constrained")
+        figure = make_figure_for_print(3.4)
         for axes, (title, brake) in zip(
             figure.subplots(1, len(brakes), squeeze=False).flat, brakes, strict=True
         ):
@@ -40,7 +45,7 @@ def draw_short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float 
     """
     mu = np.linspace(1e-3, 1.2, 600)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10.4, 4.2), layout="constrained")
+        figure = make_figure_for_print(3.0)
         panels = figure.subplots(1, 2)
         for angle, color in zip(angles, (BLUE, RED, GREEN, PURPLE), strict=False):
             # Full lines are self-energising shoes, dashed lines the others.
@@ -78,7 +83,7 @@ def draw_friction_over_arc() -> Figure:
     """mu'/mu over the arc of a block, for p = p_0 cos and for a uniform pressure."""
     half = np.radians(np.linspace(0.5, 90, 180))
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.2, 3.8), layout="constrained")
+        figure = make_figure_for_print(3.4)
         axes = figure.subplots()
         axes.plot(
             np.degrees(2 * half),
@@ -111,7 +116,7 @@ def draw_torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: 
     # The same block with another coefficient of viscous friction.
     sticky = DoubleShoe(**{**vars(block), "mu_visc": viscous})
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.2, 3.8), layout="constrained")
+        figure = make_figure_for_print(3.4)
         axes = figure.subplots()
         for force, color in zip(forces, (GREY, GREEN, BLUE, RED), strict=False):
             axes.plot(
@@ -135,7 +140,7 @@ def draw_pressures_by_law(shoes: Mapping[str, ShoeResponse]) -> Figure:
     `shoes`: {law: response of one shoe}; the law "linear" of a plane is drawn only as a shape.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10.4, 4.2), layout="constrained")
+        figure = make_figure_for_print(3.0)
         left, right = figure.subplots(1, 2)
         for law, shoe in shoes.items():
             look = {**line_style_of_model(law), "lw": 1.8, "label": title_of_model_in_figures(law)}

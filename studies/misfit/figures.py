@@ -9,9 +9,11 @@ from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
 from drumlin.report.figures import (
+    SMALL_TEXT_SIZE,
     STYLE,
     draw_legend_below_figure,
     evenly_spaced_pressure_curve_of_shoe,
+    make_figure_for_print,
     mark_where_curve_leaves_axes,
 )
 from drumlin.report.palette import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, RED
@@ -54,7 +56,7 @@ def draw_pressures_of_radii(law: Response, family: Mapping[float, Response]) -> 
     """
     highest = 2.2 * max(shoe.peak_pressure for shoe in family[0.0].shoes)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.4 * len(law.shoes), 3.7), layout="constrained")
+        figure = make_figure_for_print(2.8)
         grid = figure.subplots(1, len(law.shoes), squeeze=False, sharey=True)[0]
         shade = mpl.colors.TwoSlopeNorm(0.0, 1.15 * min(family), 1.15 * max(family))
         for i, (axes, shoe) in enumerate(zip(grid, law.shoes, strict=True)):
@@ -100,7 +102,7 @@ def draw_ratio_maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) 
     x, y = (1e6 * side for side in sides)
     both = {"Torque": ratios["torque"], "Peak pressure": ratios["peak_pressure"]}
     with mpl.rc_context(STYLE | {"axes.grid": False}):
-        figure = Figure(figsize=(5.9 * len(both), 4.4), layout="constrained")
+        figure = make_figure_for_print(3.2)
         grid = figure.subplots(1, len(both), squeeze=False)[0]
         for axes, (title, ratio) in zip(grid, both.items(), strict=True):
             percent = 100 * ratio
@@ -121,7 +123,7 @@ def draw_ratio_maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) 
                 x, y, percent, levels=others, colors="#46525e", linewidths=0.6, linestyles="solid"
             )
             # A white outline makes the numbers on the lines legible.
-            for text in axes.clabel(drawn, fmt="%+.0f %%", fontsize=7.5):
+            for text in axes.clabel(drawn, fmt="%+.0f %%", fontsize=SMALL_TEXT_SIZE):
                 text.set_path_effects([patheffects.withStroke(linewidth=2, foreground="white")])
             axes.contour(x, y, percent, levels=[0.0], colors=LAW, linewidths=2.6)
             axes.plot([], [], color=LAW, lw=2.6, label="as the sine law says")
@@ -143,7 +145,7 @@ def draw_torque_over_turn(
     There is a line for each state of the linings and each name of lobes.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.6 * len(states), 3.6), layout="constrained")
+        figure = make_figure_for_print(2.8)
         grid = figure.subplots(1, len(states), squeeze=False, sharey=True)[0]
         for axes, (state, series) in zip(grid, states.items(), strict=True):
             for (name, torque), color in zip(
@@ -172,7 +174,7 @@ def draw_histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
     Above them stand the 5th, 50th and 95th percentile, and the law's value of the nominal brake.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(4.6 * len(DRAWN_QUANTITIES), 3.9), layout="constrained")
+        figure = make_figure_for_print(2.6)
         grid = figure.subplots(1, len(DRAWN_QUANTITIES), squeeze=False)[0]
         for axes, (name, label) in zip(grid, DRAWN_QUANTITIES.items(), strict=True):
             new, worn = (
@@ -217,9 +219,7 @@ def draw_sobol_indices(found: Mapping[str, Mapping[str, Sequence[SobolIndices]]]
     )
     with mpl.rc_context(STYLE):
         order = np.argsort([share.total.value for share in panels[0][1]])
-        figure = Figure(
-            figsize=(1.9 + 4.4 * len(panels), 0.6 + 0.4 * len(order)), layout="constrained"
-        )
+        figure = make_figure_for_print(0.6 + 0.32 * len(order))
         grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
         at = np.arange(len(order))
         for axes, (title, several) in zip(grid, panels, strict=True):
@@ -277,7 +277,7 @@ def draw_percentiles_over_distance(
         ("peak pressure [MPa]", 1e-6 * healed["peak_pressure"], nominal["peak_pressure"]),
     )
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.6 * len(panels), 3.7), layout="constrained")
+        figure = make_figure_for_print(2.8)
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for axes, (label, values, law) in zip(grid, panels, strict=True):
             rows = np.array(

@@ -336,8 +336,8 @@ def report(result: Result, folder: Path) -> Path:
         ),
     }
     for name, figure in made.items():
-        for ending in ("svg", "png") if name in {"distribution", "map"} else ("svg",):
-            drawing.save_figure(figure, folder / f"{name}.{ending}")
+        endings = ("svg", "png") if name in {"distribution", "map"} else ("svg",)
+        drawing.save_figure_as_files(figure, folder / name, endings)
     spreads = misfit_rows.rows_with_mean_and_percentiles_of_quantities(drawn)
     ranked = misfit_rows.rows_of_sobol_indices_by_tolerance(result.tolerances, result.shares)
     for name, lines in (("single", result.single), ("spread", spreads), ("shares", ranked)):

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import number_as_text
-from drumlin.report.figures import FULL_WIDTH, STYLE
-from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of_model
+from drumlin.report.figures import SMALL_TEXT_SIZE, STYLE, make_figure_for_print
+from drumlin.report.palette import BLUE, FAINT, GREEN, INK, RED, SKY, color_of_model
 from drumlin.response.response import ShoeResponse, length_of_edge_zone_without_peak
 from drumlin_studies.plane_stress import (
     PlaneErrorMap,
@@ -24,8 +24,8 @@ from drumlin_studies.plane_stress import (
 
 PANELS = {
     "torque": "torque",
-    "pressure": "mean pressure over the width (L2)",
-    "uneven": "spread of pressure across the width",
+    "pressure": "mean p over the width (L2)",
+    "uneven": "spread of p across the width",
     "corrected_torque": "torque, corrected for the width",
 }
 
@@ -35,14 +35,16 @@ def draw_error_maps(charts: Sequence[PlaneErrorMap]) -> Figure:
 
     One bar gives the colours of all panels; the fields give the numbers.
     """
-    with mpl.rc_context(STYLE | {"axes.grid": False, "font.size": 7.5}):
+    with mpl.rc_context(STYLE | {"axes.grid": False}):
         rows = len(charts) * len(PANELS) // 2
-        figure = Figure(figsize=(FULL_WIDTH, 2.1 * rows + 0.6), layout="constrained")
+        figure = make_figure_for_print(2.1 * rows + 0.6)
         grid = figure.subplots(rows, 2, squeeze=False)
         panels = [(chart, key) for chart in charts for key in PANELS]
         for axes, (chart, key) in zip(grid.flat, panels, strict=True):
             drawn = _draw_map_panel(axes, chart, key, f"{chart.name}: {PANELS[key]}")
-        bar = figure.colorbar(drawn, ax=list(grid.flat), location="bottom", aspect=40, extend="min")
+        bar = figure.colorbar(
+            drawn, ax=list(grid.flat), location="bottom", aspect=40, extend="min", pad=0.01
+        )
         bar.set_label("numbers in the fields, and colours by their size [%]")
         bar.set_ticks(COLOUR_BAR_ERRORS, labels=list(map("{:g}".format, COLOUR_BAR_ERRORS)))
         bar.minorticks_off()
@@ -51,6 +53,10 @@ def draw_error_maps(charts: Sequence[PlaneErrorMap]) -> Figure:
 
 COLOUR_BAR_ERRORS = (0.03, 0.1, 0.3, 1, 3, 10, 30, 100)
 """Errors [%] at the ticks of the colour bar; smaller errors have the colour of its lower end."""
+
+
+TWO_DIGITS_BELOW = 10.0
+"""Error [%] from which on the numbers of a panel have one digit behind the point, and not two."""
 
 
 def _draw_map_panel(axes: Axes, chart: PlaneErrorMap, key: str, title: str) -> Any:
@@ -64,19 +70,19 @@ def _draw_map_panel(axes: Axes, chart: PlaneErrorMap, key: str, title: str) -> A
         cmap="Blues",
         norm=LogNorm(least, most),
     )
+    # All numbers of a panel have the same digits behind the point.
+    digits = 1 if np.abs(error).max() >= TWO_DIGITS_BELOW else 2
+    sign = "+" if key in {"torque", "corrected_torque"} else ""
     for j, i in np.ndindex(*error.shape):
-        # Two digits behind the point, and fewer only where the number has two before it.
-        sign = "+" if key in {"torque", "corrected_torque"} else ""
-        digits = 2 if abs(error[j, i]) < 9.995 else 0
         said = number_as_text(float(error[j, i]), f"{sign}.{digits}f")
         color = "white" if abs(error[j, i]) > 5 else INK
-        axes.text(i, j, said, ha="center", va="center", fontsize=7, color=color)
+        axes.text(i, j, said, ha="center", va="center", fontsize=SMALL_TEXT_SIZE, color=color)
     x, y = chart.axes
     axes.set_xticks(range(len(chart.x)), list(map("{:g}".format, chart.x)))
     axes.set_yticks(range(len(chart.y)), list(map("{:g}".format, chart.y)))
     axes.set_xlabel(x)
     axes.set_ylabel(y)
-    axes.set_title(title, fontsize=8, fontweight="normal")
+    axes.set_title(title, fontweight="normal")
     return drawn
 
 
@@ -84,7 +90,7 @@ def draw_face_pressures(three: SolidAndPlane, worn: WornSolid) -> Figure:
     """Pressure on the faces of the linings, new and worn in, with one scale."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         new = three.solid.shoes
-        figure = Figure(figsize=(11.5, 2.7 * len(new) + 0.8), layout="constrained")
+        figure = make_figure_for_print(1.7 * len(new) + 0.5)
         grid = figure.subplots(len(new), 2, squeeze=False)
         # The singular pressure at the ends of the linings is outside the scale.
         zones = [
@@ -99,6 +105,7 @@ def draw_face_pressures(three: SolidAndPlane, worn: WornSolid) -> Figure:
                     shoe.surface.z * 1e3,
                     shoe.surface.pressure.T * 1e-6,
                     shading="gouraud",
+                    rasterized=True,
                     cmap="viridis",
                     vmin=0,
                     vmax=top * 1e-6,
@@ -121,7 +128,7 @@ def _largest_face_pressure(shoe: ShoeResponse, zone: float) -> float:
 def draw_error_curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) -> Figure:
     """Errors of the worst shoe, a panel for each quantity that varies."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(11.5, 6.6), layout="constrained")
+        figure = make_figure_for_print(4.6)
         panels = np.ravel(figure.subplots(2, len(found) // 2, sharey=True))
         for axes, (name, points) in zip(panels, found.items(), strict=True):
             x = []
@@ -144,16 +151,14 @@ def draw_error_curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, A
             axes.set_xlabel(name)
         for axes in panels[:: len(found) // 2]:
             axes.set_ylabel("error of plane stress, worst shoe [%]")
-        figure.legend(
-            *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=9
-        )
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure
 
 
 def draw_unevenness_over_distance(worn: WornSolid) -> Figure:
     """How uneven p is across the width, and its mean against the sine law, over the distance."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.6, 3.9), layout="constrained")
+        figure = make_figure_for_print(3.4)
         axes = figure.subplots()
         x: Floats = np.asarray(worn.distance)
         for shoe, uneven, law, color in zip(
@@ -177,7 +182,7 @@ def draw_unevenness_over_distance(worn: WornSolid) -> Figure:
         axes.set_xscale("symlog", linthresh=0.1)
         axes.set_xlabel("sliding distance [1/(k K)]")
         axes.set_ylabel("pressure [%]")
-        axes.legend(fontsize=8.5)
+        axes.legend()
     return figure
 
 
@@ -186,12 +191,12 @@ WAYS = {
     "cosine": "cosine law",
     "uniform": "uniform pressure",
     "foundation": "elastic foundation",
-    "lifted": "foundation, all lifted",
+    "lifted": "foundation, unsimplified",
     "plane stress": "plane stress",
     "plane stress, corrected": "plane stress, corrected for the width",
     "solid": "solid",
 }
-COLORS = {"plane stress": BLUE, "plane stress, corrected": BROWN}
+COLORS = {"plane stress": BLUE, "plane stress, corrected": SKY}
 
 
 def draw_error_over_time(found: Mapping[str, Sequence[TimeAndErrors]]) -> Figure:
@@ -200,7 +205,7 @@ def draw_error_over_time(found: Mapping[str, Sequence[TimeAndErrors]]) -> Figure
     Full marks are errors against the solid truth, hollow marks against the truth in plane stress.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(11.5, 4.4 * len(found)), layout="constrained")
+        figure = make_figure_for_print(2.5 * len(found) + 0.5)
         grid = figure.subplots(len(found), 2, squeeze=False)
         for row, (brake, rungs) in zip(grid, found.items(), strict=True):
             for axes, key, title in zip(
@@ -209,20 +214,18 @@ def draw_error_over_time(found: Mapping[str, Sequence[TimeAndErrors]]) -> Figure
                 for method, name in WAYS.items():
                     _draw_method(axes, [rung for rung in rungs if rung.method == method], key, name)
                 axes.set_xlabel("processor time [ms]")
-                axes.set_title(f"{brake}: error of {title}, worst shoe [%]")
+                axes.set_title(f"{brake}:\nerror of {title}, worst shoe [%]")
         # Two entries of the key without points explain the marks.
-        grid[0, 0].plot([], [], "o-", color=FAINT, label="full: against the solid")
+        grid[0, 0].plot([], [], "o-", color=FAINT, label="full marks: against the solid")
         grid[0, 0].plot(
-            [], [], "o--", color=FAINT, mfc="white", label="hollow: against plane stress"
+            [], [], "o--", color=FAINT, mfc="white", label="hollow marks: against plane stress"
         )
         named = {
             text: line
             for axes in grid.flat
             for line, text in zip(*axes.get_legend_handles_labels(), strict=True)
         }
-        figure.legend(
-            named.values(), named.keys(), loc="outside lower center", ncols=5, fontsize=8.5
-        )
+        figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=3)
     return figure
 
 
@@ -239,7 +242,7 @@ def _draw_method(axes: Axes, own: Sequence[TimeAndErrors], key: str, name: str) 
         hollow = []
         for rung in own:
             hollow.append(100 * getattr(rung, f"plane_{key}"))
-        axes.loglog(x, hollow, "o--", color=color, lw=1.0, mfc="white")
+        axes.loglog(x, hollow, "o--", color=color, lw=1.0, ms=4, mfc="white")
     axes.loglog(
-        x, [100 * getattr(rung, key) for rung in own], "o-", color=color, lw=1.5, label=name
+        x, [100 * getattr(rung, key) for rung in own], "o-", color=color, lw=1.5, ms=4, label=name
     )

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from drumlin.brake.brake import Brake
 from drumlin.fem.width.ladder import has_shoe_with_parts_of_different_widths
-from drumlin.report.figures import STYLE
+from drumlin.report.figures import STYLE, make_figure_for_print
 from drumlin.report.palette import BLUE, GRADES, INK
 from drumlin_studies.plane_stress_limits import LIMIT_QUANTITIES, LIMITS, VARIATIONS
 
@@ -47,8 +47,8 @@ def draw_plane_stress_limits(
     usual : values of the brakes that are varied, by quantity and brake; a drawn one has a full mark
     """
     names = list(dict.fromkeys(row["varied"] for row in rows))
-    with mpl.rc_context(STYLE | {"font.size": 8.5, "axes.titlesize": 9.0}):
-        figure = Figure(figsize=(6.7, 5.2), layout="constrained")
+    with mpl.rc_context(STYLE):
+        figure = make_figure_for_print(5.2)
         columns = (len(names) + 1) // 2
         grid = figure.subplots(2, columns, sharey=True, squeeze=False)
         for axes, name in zip(grid.flat, names, strict=False):
@@ -67,7 +67,10 @@ def draw_plane_stress_limits(
                         [], [], color=color, ls=LINES[quantity], label=f"{brake}: {said}"
                     )
                 )
-        figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=8.5)
+        handles.append(
+            mpl.lines.Line2D([], [], color=INK, marker="o", ls="", ms=5, label="the brake itself")
+        )
+        figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 
 
@@ -92,7 +95,8 @@ def _draw_limits_of_quantity(
         axes.xaxis.set_major_formatter("{x:g}")
     axes.set_yscale("log")
     axes.set_ylim(LOWEST, HIGHEST)
-    axes.set_yticks([100 * limit for limit in (0.001, *LIMITS)])
-    axes.yaxis.set_major_formatter("{x:g}")
+    # Smaller errors are drawn at the lower end of the axis.
+    ticks = [100 * limit for limit in LIMITS]
+    axes.set_yticks([LOWEST, *ticks], [f"≤ {LOWEST:g}", *map("{:g}".format, ticks)])
     axes.minorticks_off()
     axes.grid(False)

@@ -235,7 +235,7 @@ ENDINGS = {
     "limits": ("svg", "png"),
     "map": ("svg", "png"),
     "ladder": ("svg", "png"),
-    "face": ("png",),
+    "face": ("svg", "png"),
 }
 """File formats of figures that are not only SVG."""
 
@@ -251,8 +251,8 @@ def report(result: Result, folder: Path) -> Path:
         "ladder": figures.draw_error_over_time(result.ladder),
     }
     for name, figure in made.items():
-        for ending in ENDINGS.get(name, ("svg",)):
-            drawing.save_figure(figure, folder / f"{name}.{ending}")
+        endings = ENDINGS.get(name, ("svg",))
+        drawing.save_figure_as_files(figure, folder / name, endings)
     brake, response = result.three.brake, result.three.solid
     write_fields_to_vtu_file(
         folder / "solid.vtu", recover_stresses_in_all_solid_shoes(result.scene, brake, response)

@@ -11,7 +11,13 @@ from drumlin.base.arrays import Floats
 from drumlin.base.texts import number_as_text
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
-from drumlin.report.figures import STYLE, draw_legend_below_figure, title_of_model_in_figures
+from drumlin.report.figures import (
+    SMALL_TEXT_SIZE,
+    STYLE,
+    draw_legend_below_figure,
+    make_figure_for_print,
+    title_of_model_in_figures,
+)
 from drumlin.report.palette import FAINT, GRADES, INK, line_style_of_model
 from drumlin_studies.post_brake_rows import Curve, ErrorMap, Merits, Offsets
 
@@ -98,7 +104,7 @@ def draw_curves_of_models(
     """
     with mpl.rc_context(STYLE):
         lines = -(-len(panels) // columns)
-        figure = Figure(figsize=(5.2 * columns, 3.3 * lines), layout="constrained")
+        figure = make_figure_for_print(2.2 * lines + 0.3)
         grid = figure.subplots(lines, columns, squeeze=False, sharey=True)
         for axes, (title, models) in zip(grid.flat, panels, strict=False):
             for name, (x, y) in models.items():
@@ -138,7 +144,7 @@ def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -
     """
     panels = (
         (
-            "as printed: each with its twin opposite",
+            "as published: each with its twin opposite",
             {f"foundation {name}": _curve_in_mm(z) for name, z in own.items()},
         ),
         (
@@ -147,7 +153,7 @@ def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -
         ),
     )
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.2 * len(panels), 4.8), layout="constrained")
+        figure = make_figure_for_print(4.2)
         grid = figure.subplots(1, len(panels), squeeze=False, subplot_kw={"projection": "polar"})
         # Room inside and outside the rim for the largest displacement.
         largest = max(float(np.abs(z).max()) for _, models in panels for _, z in models.values())
@@ -165,10 +171,14 @@ def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -
                 )
             axes.set_ylim(-3 * largest, 1.3 * largest)
             axes.set_yticks(
-                [-largest, 0, largest], [f"{-v:+.2g}" for v in (-largest, 0, largest)], fontsize=7
+                [-largest, 0, largest],
+                [f"{-v:+.2g}" for v in (-largest, 0, largest)],
+                fontsize=SMALL_TEXT_SIZE,
             )
             axes.set_title(f"{title} [mm]")
-            axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.07), ncols=2)
+            axes.legend(
+                fontsize=SMALL_TEXT_SIZE, loc="upper center", bbox_to_anchor=(0.5, -0.07), ncols=2
+            )
     return figure
 
 
@@ -192,7 +202,7 @@ def draw_error_maps(
     """
     with mpl.rc_context(STYLE):
         columns = len(rows[0])
-        figure = Figure(figsize=(4.3 * columns, 3.9 * len(rows)), layout="constrained")
+        figure = make_figure_for_print(2.5 * len(rows) + 0.3)
         grid = figure.subplots(len(rows), columns, squeeze=False, sharex=True, sharey=True)
         shades = ListedColormap(GRADES)
         norm = BoundaryNorm([0, 1, 2, 3, 4], 4)
@@ -215,12 +225,21 @@ def draw_error_maps(
                     for j, x in enumerate(one.x):
                         color = "white" if region[i, j] == 0 else INK
                         said = number_as_text(one.error[i, j] * 100, "+.0f")
-                        axes.text(x, y, said, ha="center", va="center", fontsize=7, color=color)
-                axes.plot(*place, marker="s", ms=15, mfc="none", mec=INK, mew=1.4)
+                        axes.text(
+                            x,
+                            y,
+                            said,
+                            ha="center",
+                            va="center",
+                            fontsize=SMALL_TEXT_SIZE,
+                            color=color,
+                        )
+                axes.plot(*place, marker="s", ms=9, mfc="none", mec=INK, mew=1.4)
                 axes.set_xscale("log")
                 axes.set_yscale("log")
                 axes.grid(False)
-                axes.set_title(one.title, fontsize=9)
+                # The model and the lining stand in two lines, since the panels are narrow.
+                axes.set_title("\n".join(one.title.rsplit(", ", 1)))
                 axes.label_outer()
             line[0].set_ylabel(r"ring: $k R^4/EI_\mathrm{r}$ [–]")
         for axes in grid[-1]:
@@ -230,7 +249,7 @@ def draw_error_maps(
         for shade, word in zip(GRADES, words, strict=True):
             handles.append(mpl.patches.Patch(color=shade, label=word))
         own = mpl.lines.Line2D(
-            [], [], marker="s", ms=11, mfc="none", mec=INK, ls="", label="the study's own brake"
+            [], [], marker="s", ms=7, mfc="none", mec=INK, ls="", label="the study's own brake"
         )
         figure.legend(handles=[*handles, own], loc="outside lower center", ncols=5)
     return figure

@@ -24,10 +24,11 @@ from drumlin.fem.solve import solve
 from drumlin.report import figures as drawing
 from drumlin.report.comparison import (
     comparisons_as_json,
+    draw_stress_fields,
     panel_title_and_responses_of_each_shoe,
-    write_and_draw_stress_fields,
 )
 from drumlin.report.page import write_html_page
+from drumlin.report.plane_picture import draw_plane_fields_and_return_failure_reason
 from drumlin.response.norms import relative_error_of_number
 from drumlin_studies import post_brake_rows as post
 from drumlin_studies.post_brake_rows import ALL_LIFTS, POST_MODELS, Curve, ErrorMap, Merits, Offsets
@@ -126,8 +127,11 @@ def report(result: Result, folder: Path) -> Path:
     comparison = result.comparison
     brake, responses = comparison.brake, comparison.responses
     draw_figures(result, folder)
-    not_drawn = write_and_draw_stress_fields(
-        brake, responses["fem"], folder, "fields", elements=result.elements
+    draw_stress_fields(
+        brake, responses["fem"], folder, "fields", ("svg", "png", "vtu"), elements=result.elements
+    )
+    not_drawn = draw_plane_fields_and_return_failure_reason(
+        folder / "fields.vtu", folder / "fields_vtk.png", brake.title
     )
     write_text(folder / "results.csv", table_as_csv_text(comparison.rows))
     write_text(
@@ -171,8 +175,8 @@ def draw_figures(result: Result, folder: Path) -> None:
         },
     }
     for name, figure in made.items():
-        for ending in ("svg", "png") if name in {"pressure", "map"} else ("svg",):
-            drawing.save_figure(figure, folder / f"{name}.{ending}")
+        endings = ("svg", "png") if name in {"pressure", "map"} else ("svg",)
+        drawing.save_figure_as_files(figure, folder / name, endings)
 
 
 def results_data(result: Result) -> dict[str, Any]:

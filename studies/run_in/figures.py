@@ -13,12 +13,18 @@ from matplotlib.figure import Figure
 from drumlin.lining_wear.archard import interpolate_wear_state_at_distance
 from drumlin.lining_wear.linings import WornLining
 from drumlin.lining_wear.run_in import peak_nodal_pressure_of_wear_state
-from drumlin.report.figures import STYLE, draw_legend_below_figure, mark_where_curve_leaves_axes
-from drumlin.report.palette import BLUE, INK, RED
+from drumlin.report.figures import (
+    STYLE,
+    draw_legend_below_figure,
+    make_figure_for_print,
+    mark_where_curve_leaves_axes,
+)
+from drumlin.report.palette import BLUE, FAINT, INK, RED
 from drumlin_studies.run_in_limits import EqualStepsEnd, Reversals, Run
 
 NEW, LATE, LAW = BLUE, INK, RED
-DISTANCE = "sliding distance s k K"
+DISTANCE = "sliding distance s [1/(k K)]"
+"""Label of the sliding distance s: k is the wear coefficient, K = E/t the lining's stiffness."""
 
 
 class Series(NamedTuple):
@@ -38,7 +44,7 @@ def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
     setup, states = one.setup, one.states
     with mpl.rc_context(STYLE):
         rows = len(setup.surfaces)
-        figure = Figure(figsize=(10.6, 3.5 * rows), layout="constrained")
+        figure = make_figure_for_print(2.2 * rows + 0.5)
         grid = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.0, 1.0))
         # The scale of pressure ends above the peak of the new brake.
         top = 1.15 * peak_nodal_pressure_of_wear_state(setup, states[0])
@@ -51,7 +57,7 @@ def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
                     interpolate_wear_state_at_distance(states, s * one.unit).pressure
                 )
                 left.plot(
-                    theta, p * 1e-6, color=shade, lw=1.6, label=f"s k K = {s:g}" if s else "new"
+                    theta, p * 1e-6, color=shade, lw=1.6, label=f"s = {s:g}/(k K)" if s else "new"
                 )
                 left.set_ylim(0, top * 1e-6)
                 mark_where_curve_leaves_axes(left, theta, p * 1e-6, shade)
@@ -61,18 +67,27 @@ def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
                 color=LAW,
                 lw=1.6,
                 ls="--",
-                label="law",
+                label="sine law",
             )
             left.set(xlim=(theta[0], theta[-1]), ylabel="pressure p [MPa]")
             left.set_title(f"{surface.name} shoe")
             _draw_pressure_map(right, one, surface, top)
-            right.set_title(f"{surface.name} shoe, over the distance; white: no contact")
+            right.set_title(f"{surface.name} shoe, over the distance")
         for axes in grid[-1]:
             axes.set_xlabel("angle on the drum θ [deg]")
-        draw_legend_below_figure(figure, grid[0, 0])
+        # The legend is taken from the panel with the most different labels.
+        named = max(grid[:, 0], key=lambda axes: len(set(axes.get_legend_handles_labels()[1])))
+        if _has_lining_without_contact_anywhere(one):
+            named.plot([], [], "s", mfc="white", mec=FAINT, label="white: no contact")
+        draw_legend_below_figure(figure, named)
         bar = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top * 1e-6), "viridis")
         figure.colorbar(bar, ax=grid[:, 1].tolist(), label="pressure p [MPa]", shrink=0.8)
     return figure
+
+
+def _has_lining_without_contact_anywhere(one: Run) -> bool:
+    """Whether a place of a lining is out of contact in a state of the run."""
+    return any(bool((state.pressure <= 0).any()) for state in one.states)
 
 
 def _draw_pressure_map(axes: Axes, one: Run, surface: WornLining, top: float) -> None:
@@ -159,7 +174,7 @@ def draw_lines_over_distance(
 ) -> Figure:
     """Lines over the sliding distance; a line at 0 called `law`, with a band about it."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(8.6, 4.2), layout="constrained")
+        figure = make_figure_for_print(3.4)
         axes = figure.subplots()
         if law is not None:
             axes.axhline(0, color=LAW, lw=1.6, ls="--", label=law)
@@ -191,7 +206,7 @@ def draw_worn_profiles(one: Run, curves: Sequence[float]) -> Figure:
     """
     setup, states, unit = one.setup, one.states, one.unit
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.2 * len(setup.surfaces), 5.6), layout="constrained")
+        figure = make_figure_for_print(4.4)
         grid = figure.subplots(2, len(setup.surfaces), squeeze=False, sharey="row", sharex="col")
         shades = mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, len(curves)))
         end = states[-1].s / unit
@@ -202,7 +217,7 @@ def draw_worn_profiles(one: Run, curves: Sequence[float]) -> Figure:
                 depth = surface.lining_values_by_growing_angle(
                     interpolate_wear_state_at_distance(states, s * unit).depth
                 )
-                column[0].plot(theta, depth * 1e6, color=shade, lw=1.6, label=f"s k K = {s:g}")
+                column[0].plot(theta, depth * 1e6, color=shade, lw=1.6, label=f"s = {s:g}/(k K)")
             column[0].set_yscale("symlog", linthresh=1)
             column[0].set_title(f"{surface.name} shoe")
             touching = np.array(
@@ -231,7 +246,7 @@ def draw_checkerboards(surface: WornLining, boards: Sequence[EqualStepsEnd]) -> 
     Titles tell the checkerboard of the pressure.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10.6, 3.6), layout="constrained")
+        figure = make_figure_for_print(2.8)
         grid = figure.subplots(1, len(boards), sharey=True, squeeze=False)[0]
         theta = np.degrees(surface.contact_angles_in_growing_order)
         # The third of the lining about its largest pressure.
@@ -243,7 +258,7 @@ def draw_checkerboards(surface: WornLining, boards: Sequence[EqualStepsEnd]) -> 
             axes.plot(theta, p, color=BLUE, lw=0.8, marker="o", ms=2.2)
             torque = f"torque {board.state.torque:.2f} N m"
             said = f"{board.title}\ncheckerboard {board.ripple:.1e}\n{torque}"
-            axes.set_title(said, fontsize=8.5)
+            axes.set_title(said)
             axes.set_xlim(start, start + third)
             axes.set_xlabel("angle on the drum θ [deg]")
         grid[0].set_ylim(0, 4 * smooth.max() * 1e-6)

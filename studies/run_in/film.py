@@ -17,7 +17,7 @@ from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.lining_wear.linings import WearSetup
 from drumlin.lining_wear.run_in import peak_nodal_pressure_of_wear_state
-from drumlin.report.figures import STYLE
+from drumlin.report.figures import SCREEN_STYLE
 from drumlin_studies.run_in_limits import Run, RunFrame
 
 
@@ -61,7 +61,7 @@ def _draw_frame(
     """
     setup, goal, unit = one.setup, one.goal, one.unit
     state, top = frames[number].state, scales[0]
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(SCREEN_STYLE):
         figure = Figure(figsize=(10.4, 5.4), layout="constrained")
         left, right = np.asarray(figure.subfigures(1, 2, width_ratios=(1.0, 0.95)), dtype=object)
         _draw_deformed_shoes(left.subplots(), setup, frames[number], frames[0].turns, scales)

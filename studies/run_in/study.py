@@ -227,11 +227,8 @@ def draw_figures(result: Result, least: Run, reversal: Reversals, folder: Path) 
     """
     main = result.main
     for key, one in (("stiff", main), ("flexible", result.flexible)):
-        for ending in ("svg", "png"):
-            drawing.save_figure(
-                figures.draw_pressures_over_distance(one, CURVES[key]),
-                folder / f"pressure_{key}.{ending}",
-            )
+        pressures = figures.draw_pressures_over_distance(one, CURVES[key])
+        drawing.save_figure_as_files(pressures, folder / f"pressure_{key}")
     marks = []
     for part in OPEN_CURVES:
         marks.append(float(f"{least.sliding_distances_of_run_states()[-1] * part:.1g}"))

@@ -7,7 +7,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import STYLE, draw_legend_below_figure
+from drumlin.report.figures import STYLE, draw_legend_below_figure, make_figure_for_print
 from drumlin.report.palette import BLUE, GREEN, INK, OCHRE
 from drumlin_studies.throughput import Throughput, torques_of_solved_sweep_cases
 
@@ -17,7 +17,7 @@ COLORS = {"processes": BLUE, "Dask workers": OCHRE, "Dask workers that keep memo
 def draw_throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
     """Cases a second as bars, a panel for each sweep."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.6, 3.4), layout="constrained")
+        figure = make_figure_for_print(2.6)
         for axes, (name, those) in zip(figure.subplots(1, 2), measured.items(), strict=True):
             for place, one in enumerate(those):
                 axes.bar(
@@ -51,7 +51,7 @@ def draw_torque_distributions(measured: Mapping[str, Sequence[Throughput]]) -> F
     Lines show the median and the 2.5 and 97.5 percentiles.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.6, 3.2), layout="constrained")
+        figure = make_figure_for_print(2.6)
         panels = figure.subplots(1, 2, sharex=True)
         for axes, (name, those), color in zip(panels, measured.items(), (BLUE, GREEN), strict=True):
             drawn = torques_of_solved_sweep_cases(those[0].rows)

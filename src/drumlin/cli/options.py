@@ -58,6 +58,10 @@ FieldsFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE.vtu", help="write p, displacements and stresses inside the shoes"),
 ]
+WithFieldsFile = Annotated[
+    bool,
+    typer.Option("--fields", help="write p, displacements and stresses as fields.vtu, too"),
+]
 AnalysisModel = Annotated[
     str, typer.Option(metavar="fem|solid", help="plane stress, or shoes with their widths")
 ]

@@ -195,6 +195,7 @@ def compare(
     penalty: Penalty = None,
     finite_width: FiniteWidth = False,
     solid: of.AlsoSolid = False,
+    fields: of.WithFieldsFile = False,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.base.files import check_path_can_be_folder
@@ -213,7 +214,9 @@ def compare(
         solid=solid,
     )
     with show_spinner_beside_words("comparing the models"):
-        result = compare_models_and_write_html_page(brake, text, folder, options)
+        result = compare_models_and_write_html_page(
+            brake, text, folder, options, fields_file=fields
+        )
     print_line_folded_to_terminal_width(
         f"{brake.title}: {brake.motion}, {brake.friction_coefficients_as_text}"
     )

@@ -23,7 +23,6 @@ from drumlin.laws.rigid import response_with_note_on_ignored_keys
 from drumlin.models import MODELS, reasons_why_models_do_not_apply
 from drumlin.report import figures
 from drumlin.report.page import software_versions, write_html_page
-from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response
 
 
@@ -64,25 +63,27 @@ def panel_title_and_responses_of_each_shoe(
     return made
 
 
-def write_and_draw_stress_fields(
-    brake: Brake, response: Response, folder: Path, name: str, **options: Any
-) -> str | None:
-    """Write displacements, stresses and pressures as NAME.vtu, and a picture of them as NAME.png.
+def draw_stress_fields(
+    brake: Brake,
+    response: Response,
+    folder: Path,
+    name: str,
+    endings: Sequence[str] = ("svg",),
+    **options: Any,
+) -> None:
+    """Draw the von Mises stress in the deformed shoes, with pressures and forces, as NAME.svg.
 
-    An HTML page can show both files by the macro `fields` of its template.
+    An HTML page can show the picture by the macro `fields` of its template.
 
     Parameters
     ----------
     brake : the brake
     response : response of the brake by finite elements
     folder : folder in which the files are written
-    name : name of both files, without ending
+    name : name of the files, without ending
+    endings : the files that are written: "svg" and "png" hold the picture, "vtu" the displacements,
+        stresses and pressures for ParaView
     options : options of the mesh (elements, kind)
-
-    Returns
-    -------
-    None, or the reason why there is no picture, for example that the machine cannot draw without a
-    window
     """
     # The modules take long to load, and most commands draw no stress fields.
     from drumlin.fem.analysis.fields import (  # noqa: PLC0415
@@ -90,21 +91,17 @@ def write_and_draw_stress_fields(
         write_fields_to_vtu_file,
     )
     from drumlin.fem.solve import prepared_model_with_finest_elements  # noqa: PLC0415
-    from drumlin.report.render import draw_fields_and_return_failure_reason  # noqa: PLC0415
+    from drumlin.report.field_picture import draw_stress_in_shoes_and_ring  # noqa: PLC0415
 
     brake.check_shoes_can_be_meshed()
     scene = prepared_model_with_finest_elements(brake, **options)
-    write_fields_to_vtu_file(
-        folder / f"{name}.vtu",
-        stress_and_displacement_fields_of_shoes_and_ring(scene, brake, response),
-    )
+    bodies = stress_and_displacement_fields_of_shoes_and_ring(scene, brake, response)
+    if "vtu" in endings:
+        write_fields_to_vtu_file(folder / f"{name}.vtu", bodies)
     title = f"{brake.title}, {brake.motion}"
-    return draw_fields_and_return_failure_reason(
-        folder / f"{name}.vtu",
-        folder / f"{name}.png",
-        brake_with_forces_of_response(brake, response),
-        title,
-    )
+    picture = draw_stress_in_shoes_and_ring(brake, response, bodies, title)
+    pictures = [ending for ending in endings if ending != "vtu"]
+    figures.save_figure_as_files(picture, folder / name, pictures)
 
 
 def comparisons_as_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
@@ -136,12 +133,12 @@ def _model_answer_as_plain_data(outcome: Outcome) -> dict[str, Any]:
 
 
 def compare_models_and_write_html_page(
-    brake: Brake, source: str, folder: Path, options: dict[str, Any]
+    brake: Brake, source: str, folder: Path, options: dict[str, Any], *, fields_file: bool = False
 ) -> WrittenComparison:
     """Compare all models that apply to a brake, and write the HTML page and its data.
 
-    The page, a table as CSV, all results as JSON, the figure of pressures and the stress fields are
-    written into `folder`.
+    The page, a table as CSV, all results as JSON, the figure of pressures and the picture of the
+    stress fields are written into `folder`.
 
     Parameters
     ----------
@@ -149,6 +146,7 @@ def compare_models_and_write_html_page(
     source : text of the brake file, which the page shows
     folder : folder in which the files are written
     options : options of `compare`
+    fields_file : whether the stress fields are also written as fields.vtu
 
     Raises
     ------
@@ -168,7 +166,7 @@ def compare_models_and_write_html_page(
     figures.save_figure(pressure_figure, folder / "pressure.svg")
     # Draw the stress field of the finite elements, if at least one shoe is in contact.
     fem = comparison.responses.get("fem")
-    drawn, not_drawn = False, None
+    drawn = False
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         drawn = True
         # Only these two options concern the mesh.
@@ -178,7 +176,8 @@ def compare_models_and_write_html_page(
         if options.get("finite_width"):
             plane = {key: value for key, value in options.items() if key != "solid"}
             fem = MODELS["fem"].solve(brake, **{**plane, "finite_width": False})
-        not_drawn = write_and_draw_stress_fields(brake, fem, folder, "fields", **mesh_options)
+        endings = ("svg", "vtu") if fields_file else ("svg",)
+        draw_stress_fields(brake, fem, folder, "fields", endings, **mesh_options)
     named = ("solid",) if options.get("solid") else ()
     notes = _model_notes_and_reasons_against_other_models(comparison, named)
     page = write_html_page(
@@ -188,7 +187,7 @@ def compare_models_and_write_html_page(
         rows=table,
         columns=comparison_columns_for_brake(brake),
         drawn=drawn,
-        not_drawn=not_drawn,
+        fields_file=fields_file,
         notes=notes + _sentences_about_effects_that_models_neglect(comparison),
         source_text=source,
     )

@@ -20,11 +20,20 @@ from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.report.palette import CATEGORIES, color_of_model, line_style_of_model
 from drumlin.response.response import ShoeResponse
 
-FULL_WIDTH = 170 / 25.4
-"""Width [inches] of a printed page's text, 170 mm, for which a wide figure is drawn."""
+COLUMN_WIDTH, FULL_WIDTH = 85 / 25.4, 170 / 25.4
+"""Widths [inches] of figures in print: 85 mm for a column of a page, 170 mm for the whole page."""
+
+TEXT_SIZE, SMALL_TEXT_SIZE = 8.0, 7.0
+"""Sizes [points] of text in a figure that is printed at its own width.
+
+Journals ask for at least 6 to 7 points. Numbers in the fields of a map have the small size.
+"""
+
+PIXELS_PER_INCH = 160
+"""Resolution of PNG files, in pixels per inch of the printed figure."""
 
 STYLE = {
-    "font.size": 10,
+    "font.size": TEXT_SIZE,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
@@ -32,19 +41,19 @@ STYLE = {
     "axes.axisbelow": True,
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
-    "axes.titlesize": 10.5,
+    "axes.titlesize": TEXT_SIZE,
     "legend.frameon": False,
-    "legend.fontsize": 9,
+    "legend.fontsize": TEXT_SIZE,
     "svg.hashsalt": "drumlin",
     "svg.fonttype": "path",
 }
-"""Settings of matplotlib for all figures.
+"""Settings of matplotlib for all figures that are printed at their own width.
 
 With a fixed hash salt, equal figures give identical SVG files.
 """
 
-PRINT_STYLE = {"font.size": 8, "axes.titlesize": 8, "legend.fontsize": 8}
-"""Settings of matplotlib for figures of FULL_WIDTH: their text is 8 points high in print."""
+SCREEN_STYLE = STYLE | {"font.size": 10, "axes.titlesize": 10.5, "legend.fontsize": 9}
+"""Settings of matplotlib for figures that are wider than a page and are read on a screen."""
 
 MODEL_TITLES = {
     "fem": "finite elements",
@@ -59,7 +68,7 @@ MODEL_TITLES = {
     "rigid": "rigid shoe",
     "worn": "finite elements, worn in",
     "foundation": "elastic foundation",
-    "lifted": "foundation, all lifted",
+    "lifted": "foundation, unsimplified",
 }
 """The name of each model in figures, by its short name in files and options."""
 
@@ -73,22 +82,46 @@ Panel = tuple[str, Mapping[str, ShoeResponse]]
 """A panel of the pressure figure: its title, and one shoe's responses by name of the model."""
 
 
+def make_figure_for_print(height: float, width: float = FULL_WIDTH) -> Figure:
+    """An empty figure of a height and a width [inches]; its text has TEXT_SIZE at this width.
+
+    `width` is FULL_WIDTH or COLUMN_WIDTH. The figure is filled within `mpl.rc_context(STYLE)`.
+    """
+    return Figure(figsize=(width, height), layout="constrained")
+
+
 def save_figure(figure: Figure, path: Path) -> Path:
     """Write a figure into a file whole or not at all; returns `path`.
 
     The ending of the path chooses the format. Equal figures give identical files. A character that
-    the font does not have is drawn as a box.
+    the font does not have is drawn as a box. A figure for print says its width in the file.
     """
+    metadata: dict[str, str | None] = {}
+    is_for_print = figure.get_figwidth() in {COLUMN_WIDTH, FULL_WIDTH}
+    if is_for_print and path.suffix in {".png", ".svg"}:
+        width = figure.get_figwidth() * 25.4
+        metadata["Description"] = f"drawn for print at a width of {width:.0f} mm"
     # An SVG file gets no date, so that it depends on the figure alone.
-    metadata = {"Date": None} if path.suffix == ".svg" else None
+    if path.suffix == ".svg":
+        metadata["Date"] = None
     with (
         mpl.rc_context(STYLE),
         temporary_file_replacing_output(path) as partial,
         warnings.catch_warnings(),
     ):
         warnings.filterwarnings("ignore", "Glyph .* missing from")
-        figure.savefig(partial, dpi=160, metadata=metadata)
+        figure.savefig(partial, dpi=PIXELS_PER_INCH, metadata=metadata)
     return path
+
+
+def save_figure_as_files(
+    figure: Figure, path: Path, endings: Sequence[str] = ("svg", "png")
+) -> None:
+    """Write a figure as PATH.svg for print and as PATH.png for screens, or with other `endings`."""
+    for ending in endings:
+        save_figure(figure, path.with_name(f"{path.name}.{ending}"))
+        # The places of all panels and labels stay as the first file has them.
+        figure.set_layout_engine("none")
 
 
 def title_of_model_in_figures(model: str) -> str:
@@ -226,12 +259,12 @@ def draw_pressure_along_lining_of_each_shoe(
     columns : number of panels side by side
     surface : friction surface, drum or plane
     """
-    with mpl.rc_context(STYLE | PRINT_STYLE):
+    with mpl.rc_context(STYLE):
         columns = min(columns, len(panels))
         rows = math.ceil(len(panels) / columns)
         # Two panels side by side fill a page of 170 mm, and one panel a column of 85 mm.
-        size = (FULL_WIDTH / 2 * columns, 2.1 * rows + 0.3)
-        figure = Figure(figsize=size, layout="constrained")
+        width = FULL_WIDTH if columns > 1 else COLUMN_WIDTH
+        figure = make_figure_for_print(2.1 * rows + 0.3, width)
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
         few = max(len(responses) for _, responses in panels) <= 2
         top = _upper_end_of_pressure_axis(panels)
@@ -317,7 +350,7 @@ def draw_errors_over_element_numbers(
     `ylabel` names the quantity whose errors are drawn.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.2, 3.8), layout="constrained")
+        figure = make_figure_for_print(3.4)
         axes = figure.subplots()
         # Each curve of the figure has its own marker and colour.
         looks = zip("osD^v<>", CATEGORIES, strict=False)

@@ -27,7 +27,7 @@ from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.report.drawing import draw_arrow_from_tail_to_tip, force_as_text_with_unit
-from drumlin.report.figures import STYLE
+from drumlin.report.figures import SCREEN_STYLE
 from drumlin.report.palette import BLUE, FAINT, GREEN, INK, PURPLE, RED
 from drumlin.report.signs import DRUM_COLOR, MM_PER_M, draw_support_of_shoe
 from drumlin.report.view import nodes_around_elements
@@ -191,7 +191,7 @@ def _nodes_along_element_sides(mesh: Any, facets: Ints) -> Ints:
 
 def draw_checked_meshes(brake: Brake, checked: list[CheckedShoe]) -> Figure:
     """Draw the meshes that were read from files, in a row of two panels for each shoe."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(SCREEN_STYLE):
         figure = Figure(figsize=(13.0, 6.4 * len(checked)), layout="constrained")
         rows = figure.subplots(
             len(checked), 2, squeeze=False, gridspec_kw={"width_ratios": [1.25, 1.0]}

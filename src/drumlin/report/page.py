@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-import latex2mathml.converter
 from markupsafe import Markup
 
 import drumlin
@@ -141,6 +140,9 @@ def _jinja_environment_for_page(template: Path, page: Path) -> jinja2.Environmen
 
 def formula_as_mathml(source: str) -> Markup:
     """A formula in LaTeX as MathML, which browsers typeset."""
+    # Few pages have formulas, and the converter takes long to load.
+    import latex2mathml.converter  # noqa: PLC0415
+
     return Markup(latex2mathml.converter.convert(source))
 
 

@@ -6,14 +6,19 @@ The drawing runs in a process of its own, since the graphics library may end its
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 
 from drumlin.base.round_numbers import largest_round_number_not_above_value
-from drumlin.report.render import (
-    STRESS_TITLE,
-    draw_picture_in_own_process,
-    draw_picture_named_by_arguments,
+from drumlin.report.field_picture import (
+    draw_colour_bar_of_stress,
+    rounded_up_to_end_of_colour_bar,
 )
+from drumlin.report.figures import FULL_WIDTH, STYLE, save_figure
+from drumlin.report.render import draw_picture_in_own_process, draw_picture_named_by_arguments
 
 LARGEST_DISPLACEMENT = 0.05
 """Length of the largest displacement in the picture, relative to the drum's radius.
@@ -21,6 +26,23 @@ LARGEST_DISPLACEMENT = 0.05
 Longer displacements would hide the shape of the shoes, and with shorter displacements the
 deformation would not be seen.
 """
+
+STRESS_NAME = "von Mises stress [MPa]"
+"""The name of the stresses [MPa] in the grid of pyvista."""
+
+COLOURED_NODES = 99.0
+"""Percentage of the nodes whose stress is within the colour bar.
+
+With a larger share the shoes away from their loaded ends, where the stresses are far smaller, have
+one dark colour; with a smaller share the ends have the brightest colour as a whole. The value is a
+judgement by eye.
+"""
+
+WINDOW = 2000, 1600
+"""Width and height [pixels] in which the shoes are drawn, before their blank margins are cut."""
+
+SHOES_WIDTH, SOLID_TITLE_HEIGHT = 0.86, 0.3
+"""Width of the shoes in the picture, relative to its width, and height of the title [inches]."""
 
 
 def draw_solid_shoes_and_return_failure_reason(
@@ -42,36 +64,60 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
     grid = pv.read(fields)
-    grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
+    grid.point_data[STRESS_NAME] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
     factor = _factor_that_enlarges_drawn_displacements(grid)
-    # Stresses at loaded ends are far above all other stresses. The colour bar therefore ends at the
-    # stress that 2 % of the nodes exceed.
-    top = float(np.percentile(grid.point_data[STRESS_TITLE], 98.0))
-    plotter = pv.Plotter(off_screen=True, window_size=(1600, 1250))
+    stress = np.asarray(grid.point_data[STRESS_NAME])
+    top = rounded_up_to_end_of_colour_bar(float(np.percentile(stress, COLOURED_NODES)))
+    plotter = pv.Plotter(off_screen=True, window_size=WINDOW)
     plotter.set_background("white")
-    bar = {
-        "title": STRESS_TITLE + "\n", "color": "black", "vertical": True,
-        "position_x": 0.88, "position_y": 0.2, "height": 0.55, "width": 0.05,
-        "label_font_size": 22, "title_font_size": 20, "fmt": "%.3g",
-    }  # fmt: skip
-    for i, half in enumerate(_deformed_surfaces_of_both_halves(grid, factor)):
+    for half in _deformed_surfaces_of_both_halves(grid, factor):
         plotter.add_mesh(
             half,
-            scalars=STRESS_TITLE,
+            scalars=STRESS_NAME,
             cmap="viridis",
             clim=(0, top),
-            scalar_bar_args=bar,
-            show_scalar_bar=i == 0,
+            show_scalar_bar=False,
             smooth_shading=False,
             ambient=0.35,
         )
-    text = f"{title}\nDisplacements x {factor:g}."
-    plotter.add_text(text, position="upper_left", font_size=13, color="black")
     plotter.view_vector((0.35, 0.55, 1.0), viewup=(0, 1, 0))
     plotter.enable_parallel_projection()
     plotter.reset_camera()
-    plotter.camera.zoom(1.15)
-    plotter.screenshot(str(picture))
+    pixels = _pixels_without_white_margins(np.asarray(plotter.screenshot(return_img=True)))
+    figure = _figure_around_pixels(
+        pixels, f"{title}; displacements × {factor:g}", top, beyond=float(stress.max()) > top
+    )
+    save_figure(figure, picture)
+
+
+def _pixels_without_white_margins(pixels: Any) -> Any:
+    """The part of an image (rows, columns, 3) that holds all pixels that are not white."""
+    drawn = (pixels < 255).any(axis=2)
+    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
+    if not len(rows):
+        return pixels
+    return pixels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+
+
+def _figure_around_pixels(pixels: Any, title: str, top: float, *, beyond: bool) -> Figure:
+    """A figure of FULL_WIDTH with an image (rows, columns, 3), its title and its colour bar.
+
+    `top` [MPa] is the upper end of the colour bar, and `beyond` says whether some stresses are
+    larger.
+    """
+    height = SHOES_WIDTH * FULL_WIDTH * pixels.shape[0] / pixels.shape[1]
+    total = height + SOLID_TITLE_HEIGHT
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(FULL_WIDTH, total))
+        axes = figure.add_axes((0, 0, SHOES_WIDTH, height / total))
+        axes.imshow(pixels, aspect="auto")
+        axes.set_axis_off()
+        bar = figure.add_axes(
+            (SHOES_WIDTH + 0.02, 0.2 * height / total, 0.02, 0.6 * height / total)
+        )
+        draw_colour_bar_of_stress(bar, ScalarMappable(Normalize(0, top), "viridis"), beyond=beyond)
+        figure.text(0.01, 1 - 0.06 / total, title, va="top", weight="bold")
+    return figure
 
 
 def _deformed_surfaces_of_both_halves(grid: Any, factor: float) -> list[Any]:

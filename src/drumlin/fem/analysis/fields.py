@@ -5,9 +5,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import meshio
 import numpy as np
 
 from drumlin.base.arrays import EqualByArrays, Floats, Ints
@@ -36,6 +35,9 @@ from drumlin.fem.substructure.interface import (
 )
 from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response, ShoeResponse
+
+if TYPE_CHECKING:
+    import meshio
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +69,7 @@ class Fields(EqualByArrays):
     pressure: Floats
     push: Floats
 
-    def to_meshio(self) -> meshio.Mesh:
+    def to_meshio(self) -> "meshio.Mesh":
         """The body as a `meshio.Mesh`, with the names of fields that a .vtu file has."""
         return mesh_of_fields([self])
 
@@ -397,6 +399,9 @@ The keys are the names of the fields in the file, the values the names of the at
 
 def write_fields_to_vtu_file(path: Path, parts: Sequence[Any]) -> None:
     """Write the `Fields` or `SolidFields` of all shoes as one .vtu file for ParaView."""
+    # Pictures of fields need no meshio, which takes long to load.
+    import meshio  # noqa: PLC0415
+
     mesh = mesh_of_fields(parts)
     with temporary_file_replacing_output(path) as partial:
         meshio.write(partial, mesh, file_format="vtu")
@@ -411,8 +416,10 @@ def write_fields_of_solved_model(
     )
 
 
-def mesh_of_fields(parts: Sequence[Any]) -> meshio.Mesh:
+def mesh_of_fields(parts: Sequence[Any]) -> "meshio.Mesh":
     """The `Fields` or `SolidFields` of all shoes as one mesh with fields at nodes and cells."""
+    import meshio  # noqa: PLC0415
+
     cells, numbers, shoes, first = [], [], [], 0
     for i, part in enumerate(parts):
         cells.append((part.cell_type, part.cells + first))

@@ -1,0 +1,384 @@
+"""The picture of the stresses in the shoes and the ring, in the plane of the drum.
+
+The picture is drawn by matplotlib, in the process that has solved the brake.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
+
+from drumlin.base.arrays import Floats, Ints
+from drumlin.base.round_numbers import largest_round_number_not_above_value
+from drumlin.brake.brake import Brake
+from drumlin.brake.fields import Point
+from drumlin.brake.support import Held
+from drumlin.fem.analysis.fields import Fields
+from drumlin.report.figures import FULL_WIDTH, PIXELS_PER_INCH, STYLE
+from drumlin.report.palette import FAINT, INK, RED
+from drumlin.report.signs import MM_PER_M
+from drumlin.response.balance import brake_with_forces_of_response
+from drumlin.response.response import Response
+
+COLOUR_BAR_ENDS = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
+"""Allowed upper ends of the colour bar, times any power of ten; a quarter of each is round."""
+
+LARGEST_COLOURED_STRESS = 99.5
+"""Percentage of the nodes whose stress is within the colour bar.
+
+Stresses at singular edges are far above all other stresses. With all of them in the colour bar, the
+rest of the shoe would have one colour. The arrow at the upper end of the bar shows that a few
+stresses are larger. The value is a judgement by eye.
+"""
+
+LARGEST_DRAWN_DISPLACEMENT = 0.04
+"""Largest length of an enlarged displacement, relative to the drum's radius.
+
+Longer displacements would hide the shape of the shoes. The value is a judgement by eye.
+"""
+
+PRESSURE_ARROW_LENGTH = 0.2
+"""Length of the longest pressure arrows, relative to the drum's radius."""
+
+FULL_LENGTH_ARROWS = 90
+"""Percentage of the pressure arrows whose length is in proportion to the pressure.
+
+Pressures at singular edges are far above all other pressures. The longest tenth of the arrows is
+therefore shortened to one length.
+"""
+
+FORCE_ARROW_LENGTH = 0.28
+"""Length of each force's arrow, relative to the drum's radius."""
+
+ARROW_SPACING = math.radians(2.5)
+"""Distance of the pressure arrows along the friction surface, relative to the drum's radius."""
+
+PIN_RADIUS = 0.035
+"""Radius of the disc of a pin, relative to the drum's radius."""
+
+MARGIN = 0.03
+"""Blank margin around the brake, relative to the drum's radius."""
+
+BAR_WIDTH, TITLE_HEIGHT, LEGEND_HEIGHT = 0.75, 0.25, 0.45
+"""Width of the colour bar with its labels, and heights of title and legend [inches]."""
+
+LEAST_HEIGHT, MOST_HEIGHT = 1.9, 7.5
+"""Smallest and largest height of the brake in the picture [inches].
+
+The colour bar with its label needs the smallest height, and with the largest height the picture
+and its caption fit on a page.
+"""
+
+SMOOTHING = 2
+"""Number of samples in each direction that are averaged for a pixel of the stress colours."""
+
+SAMPLE_SPACING = 0.7
+"""Largest distance of the sampled places of a cell [pixels]; above 1 pixels would be left out."""
+
+
+class _FrictionSurface(NamedTuple):
+    """The friction surface to draw.
+
+    Attributes
+    ----------
+    line : points (n, 2) [m] of the drum's circle or of the plane
+    size : length [m] to which the sizes of arrows and symbols are relative: the drum's radius, or,
+        on a plane, half the length of the brake
+    name : "drum" or "plane"
+    """
+
+    line: Floats
+    size: float
+    name: str
+
+
+def draw_stress_in_shoes_and_ring(
+    brake: Brake, response: Response, bodies: Sequence[Fields], title: str
+) -> Figure:
+    """Draw the von Mises stress on the deformed bodies, pressure, forces, pins and drum or plane.
+
+    Parameters
+    ----------
+    brake : the brake
+    response : response of the brake by finite elements
+    bodies : displacements and stresses of all shoes, and of the drum ring if it is elastic
+    title : title of the picture
+    """
+    surface = _friction_surface_of_brake(brake)
+    size = MM_PER_M * surface.size
+    largest = max(float(np.linalg.norm(body.displacement, axis=1).max()) for body in bodies)
+    factor = largest_round_number_not_above_value(
+        LARGEST_DRAWN_DISPLACEMENT * surface.size / (largest or 1.0)
+    )
+    line = MM_PER_M * surface.line
+    deformed = [MM_PER_M * (body.points + factor * body.displacement) for body in bodies]
+    pressure = MM_PER_M * _pressure_arrows(brake, response, surface.size)
+    forces = MM_PER_M * _force_arrows(brake_with_forces_of_response(brake, response), surface.size)
+    pins = [MM_PER_M * point for point in _points_of_supports(brake)]
+    radius = PIN_RADIUS * size
+    discs = [pin + radius * np.array([[-1.0, -1.0], [1.0, 1.0]]) for pin in pins]
+    places = [line, *deformed, pressure.reshape(-1, 2), forces.reshape(-1, 2), *discs]
+    with mpl.rc_context(STYLE):
+        figure, axes, bar = _figure_that_shows_all_points(np.concatenate(places), size)
+        _draw_stress_and_colour_bar(axes, bar, bodies, deformed)
+        for body in bodies:
+            outline = MM_PER_M * body.points[_edges_of_outline(body)]
+            axes.add_collection(LineCollection(list(outline), colors=FAINT, linewidths=0.5))
+        axes.plot(*line.T, color="black", lw=1.2)
+        _draw_arrows(axes, pressure, RED, width=0.0022)
+        _draw_arrows(axes, forces, INK, width=0.0045)
+        for x, y in pins:
+            axes.add_patch(Circle((x, y), radius, color=INK, zorder=6))
+        _write_title_and_legend(figure, f"{title}; displacements × {factor:g}", surface.name)
+    return figure
+
+
+def _figure_that_shows_all_points(places: Floats, size: float) -> tuple[Figure, Axes, Axes]:
+    """A figure of FULL_WIDTH, its axes with limits around all places (n, 2) [mm], and a bar's axes.
+
+    The height of the figure follows from the places, so that no part of it stays empty. `size` [mm]
+    is the drum's radius.
+    """
+    low, high = places.min(axis=0) - MARGIN * size, places.max(axis=0) + MARGIN * size
+    width, height = high - low
+    # Flat brakes get room above and below, since the colour bar needs some height.
+    lacking = max(LEAST_HEIGHT / (FULL_WIDTH - BAR_WIDTH) * width - height, 0.0)
+    low[1], high[1], height = low[1] - lacking / 2, high[1] + lacking / 2, height + lacking
+    shown_height = min((FULL_WIDTH - BAR_WIDTH) * height / width, MOST_HEIGHT)
+    shown_width = shown_height * width / height
+    total = shown_height + TITLE_HEIGHT + LEGEND_HEIGHT
+    figure = Figure(figsize=(FULL_WIDTH, total))
+    left = 0.5 * (FULL_WIDTH - BAR_WIDTH - shown_width) / FULL_WIDTH
+    bottom, relative = LEGEND_HEIGHT / total, shown_height / total
+    axes = figure.add_axes((left, bottom, shown_width / FULL_WIDTH, relative))
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.set_axis_off()
+    right = left + (shown_width + 0.12) / FULL_WIDTH
+    bar = figure.add_axes((right, bottom + 0.2 * relative, 0.14 / FULL_WIDTH, 0.6 * relative))
+    return figure, axes, bar
+
+
+def _draw_arrows(axes: Axes, arrows: Floats, color: str, width: float) -> None:
+    """Draw arrows from tails to tips (n, 2, 2) [mm]; `width` is relative to that of the axes."""
+    tails, tips = arrows[:, 0], arrows[:, 1]
+    axes.quiver(
+        *tails.T,
+        *(tips - tails).T,
+        color=color,
+        width=width,
+        headwidth=4,
+        angles="xy",
+        scale_units="xy",
+        scale=1,
+        zorder=5,
+    )
+
+
+def _draw_stress_and_colour_bar(
+    axes: Axes, bar: Axes, bodies: Sequence[Fields], deformed: Sequence[Floats]
+) -> None:
+    """Colour the deformed bodies by their von Mises stress, and draw the colour bar.
+
+    `deformed` are the deformed points (n, 2) [mm] of each body.
+    """
+    stresses = [1e-6 * body.von_mises for body in bodies]
+    highest = float(np.percentile(np.concatenate(stresses), LARGEST_COLOURED_STRESS))
+    top = rounded_up_to_end_of_colour_bar(highest)
+    colours = ScalarMappable(Normalize(0, top), "viridis")
+    (left, right), (bottom, above) = axes.get_xlim(), axes.get_ylim()
+    pixel = (right - left) / (axes.get_position().width * FULL_WIDTH * PIXELS_PER_INCH)
+    shape = (math.ceil((above - bottom) / pixel), math.ceil((right - left) / pixel))
+    fine = np.full((SMOOTHING * shape[0], SMOOTHING * shape[1]), np.nan, np.float32)
+    for body, points, stress in zip(bodies, deformed, stresses, strict=True):
+        columns_and_rows = (points - (left, bottom)) / pixel * SMOOTHING
+        paint_values_of_cells(fine, columns_and_rows, body.cells, stress)
+    axes.imshow(
+        _colours_with_smooth_edges(fine, colours),
+        extent=(left, left + shape[1] * pixel, bottom, bottom + shape[0] * pixel),
+        origin="lower",
+        aspect="auto",
+        interpolation="none",
+    )
+    axes.set(xlim=(left, right), ylim=(bottom, above))
+    beyond = max(float(stress.max()) for stress in stresses) > top
+    draw_colour_bar_of_stress(bar, colours, beyond=beyond)
+
+
+def draw_colour_bar_of_stress(bar: Axes, colours: ScalarMappable, *, beyond: bool) -> None:
+    """Draw the colour bar of the von Mises stress [MPa] into the axes `bar`.
+
+    With `beyond`, an arrow at the upper end of the bar shows that some stresses are larger.
+    """
+    bar.figure.colorbar(
+        colours,
+        cax=bar,
+        label="von Mises stress [MPa]",
+        ticks=list(np.linspace(0, colours.norm.vmax or 0.0, 5)),
+        extend="max" if beyond else "neither",
+        format="%.4g",
+    )
+
+
+def _colours_with_smooth_edges(fine: Any, colours: ScalarMappable) -> Any:
+    """The colours (rows, columns, 4) of an image that has SMOOTHING times as many rows and columns.
+
+    Each pixel is the mean of its fine pixels. Fine pixels without a value (NaN) are white.
+    """
+    painted = ~np.isnan(fine)
+    shades = np.full((*fine.shape, 3), 255, np.uint8)
+    # A table of 256 colours is faster than one colour for each value.
+    table = colours.cmap(np.arange(256), bytes=True)[:, :3]
+    relative = np.asarray(colours.norm(fine[painted]), float)
+    shades[painted] = table[np.clip(256 * relative, 0, 255).astype(np.uint8)]
+    sums = np.zeros((fine.shape[0] // SMOOTHING, fine.shape[1] // SMOOTHING, 3), np.uint16)
+    for row, column in np.ndindex(SMOOTHING, SMOOTHING):
+        sums += shades[row::SMOOTHING, column::SMOOTHING]
+    return (sums // SMOOTHING**2).astype(np.uint8)
+
+
+def paint_values_of_cells(image: Any, points: Floats, cells: Ints, values: Floats) -> None:
+    """Paint nodal values into the pixels of an image that the cells of a mesh cover.
+
+    Within a cell the value is bilinear between its nodes. Each cell is sampled at places that are
+    at most SAMPLE_SPACING apart, so that no pixel within a cell stays empty.
+
+    Parameters
+    ----------
+    image : pixels (rows, columns), which are changed; the other pixels keep their values
+    points : places (n, 2) of the nodes, as column and row in pixels
+    cells : numbers (m, 3 or 4) of the nodes of each cell
+    values : values (n,) at the nodes
+    """
+    # A triangle counts as a quadrilateral whose last two corners are at one place.
+    corners = cells if cells.shape[1] == 4 else cells[:, [0, 1, 2, 2]]
+    places = points[corners]
+    sides = np.linalg.norm(places - np.roll(places, -1, axis=1), axis=2)
+    # Numbers of samples in both directions of a cell. They are rounded up to powers of two, so that
+    # many cells have the same numbers and are sampled at once.
+    lengths = np.stack([sides[:, 0::2].max(axis=1), sides[:, 1::2].max(axis=1)], axis=1)
+    powers = np.ceil(np.log2(np.maximum(lengths / SAMPLE_SPACING, 1.0))).astype(int)
+    for across, along in np.unique(powers, axis=0):
+        own = (powers == (across, along)).all(axis=1)
+        x, y = ((np.arange(2**power) + 0.5) / 2**power for power in (across, along))
+        weights = np.stack(
+            [np.outer(1 - x, 1 - y), np.outer(x, 1 - y), np.outer(x, y), np.outer(1 - x, y)]
+        ).reshape(4, -1)
+        column, row = np.einsum("mcd,cs->dms", places[own], weights).astype(np.int64)
+        image[row, column] = values[corners[own]] @ weights
+
+
+def _edges_of_outline(body: Fields) -> Ints:
+    """The edges (n, 2) of a body's cells, as node numbers, that belong to one cell only.
+
+    Nodes at one place count as one node, since a body has separate nodes for each material.
+    """
+    # Places that are nearer than a ten-millionth of the body's length are one place.
+    grid = np.round(body.points / (1e-7 * np.ptp(body.points))).astype(np.int64)
+    _, same = np.unique(grid, axis=0, return_inverse=True)
+    edges = np.stack([body.cells, np.roll(body.cells, -1, axis=1)], axis=-1).reshape(-1, 2)
+    merged = np.sort(same.reshape(-1)[edges], axis=1)
+    _, first, count = np.unique(merged, axis=0, return_index=True, return_counts=True)
+    return np.asarray(edges[first[count == 1]])
+
+
+def _friction_surface_of_brake(brake: Brake) -> _FrictionSurface:
+    """The line of a brake's friction surface, and the length by which symbols are scaled."""
+    if not brake.surface.is_plane_and_not_drum:
+        turn = np.linspace(0, 2 * math.pi, 361)
+        circle = brake.size * np.column_stack([np.cos(turn), np.sin(turn)])
+        return _FrictionSurface(circle, brake.size, "drum")
+    ends: list[float] = []
+    for shoe in brake.shoes:
+        ends += [shoe.pin.x, shoe.actuation.point.x, shoe.lining.start, shoe.lining.end]
+    left, right = min(ends), max(ends)
+    line = np.array([[left, 0.0], [right, 0.0]])
+    return _FrictionSurface(line, 0.5 * (right - left), "plane")
+
+
+def _points_of_supports(brake: Brake) -> list[Floats]:
+    """The points (2,) [m] that support the shoes: pins, levers' pivots, abutments and anchors."""
+    found: list[Floats] = []
+    for shoe in brake.shoes:
+        found += [point.xy for point in _support_points_of_shoe(shoe)]
+    return found
+
+
+def _support_points_of_shoe(shoe: Held) -> list[Point]:
+    """The points that support a shoe: pin, lever's pivot, abutment and anchors, if it has them."""
+    foot = None if shoe.abutment is None else shoe.abutment.point
+    anchors = [anchor.point for anchor in shoe.anchors]
+    return [point for point in (shoe.hinge, shoe.pivot, foot, *anchors) if point is not None]
+
+
+def _force_arrows(brake: Brake, size: float) -> Floats:
+    """Tail and tip (n, 2, 2) [m] of an arrow of the same length for each actuation force."""
+    arrows = []
+    for shoe in brake.shoes:
+        force = np.asarray(shoe.actuation.force_vector, float)
+        if force.any():
+            tail = shoe.actuation.point.xy
+            along = force / float(np.linalg.norm(force))
+            arrows.append([tail, tail + FORCE_ARROW_LENGTH * size * along])
+    return np.array(arrows).reshape(-1, 2, 2)
+
+
+def _pressure_arrows(brake: Brake, response: Response, size: float) -> Floats:
+    """Tail and tip (n, 2, 2) [m] of arrows of the pressure, evenly spread over the contact.
+
+    `size` [m] is the drum's radius, or, on a plane, half the length of the brake.
+    """
+    is_plane = brake.surface.is_plane_and_not_drum
+    spacing = ARROW_SPACING * (size if is_plane else 1.0)
+    tips, pushes = [], []
+    for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
+        first, last = np.ceil(answer.theta[0] / spacing), np.floor(answer.theta[-1] / spacing)
+        theta = spacing * np.arange(first, last + 1)
+        p = answer.pressure_at(theta)
+        theta, p = theta[p > 0], p[p > 0]
+        if is_plane:
+            tips.append(np.column_stack([theta, np.zeros_like(theta)]))
+            pushes.append(np.column_stack([np.zeros_like(p), p]))
+        else:
+            radial = np.column_stack([np.cos(theta), np.sin(theta)])
+            tips.append(size * radial)
+            pushes.append(-shoe.sign * p[:, None] * radial)
+    tip, push = np.concatenate(tips), np.concatenate(pushes)
+    if not len(tip):
+        return np.zeros((0, 2, 2))
+    lengths = np.linalg.norm(push, axis=1)
+    top = float(np.percentile(lengths, FULL_LENGTH_ARROWS))
+    scale = PRESSURE_ARROW_LENGTH * size / np.maximum(lengths, top)
+    return np.stack([tip - scale[:, None] * push, tip], axis=1)
+
+
+def _write_title_and_legend(figure: Figure, title: str, surface: str) -> None:
+    """Write the title above the picture, and what its symbols mean below it.
+
+    surface : "drum" or "plane"
+    """
+    height = figure.get_figheight()
+    figure.text(0.01, 1 - 0.06 / height, title, va="top", weight="bold")
+    arrow: dict[str, Any] = {"marker": ">", "markevery": [1], "ms": 4}
+    handles = [
+        Line2D([], [], color=RED, lw=1, label=f"pressure of the {surface} on the lining", **arrow),
+        Line2D([], [], color=INK, lw=1.4, label="actuation", **arrow),
+        Line2D([], [], color=INK, ls="", marker="o", ms=6, label="pin or foot"),
+        Line2D([], [], color="black", lw=1.2, label=surface),
+        Line2D([], [], color=FAINT, lw=0.8, label="undeformed outline"),
+    ]
+    figure.legend(handles=handles, loc="lower center", ncols=3)
+
+
+def rounded_up_to_end_of_colour_bar(value: float) -> float:
+    """The smallest number not below `value` that is one of COLOUR_BAR_ENDS times a power of ten."""
+    power = 10.0 ** math.floor(math.log10(value)) if value > 0 else 1.0
+    return next(step * power for step in COLOUR_BAR_ENDS if step * power >= value * (1 - 1e-9))

@@ -1,0 +1,285 @@
+"""Figures for print: widths, sizes of text, nothing beyond the edge, and pictures of stresses."""
+
+import csv
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from matplotlib import image
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from conftest import ROOT
+from drumlin.brake.file import read_brake, vary
+from drumlin.brake.plane_brake import read_any
+from drumlin.door import fields, solve
+from drumlin.models import MODELS
+from drumlin.report import figures
+from drumlin.report.field_picture import (
+    SAMPLE_SPACING,
+    _friction_surface_of_brake,
+    _pressure_arrows,
+    draw_stress_in_shoes_and_ring,
+    paint_values_of_cells,
+)
+from drumlin.studies import import_study
+from drumlin_studies.misfit_rows import DRAWN_QUANTITIES
+from drumlin_studies.plane_stress import PlaneErrorMap, TimeAndErrors
+from drumlin_studies.post_brake_rows import ErrorMap
+from drumlin_studies.stated_true_figure import draw_stated_over_true_errors
+
+KEPT = ROOT / "reports" / "reference"
+LEAST_TEXT = 6.5
+# Matplotlib draws exponents at 0.7 of the size of their powers.
+LEAST_EXPONENT = 5.5
+
+
+def number_or_text(value):
+    """A field of a table as a float, or as it stands if it is no number."""
+    try:
+        return float(value)
+    except ValueError:
+        return value
+
+
+def stored(name):
+    """The rows of a stored table, with numbers as floats; empty fields are left out."""
+    rows = []
+    for line in csv.DictReader((KEPT / name).read_text().splitlines()):
+        rows.append({key: number_or_text(value) for key, value in line.items() if value})
+    return rows
+
+
+def texts_in(figure):
+    """The visible texts of a figure that are not empty, after its layout."""
+    figure.draw_without_rendering()
+    return [one for one in figure.findobj(Text) if one.get_visible() and one.get_text().strip()]
+
+
+def drawn_box(one):
+    """The box of a text [pixels]: left, bottom, right, top."""
+    return one.get_window_extent().extents
+
+
+def overlap(a, b):
+    """Whether two boxes share more than a pixel."""
+    return min(a[2], b[2]) - max(a[0], b[0]) > 1 and min(a[3], b[3]) - max(a[1], b[1]) > 1
+
+
+def check_legible(figure):
+    """The figure is as wide as a column or a page, and its texts are large, whole and apart."""
+    width = figure.get_figwidth() * 25.4
+    assert width == pytest.approx(85) or width == pytest.approx(170)
+    texts = texts_in(figure)
+    assert texts
+    edge = figure.bbox.extents
+    for one in texts:
+        assert one.get_fontsize() >= LEAST_TEXT, one
+        assert "^" not in one.get_text() or 0.7 * one.get_fontsize() >= LEAST_EXPONENT, one
+    # Ticks outside the limits of their axis are not drawn, but have a place.
+    labels = {id(one) for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)
+              for one in axis.get_ticklabels(which="both")}  # fmt: skip
+    shown = [one for one in texts if id(one) not in labels and one.get_clip_path() is None]
+    for one in shown:
+        left, bottom, right, top = drawn_box(one)
+        assert left >= edge[0] - 1 and bottom >= edge[1] - 1, one
+        assert right <= edge[2] + 1 and top <= edge[3] + 1, one
+    titles = [axes.title for axes in figure.axes] + [axes._left_title for axes in figure.axes]
+    boxes = [drawn_box(one) for one in titles if one.get_text()]
+    for i, a in enumerate(boxes):
+        assert not any(overlap(a, b) for b in boxes[:i])
+
+
+def study_module(name):
+    """The module of a study."""
+    return import_study(name)[0]
+
+
+def draw_map_of_plane_stress():
+    rows = stored("plane_stress/maps.csv")
+    study = study_module("plane_stress")
+    charts = []
+    for name in dict.fromkeys(row["map"] for row in rows):
+        own = [row for row in rows if row["map"] == name]
+        x, y = (list(dict.fromkeys(row[key] for row in own)) for key in "xy")
+        values = {
+            key: np.reshape([row[key] for row in own], (len(y), len(x)))
+            for key in study.figures.PANELS
+        }
+        labels = ("web width / lining width", "table thickness [mm]")
+        charts.append(PlaneErrorMap(name, labels, np.array(x), np.array(y), values))
+    return study.figures.draw_error_maps(charts)
+
+
+def draw_ladder():
+    found = {}
+    for row in stored("plane_stress/ladder.csv"):
+        own = {key: row.get(key, np.nan) for key in TimeAndErrors._fields}
+        found.setdefault(row["brake"], []).append(TimeAndErrors(**own))
+    return study_module("plane_stress").figures.draw_error_over_time(found)
+
+
+def draw_limits():
+    study = study_module("plane_stress")
+    brakes = {"T-section": read_brake(ROOT / "studies" / "plane_stress" / "brake.toml")}
+    usual = study.marked_values(brakes)
+    return study.draw_plane_stress_limits(stored("plane_stress/limits.csv"), usual)
+
+
+def draw_work_precision():
+    study = study_module("error_vs_runtime")
+    rows = [
+        row for row in stored("error_vs_runtime/results.csv") if row["brake"] == "double_shoe/brake"
+    ]
+    floors = {"torque_error": 1e-9, "pressure_error": 1e-5}
+    return study.draw_error_over_time("internal double-shoe brake", rows, floors)
+
+
+def draw_solid():
+    study = study_module("error_vs_runtime")
+    rows = stored("error_vs_runtime/solid_plane_stress_brake.csv")
+    return study.draw_error_against_solid(rows, {"pressure": 2e-3})
+
+
+def draw_map_of_post_brake():
+    study = study_module("post_brake")
+    x = np.geomspace(0.3, 300, 7)
+    error = np.linspace(-0.5, 0.5, 49).reshape(7, 7)
+    names = ("sine law", "foundation, as published", "foundation, unsimplified")
+    rows = [
+        [ErrorMap(f"{name}, {lining}", x, x, error) for name in names]
+        for lining in ("soft lining", "wooden block")
+    ]
+    return study.figures.draw_error_maps(rows, [(2.0, 15.0), (15.0, 90.0)])
+
+
+def draw_histograms():
+    random = np.random.default_rng(7)
+    values = {name: random.normal(1.0, 0.1, 200) for name in DRAWN_QUANTITIES}
+    brakes = SimpleNamespace(
+        values_of_quantity_for_random_brakes=lambda _, name: values[name],
+    )
+    nominal = dict.fromkeys(DRAWN_QUANTITIES, 1.0)
+    return study_module("misfit").figures.draw_histograms(brakes, nominal)
+
+
+def draw_stated_true():
+    return draw_stated_over_true_errors(stored("verification/stated_true.csv")[::20])
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        draw_solid,
+        *(
+            pytest.param(draw, marks=pytest.mark.slow)
+            for draw in (
+                draw_limits,
+                draw_histograms,
+                draw_map_of_plane_stress,
+                draw_ladder,
+                draw_work_precision,
+                draw_map_of_post_brake,
+                draw_stated_true,
+            )
+        ),
+    ],
+)
+def test_kept_figures_are_legible_at_their_width_in_print(draw):
+    check_legible(draw())
+
+
+def test_small_or_cut_text_is_found():
+    """The check itself sees a small text, a text beyond the edge and titles that overlap."""
+    for place, size in (((0.5, 0.5), 6.0), ((0.95, 0.5), 8.0)):
+        figure = Figure(figsize=(figures.FULL_WIDTH, 2))
+        figure.text(*place, "a text of some length", fontsize=size)
+        with pytest.raises(AssertionError):
+            check_legible(figure)
+    figure = Figure(figsize=(figures.FULL_WIDTH, 2))
+    for axes in figure.subplots(1, 2):
+        axes.set_title("a title that is far longer than its panel is wide " * 2, loc="left")
+    with pytest.raises(AssertionError):
+        check_legible(figure)
+    with pytest.raises(AssertionError):
+        check_legible(Figure(figsize=(9, 2)))
+
+
+def test_a_figure_for_print_says_its_width(tmp_path):
+    figure = figures.make_figure_for_print(1.0, figures.COLUMN_WIDTH)
+    figures.save_figure_as_files(figure, tmp_path / "a")
+    assert "drawn for print at a width of 85 mm" in (tmp_path / "a.svg").read_text()
+    assert b"drawn for print at a width of 85 mm" in (tmp_path / "a.png").read_bytes()
+    pixels = image.imread(tmp_path / "a.png").shape[1]
+    assert pixels == pytest.approx(85 / 25.4 * figures.PIXELS_PER_INCH, abs=1)
+
+
+@pytest.mark.parametrize(
+    "name", ["double_shoe/brake", pytest.param("brakes/rail_clamp", marks=pytest.mark.slow)]
+)
+def test_a_picture_of_stresses_is_legible_and_shows_the_pressure_of_the_response(name):
+    brake = read_any(ROOT / "studies" / f"{name}.toml")
+    response = solve(brake, elements=8)
+    bodies = fields(brake, elements=8)
+    figure = draw_stress_in_shoes_and_ring(brake, response, bodies, brake.title)
+    check_legible(figure)
+    arrows = _pressure_arrows(brake, response, _friction_surface_of_brake(brake).size)
+    tips, pushes = arrows[:, 1], arrows[:, 1] - arrows[:, 0]
+    lengths = np.linalg.norm(pushes, axis=1)
+    # The response's p(theta) at the tips; the longest tenth of the arrows is cut.
+    found_at_tips = []
+    for tip in tips:
+        place = tip[0] if brake.surface.is_plane_and_not_drum else np.arctan2(*tip[::-1])
+        found = 0.0
+        for shoe in response.shoes:
+            for turn in (-2 * np.pi, 0.0, 2 * np.pi):
+                if shoe.theta[0] <= place + turn <= shoe.theta[-1]:
+                    found = max(found, float(shoe.pressure_at(np.array([place + turn]))[0]))
+        found_at_tips.append(found)
+    p = np.array(found_at_tips)
+    uncut = lengths < 0.999 * lengths.max()
+    assert uncut.sum() > 0.8 * len(p)
+    np.testing.assert_allclose(lengths[uncut] / p[uncut], (lengths / p)[uncut][0], rtol=1e-6)
+    # The drum pushes an internal lining inwards, the plane pushes a lining upwards.
+    outward = np.array([0.0, -1.0]) if brake.surface.is_plane_and_not_drum else tips
+    assert ((pushes * outward).sum(axis=1) < 0).all()
+
+
+@pytest.mark.parametrize("corners", [4, 3])
+def test_cells_are_painted_whole_with_values_between_those_of_their_nodes(corners):
+    """A linear function is painted on a distorted mesh: every pixel within, and none outside."""
+    random = np.random.default_rng(3)
+    n = 6
+    grid = np.stack(np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij"), axis=-1)
+    points = 10.0 + 12.0 * grid.reshape(-1, 2).astype(float)
+    inner = ((grid > 0) & (grid < n)).all(axis=-1).ravel()
+    points[inner] += random.uniform(-4, 4, (inner.sum(), 2))
+    first = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    cells = np.stack([first, first + n + 1, first + n + 2, first + 1], axis=1)
+    if corners == 3:
+        cells = np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
+    slope = np.array([0.5, -1.25])
+    painted = np.full((100, 100), np.nan)
+    paint_values_of_cells(painted, points, cells, points @ slope)
+    filled = ~np.isnan(painted)
+    expected = np.zeros_like(filled)
+    expected[10:82, 10:82] = True
+    np.testing.assert_array_equal(filled, expected)
+    row, column = np.nonzero(filled)
+    middle = np.stack([column, row], axis=1) + 0.5
+    # A sample lies within half a pixel of the middle of its pixel in both directions.
+    difference = np.abs(painted[filled] - middle @ slope)
+    assert difference.max() <= 0.5 * np.abs(slope).sum() + 1e-9
+    assert SAMPLE_SPACING < 1
+
+
+def test_worn_linings_and_laws_have_their_figures_in_a_column(brake):
+    """A figure of one panel is as wide as a column."""
+    one = vary(brake, {"rotation": "clockwise"})
+    law = MODELS["sine"].solve(one)
+    panels = [("right", {"sine": law.shoes[0]})]
+    figure = figures.draw_pressure_along_lining_of_each_shoe(panels)
+    assert figure.get_figwidth() == figures.COLUMN_WIDTH
+    check_legible(figure)
+    both = [("right", {"sine": law.shoes[0]}), ("left", {"sine": law.shoes[1]})]
+    check_legible(figures.draw_pressure_along_lining_of_each_shoe(both))
