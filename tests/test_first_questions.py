@@ -155,7 +155,6 @@ def test_a_group_without_its_table_is_named(tmp_path, table, said):
 def test_a_mesh_file_says_what_would_know_the_error_of_plane_stress():
     reason = reason_why_width_model_does_not_apply(drumlin.example("double_shoe_meshes"))
     assert "without mesh, [shoe.body] makes a shoe that has them" in reason
-    )
 
 
 @pytest.mark.slow

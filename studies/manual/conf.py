@@ -20,6 +20,8 @@ default_role = "py:obj"  # a name in back quotes is a link if the manual has a p
 myst_enable_extensions = ["colon_fence", "dollarmath", "amsmath", "deflist"]
 myst_heading_anchors = 3
 nb_execution_mode = "force"
+# The notebooks are kept with their outputs, which a test computes anew.
+nb_execution_excludepatterns = ["notebooks/*"]
 nb_execution_timeout = 300
 nb_execution_show_tb = True
 nb_merge_streams = True

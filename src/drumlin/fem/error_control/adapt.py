@@ -213,7 +213,7 @@ def _last_response_with_estimated_errors(progress: _Progress) -> Response:
     If the errors miss the tolerance, the notes end with a warning.
     """
     notes = [
-        f"solved on {len(progress.responses)} meshes, each adapted to the answer on the one before; "
+        f"solved on {len(progress.responses)} meshes, each adapted to the answer before; "
         f"the last has {progress.unknowns} unknowns for each shoe"
     ]
     if progress.missed:
