@@ -7,6 +7,7 @@ import re
 
 import nbformat
 import pytest
+from sphinx.ext.napoleon import Config, NumpyDocstring
 
 import drumlin
 from conftest import ROOT
@@ -187,10 +188,14 @@ def test_every_public_name_has_a_page():
         if not name.startswith("_"):
             assert f":: drumlin.{name}\n" in pages[f"reference/api/{name}.rst"]
             assert f"(api/{name}.rst)" in pages["reference/api.md"]
-    # Modules of examples have pages, the others stand in a table.
-    assert ".. automodule:: drumlin.models\n" in pages["reference/api/drumlin.models.rst"]
-    for module in ("drumlin.fem.model", "drumlin.contact.active_set", "drumlin.brake.components"):
-        assert f"`{module}`" in pages["reference/api.md"]
+    # Modules of examples and those for researchers have pages, the others stand in a table.
+    for module in ("drumlin.models", "drumlin.fem.model", "drumlin.contact.active_set"):
+        assert f".. automodule:: {module}\n" in pages[f"reference/api/{module}.rst"]
+    for module in listing.public_modules():
+        if listing.public_members(module):
+            has_page = f"[`{module}`](api/{module}.rst)" in pages["reference/api.md"]
+            assert has_page or f"`{module}`" in pages["reference/api.md"]
+            assert has_page or module.split(".")[1] not in listing.ROOMS_WITH_PAGES
 
 
 def test_the_meaning_of_a_parameter_stands_below_its_name():
@@ -201,6 +206,16 @@ def test_the_meaning_of_a_parameter_stands_below_its_name():
     # The annotation has the type of the result, and no word of the text is taken as a type.
     assert any(line.startswith(":returns: ") for line in lines) and "Returns" not in lines
     assert "Response" not in lines
+
+
+def test_the_words_of_a_property_are_no_type():
+    """napoleon would take what stands before the colon as the type of the property."""
+    lines = ["The mass matrix (n, n) [m^2] of the nodes: weighted gaps.", ""]
+    docstrings.prepare_docstring(None, "property", "M", None, None, lines)
+    config = Config(napoleon_google_docstring=False)
+    text = NumpyDocstring(lines, config, what="property", name="M").lines()
+    assert text[:2] == ["The mass matrix (n, n) [m^2] of the nodes:", "weighted gaps."]
+    assert not any(line.startswith(":type:") for line in text)
 
 
 # the examples, and the error messages

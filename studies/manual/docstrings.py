@@ -35,8 +35,11 @@ def prepare_docstring(
             changed += [found[1], f"    {_without_marks(found[2])}"]
         else:
             changed.append(line if formula else _without_marks(line))
-    # napoleon takes the words before a colon in the first line of a property as its type.
-    lines[:] = ["", *changed] if what in {"attribute", "data", "property"} else changed
+    if what in {"attribute", "data", "property"} and changed:
+        # napoleon takes the words before a colon in the first line of a property as its type,
+        # unless the line ends with the colon.
+        changed[:1] = changed[0].replace(": ", ":\n", 1).split("\n")
+    lines[:] = changed
 
 
 def _with_returned_value_as_field(lines: list[str]) -> list[str]:

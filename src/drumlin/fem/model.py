@@ -15,7 +15,6 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, LostDigits, NoAnswer
-from drumlin.base.texts import error_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.heat import note_on_heated_parts_of_brake
@@ -825,7 +824,7 @@ def _note_on_accuracy_of_shoe_contact(solution: _ShoeSolution, errors: _Arithmet
         contact = (
             f"penalty {group.penalty:g} E/t, the stiffness between lining and {shoe.surface.word}: "
             f"the lining enters the {shoe.surface.word} by {1e3 * penetration:.1e} mm at most, "
-            f"which changes the {shoe.surface.effect} by {error_as_text(abs(softer))}"
+            f"which changes the {shoe.surface.effect} by {100 * softer:+.1e} %"
         )
     note = f"shoe {shoe.name!r}: {contact}"
     if solution.refined:
