@@ -3,10 +3,12 @@
 import ast
 import importlib
 import inspect
+import io
 import re
 
 import nbformat
 import pytest
+from docutils.core import publish_doctree
 from sphinx.ext.napoleon import Config, NumpyDocstring
 
 import drumlin
@@ -216,6 +218,28 @@ def test_the_words_of_a_property_are_no_type():
     text = NumpyDocstring(lines, config, what="property", name="M").lines()
     assert text[:2] == ["The mass matrix (n, n) [m^2] of the nodes:", "weighted gaps."]
     assert not any(line.startswith(":type:") for line in text)
+
+
+@pytest.mark.slow
+def test_docutils_reads_every_docstring_of_a_page():
+    """Indentation or marks that docutils does not read end the build of the manual."""
+    config = Config(napoleon_google_docstring=False, napoleon_use_ivar=True)
+    read = 0
+    for module in listing.public_modules():
+        members = listing.public_members(module)
+        if module.split(".")[1] not in listing.ROOMS_WITH_PAGES:
+            continue
+        for name, value in members:
+            lines = inspect.getdoc(value).splitlines()
+            kind = "class" if inspect.isclass(value) else "function"
+            docstrings.prepare_docstring(None, kind, name, value, None, lines)
+            text = "\n".join(NumpyDocstring(lines, config, what=kind, name=name).lines())
+            said = io.StringIO()
+            options = {"warning_stream": said, "report_level": 2}
+            publish_doctree(re.sub(r":\w+:(\w+:)?`", "`", text), settings_overrides=options)
+            assert "ndent" not in said.getvalue() and "without end" not in said.getvalue(), name
+            read += 1
+    assert read > 400
 
 
 # the examples, and the error messages

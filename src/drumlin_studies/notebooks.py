@@ -5,16 +5,19 @@ outputs into its file, without the times, paths and counts of the run. The manua
 outputs. A test executes the notebooks anew and compares the texts.
 """
 
+import importlib
 import re
 import tempfile
 from pathlib import Path
 from typing import Any
 
-import nbformat
 from nbclient import NotebookClient
 
 from drumlin.base.files import write_text
 from drumlin.studies import paths_of_example_notebooks
+
+# The package has no types of its own.
+notebook_format: Any = importlib.import_module("nbformat.v4")
 
 LONGEST_CELL = 300
 """Seconds after which a cell counts as hung. All cells of a notebook take some 20 s."""
@@ -29,7 +32,7 @@ def execute_notebook(path: Path) -> Any:
     The cells run in an empty folder, as those of a reader who has only drumlin. Raises nbclient's
     CellExecutionError if a cell fails.
     """
-    notebook: Any = nbformat.read(path, as_version=4)
+    notebook: Any = notebook_format.reads(path.read_text(encoding="utf-8"))
     with tempfile.TemporaryDirectory(prefix="drumlin-notebook-") as folder:
         place = {"metadata": {"path": folder}}
         NotebookClient(
@@ -89,7 +92,7 @@ def words_and_numbers_of_text(text: str) -> tuple[str, list[float]]:
 def main() -> None:
     """Execute all example notebooks, and write their outputs into their files."""
     for path in paths_of_example_notebooks().values():
-        write_text(path, nbformat.writes(execute_notebook(path)) + "\n")
+        write_text(path, notebook_format.writes(execute_notebook(path)) + "\n")
 
 
 if __name__ == "__main__":

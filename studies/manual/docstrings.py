@@ -55,8 +55,10 @@ def _with_returned_value_as_field(lines: list[str]) -> list[str]:
     while end < len(lines) and not (end + 1 < len(lines) and set(lines[end + 1]) == {"-"}):
         end += 1
     told = lines[start + 2 : end]
-    if len(told) > 1 and told[1].startswith("    "):
-        told = [line.removeprefix("    ") for line in told[1:]]
+    names = [line for line in told if line and not line.startswith(" ")]
+    if len(names) < len([line for line in told if line]):
+        # One name is the type, with its meaning below. Several names are a list of definitions.
+        told = [line.removeprefix("    ") for line in told[1:]] if len(names) == 1 else ["", *told]
     # Two empty lines end the section before.
     field = ["", "", f":returns: {told[0]}", *(f"    {line}".rstrip() for line in told[1:]), ""]
     return [*lines[:start], *field, *lines[end:]]

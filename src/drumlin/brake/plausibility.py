@@ -360,8 +360,9 @@ def _notes_on_large_even_clearance(brake: Brake) -> Iterator[str]:
     for i, shoe in enumerate(brake.shoes):
         for lining in shoe.lining.linings:
             gap = lining.clearance
-            large = isinstance(gap, float) and gap > LARGE_EVEN_CLEARANCE * brake.size
-            if shoe.hinge is not None and large:
+            if shoe.hinge is None or not isinstance(gap, float):
+                continue
+            if gap > LARGE_EVEN_CLEARANCE * brake.size:
                 yield (
                     f"shoe[{i}].lining.clearance = {mm_text(gap)} is a gap along the whole lining, "
                     "as of a lining ground to another radius; leave it out for the gap that an "
