@@ -5,7 +5,7 @@ from html import escape
 from typing import Any
 
 import latex2mathml.converter
-from studies.manual.docstrings import prepare_docstring
+from studies.manual.docstrings import is_field_of_named_tuple, prepare_docstring
 
 import drumlin
 
@@ -74,6 +74,7 @@ def setup(app: Any) -> None:
     """Register the renderer of formulas, and what docstrings need before napoleon reads them."""
     # napoleon reads docstrings at the default priority, 500.
     app.connect("autodoc-process-docstring", prepare_docstring, priority=400)
+    app.connect("autodoc-skip-member", is_field_of_named_tuple)
     app.add_html_math_renderer(
         "mathml", (_write_inline_formula, None), (_write_displayed_formula, None)
     )

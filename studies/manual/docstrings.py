@@ -42,6 +42,16 @@ def prepare_docstring(
     lines[:] = changed
 
 
+def is_field_of_named_tuple(
+    app: Any, what: str, name: str, obj: Any, skip: bool, options: Any
+) -> bool | None:
+    """True for a field of a named tuple, which the page of its class lists as a variable.
+
+    Python gives such a field the text "Alias for field number 0". None leaves the choice to Sphinx.
+    """
+    return True if (getattr(obj, "__doc__", None) or "").startswith("Alias for field") else None
+
+
 def _with_returned_value_as_field(lines: list[str]) -> list[str]:
     """The lines of a docstring with a field `:returns:` in place of the section "Returns".
 
