@@ -26,7 +26,8 @@ nb_execution_timeout = 300
 nb_execution_show_tb = True
 nb_merge_streams = True
 nb_execution_in_temp = True  # each page runs in an empty folder, as a reader's would
-suppress_warnings = ["mystnb.unknown_mime_type"]
+# Field names that several classes have, such as pressure, are no faults of a page (ref.python).
+suppress_warnings = ["mystnb.unknown_mime_type", "ref.python"]
 autodoc_default_options = {"members": True, "undoc-members": False}
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
