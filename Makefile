@@ -17,7 +17,7 @@ WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask
   tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone
 TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
-.PHONY: study manual test types types-of-tests passes test-all oldest newest truths calibrate levels degrees mesh_cost sharpness noticed benchmarks packages constraints setup clean
+.PHONY: study manual test types types-of-tests passes test-all oldest newest truths calibrate levels degrees mesh_cost sharpness noticed benchmarks notebooks packages constraints setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
@@ -100,6 +100,10 @@ noticed: .venv/ready
 # Figures of speed and size of this commit, appended as a line to reports/reference/benchmarks/history.jsonl: a minute.
 benchmarks: .venv/ready
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m drumlin_studies.benchmarks
+
+# The example notebooks with their outputs, which the manual shows: a minute.
+notebooks: .venv/ready
+	$(BIN)/python -m drumlin_studies.notebooks
 
 # needs uv; writes every version that is the newest now, with the hashes of all its files
 constraints:

@@ -104,7 +104,7 @@ def test_finer_meshes_start_from_coarser_ones_and_shoes_share_their_mesh(brake):
     assert response.iterations <= 6
     assert len(response.shoes[0].theta) == len(response.shoes[1].theta)
     assert saying(response.left_out, "condensed once")
-    assert "adapted on 3 meshes" in response.notes[-1]
+    assert "solved on 3 meshes" in response.notes[-1]
     assert response.as_dict()["error"] == response.error
     assert solve(brake, elements=10).as_dict()["error"] is None
 

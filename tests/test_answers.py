@@ -14,8 +14,8 @@ def test_times_paths_and_reordered_operations_are_no_differences():
 
 
 def test_the_phases_of_a_solve_are_no_words():
-    printed = "9 steps; ms: mesh 1.5,\n  contact 2.5\nadapted on 2 meshes\n"
-    assert TIMES.sub("<time>", printed) == "9 steps; <time>\nadapted on 2 meshes\n"
+    printed = "9 steps; ms: mesh 1.5,\n  contact 2.5\nsolved on 2 meshes\n"
+    assert TIMES.sub("<time>", printed) == "9 steps; <time>\nsolved on 2 meshes\n"
 
 
 @pytest.mark.parametrize(

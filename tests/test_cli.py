@@ -88,7 +88,7 @@ REFUSED = {
         2,
         "belong to --model foundation, not to 'sine'",
     ),
-    "foundation of an arc": (["--model", "foundation"], None, 2, "not a straight beam"),
+    "foundation of an arc": (["--model", "foundation"], None, 2, "is not a straight beam"),
     "unknown kind": (["--kind", "hex8"], None, 2, "allowed: quad2, quad1, tri2, tri1"),
     "kind for a law": (["--model", "sine", "--kind", "tri2"], None, 2, "belong to --model fem"),
     "elements for a law": (

@@ -330,7 +330,7 @@ def test_the_softening_of_a_penalty_is_linear_in_it_and_as_stated():
         solve_prepared_model(SCENE, BRAKE, penalty=1e4).shoes,
         strict=True,
     ):
-        stated = float(note.split("changes its torque by ")[1].split()[0])
+        stated = float(note.split("changes the torque by ")[1].split()[0]) / 100
         # the note gives -softening: its sign is that of the change from exact to soft
         assert stated == pytest.approx(soft.torque / shoe.torque - 1, rel=0.06)
 

@@ -67,7 +67,7 @@ def test_friction_on_a_guide_along_the_normal_neither_helps_nor_opposes(
 def test_what_a_pads_penalty_changes_is_its_braking_force() -> None:
     """It has no torque."""
     notes = drumlin.solve(pad("guide"), penalty=1e3).notes
-    assert saying(notes, "which changes its braking force by")
+    assert saying(notes, "which changes the braking force by")
     assert not saying(notes, "torque")
 
 

@@ -389,7 +389,7 @@ def test_a_shoe_without_reaction_has_a_torque(brake):
         new = {"direction": math.atan2(aim[1], aim[0]), "point": place, "force": 1e3}
         single = vary(single, {"shoe[0].actuation": new})
     assert np.hypot(*reaction) < 1e-6 * found.shoes[0].normal_force
-    assert found.notes[-1].startswith("adapted on 2 meshes")
+    assert found.notes[-1].startswith("solved on 2 meshes")
     fine = solve(single, penalty=math.inf, tolerance=1e-4)
     assert abs(found.torque / fine.torque - 1) < found.error["torque"] <= 1e-4
     assert found.error["torque"] == found.shoes[0].error["torque"]

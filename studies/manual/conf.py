@@ -5,7 +5,7 @@ from html import escape
 from typing import Any
 
 import latex2mathml.converter
-from studies.manual.docstrings import prepare_docstring
+from studies.manual.docstrings import is_field_of_named_tuple, prepare_docstring
 
 import drumlin
 
@@ -20,11 +20,14 @@ default_role = "py:obj"  # a name in back quotes is a link if the manual has a p
 myst_enable_extensions = ["colon_fence", "dollarmath", "amsmath", "deflist"]
 myst_heading_anchors = 3
 nb_execution_mode = "force"
+# The notebooks are kept with their outputs, which a test computes anew.
+nb_execution_excludepatterns = ["notebooks/*"]
 nb_execution_timeout = 300
 nb_execution_show_tb = True
 nb_merge_streams = True
 nb_execution_in_temp = True  # each page runs in an empty folder, as a reader's would
-suppress_warnings = ["mystnb.unknown_mime_type"]
+# Field names that several classes have, such as pressure, are no faults of a page (ref.python).
+suppress_warnings = ["mystnb.unknown_mime_type", "ref.python"]
 autodoc_default_options = {"members": True, "undoc-members": False}
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
@@ -72,6 +75,7 @@ def setup(app: Any) -> None:
     """Register the renderer of formulas, and what docstrings need before napoleon reads them."""
     # napoleon reads docstrings at the default priority, 500.
     app.connect("autodoc-process-docstring", prepare_docstring, priority=400)
+    app.connect("autodoc-skip-member", is_field_of_named_tuple)
     app.add_html_math_renderer(
         "mathml", (_write_inline_formula, None), (_write_displayed_formula, None)
     )

@@ -27,6 +27,9 @@ from drumlin_studies.ladder import LADDER_CASES
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = Path(__file__).parent / "pages"
 
+ROOMS_WITH_PAGES = ("comparison", "contact", "fem", "laws", "response")
+"""The rooms of the package whose modules all have a page, for researchers who call them."""
+
 
 def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table in Markdown."""
@@ -260,7 +263,7 @@ def api_pages() -> dict[str, str]:
     """The texts of the pages on Python, by their names below pages/.
 
     Each name of `import drumlin` has a page, and so has each module that an example of the manual
-    imports. The other modules are in a table.
+    imports, or that belongs to the rooms of a researcher. The other modules are in a table.
     """
     used = _modules_in_examples()
     pages = {}
@@ -272,15 +275,16 @@ def api_pages() -> dict[str, str]:
         kind = "class" if inspect.isclass(value) else "function"
         pages[f"reference/api/{name}.rst"] = _page_of_object(f"drumlin.{name}", kind)
         rows.append((f"[`{name}`](api/{name}.rst)", _first_line(value)))
+    names = [Path(page).stem for page in pages]
     modules = []
     for module in public_modules():
         first = _first_line(import_module(module))
-        if module in used:
-            pages[f"reference/api/{module}.rst"] = _page_of_object(module, "module")
+        has_members = bool(public_members(module))
+        if module in used or (has_members and module.split(".")[1] in ROOMS_WITH_PAGES):
+            pages[f"reference/api/{module}.rst"] = _page_of_inner_module(module)
             modules.append((f"[`{module}`](api/{module}.rst)", first))
-        elif public_members(module):
+        elif has_members:
             modules.append((f"`{module}`", first))
-    names = [Path(page).stem for page in pages]
     tree = "\n".join(["```{toctree}", ":hidden:", *(f"api/{name}" for name in names), "```"])
     pages["reference/api.md"] = (
         f"## `import drumlin`\n\n{markdown_table(('name', 'what it does'), rows)}\n"
@@ -301,6 +305,13 @@ def _modules_in_examples() -> set[str]:
 def _page_of_object(name: str, kind: str) -> str:
     """The page of a function, a class or a module, which autodoc fills from its docstrings."""
     return f"{name}\n{'=' * len(name)}\n\n.. auto{kind}:: {name}\n"
+
+
+def _page_of_inner_module(name: str) -> str:
+    """The page of a module. It is in the table of the API, but not in the menu of every page."""
+    back = ":doc:`All functions and modules </reference/api>`\n\n"
+    title, _, content = _page_of_object(name, "module").partition("\n\n")
+    return f":orphan:\n\n{title}\n\n{back}{content}"
 
 
 def _first_line(value: Any) -> str:

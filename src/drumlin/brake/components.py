@@ -213,6 +213,10 @@ class Drum(Part):
     of the drum, on which a friction coefficient may depend.
     """
 
+    hints_on_other_keys: ClassVar[Mapping[str, str]] = {
+        "diameter": " (write 'radius', half of the diameter)"
+    }
+
     radius: Thickness
     ring: Ring | None = None
     out_of_round: tuple[Lobes, ...] = ()

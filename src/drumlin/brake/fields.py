@@ -123,6 +123,9 @@ class Part(BaseModel):
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True
     )
 
+    # For keys that people write in place of a known key, the words of the error message.
+    hints_on_other_keys: ClassVar[Mapping[str, str]] = {}
+
     # Text that the error message adds if a file has a list of tables in place of one table.
     hint_if_several: ClassVar[str] = ""
 
@@ -134,7 +137,9 @@ class Part(BaseModel):
         if isinstance(data, Mapping):
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
-                    meant = did_you_mean_hint(str(key), allowed)
+                    meant = cls.hints_on_other_keys.get(str(key)) or did_you_mean_hint(
+                        str(key), allowed
+                    )
                     raise ValueError(f"unknown key {key!r}{meant}; allowed: {', '.join(allowed)}")
         elif not isinstance(data, Part):
             several = cls.hint_if_several if isinstance(data, list) else ""

@@ -134,8 +134,8 @@ KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
     ("`[shoe.lining]`", DrumLining, {
         **_ARC, "thickness": "radial thickness", "width": "width of the lining",
         "material": "material of the lining",
-        "clearance": "gap of the unloaded lining, positive if open: one value, or rows of angle "
-            "and gap",
+        "clearance": "gap of the unloaded lining, positive if open, besides the gap that an "
+            "adjuster leaves: one value, or rows of angle and gap",
         "misfit": "further deviation of the surface from the drum's circle; see below",
         "friction": "friction coefficient of this lining, or its table, by default that of the "
             "brake", **_HEAT}),

@@ -72,6 +72,12 @@ LARGEST_EXPANSION = 1e-3
 Steel has 1.2e-5 1/K, rubber 2e-4 1/K. A coefficient in 1e-6/K that was written in 1/K is a million
 times too large.
 """
+LARGE_EVEN_CLEARANCE = 1e-3
+"""Clearance along a whole lining, relative to the drum's radius, above which a note explains it.
+
+Linings that do not fit are some 50 micrometres off drums of 150 mm, 3e-4 of the radius. Adjusters
+leave gaps of 0.2 to 0.5 mm, more than 1e-3, and are not meant by the key.
+"""
 CYLINDER_PRESSURES = (1e4, 1e9)
 """Pressures [Pa] of a wheel cylinder below and above which a note asks for the unit.
 
@@ -88,6 +94,7 @@ def notes_on_implausible_brake_values(brake: Brake) -> tuple[str, ...]:
     if brake.surface.is_plane_and_not_drum:
         size = max(shoe.lining.end - shoe.lining.start for shoe in brake.shoes)
     lines = [*_notes_on_too_high_friction(brake), *_notes_on_too_stiff_linings(brake)]
+    lines += _notes_on_large_even_clearance(brake)
     # If the drum's radius itself is probably a mistake, no length is compared with it.
     on_drum = list(_notes_on_unusual_drum_radius(brake))
     lines += on_drum or _notes_on_far_points(brake, size)
@@ -340,3 +347,24 @@ def _notes_on_too_stiff_linings(brake: Brake) -> Iterator[str]:
             yield f"{key}; did you mean {_text_in_mpa(E_lining * 1e-3)}?"
         elif softest_metal <= E_lining <= stiffest_metal and E_body <= STIFFEST_USUAL_LINING:
             yield f"{key}; were the two exchanged?"
+
+
+def _notes_on_large_even_clearance(brake: Brake) -> Iterator[str]:
+    """Yield a note on each lining of a hinged shoe with a large clearance that is one number.
+
+    People write the gap that an adjuster leaves at rest. A hinged shoe closes this gap by a turn
+    about its pin, whereas a clearance along the whole lining is a lining of another radius.
+    """
+    if brake.surface.is_plane_and_not_drum:
+        return
+    for i, shoe in enumerate(brake.shoes):
+        for lining in shoe.lining.linings:
+            gap = lining.clearance
+            if shoe.hinge is None or not isinstance(gap, float):
+                continue
+            if gap > LARGE_EVEN_CLEARANCE * brake.size:
+                yield (
+                    f"shoe[{i}].lining.clearance = {mm_text(gap)} is a gap along the whole lining, "
+                    "as of a lining ground to another radius; leave it out for the gap that an "
+                    "adjuster leaves, which the shoe closes by a turn about its pin"
+                )

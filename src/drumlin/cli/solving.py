@@ -28,6 +28,12 @@ if TYPE_CHECKING:
     from drumlin.door import HoldingRun
     from drumlin.response.response import Response
 
+ERRORS_OF_COMPARISON = (
+    "errors: differences from the model fem; of p (L2): the root of the mean square along a "
+    "lining, without its ends"
+)
+"""The line below the table of a comparison, which explains its columns of errors."""
+
 
 def solve(
     brake_files: of.BrakeFiles,
@@ -221,6 +227,7 @@ def compare(
         f"{brake.title}: {brake.motion}, {brake.friction_coefficients_as_text}"
     )
     print_table_of_compared_models(result.table, result.columns)
+    print_line_folded_to_terminal_width(ERRORS_OF_COMPARISON)
     for line in result.notes:
         print_line_folded_to_terminal_width(line)
     print_line_folded_to_terminal_width(f"report: {result.page}")

@@ -36,6 +36,8 @@ They are left out in this order, until the other columns fit.
 """
 PIPE_WIDTH = 200
 """Width [characters] of the table of `drumlin compare` in a file or a pipe, not a terminal."""
+UNLIMITED_WIDTH = sys.maxsize
+"""Width [characters] of other tables in a file or a pipe: all of their columns are printed."""
 STATUS_WIDTH = 10
 """Smallest width [characters] of the column "status"; a longer status is folded into lines."""
 MAX_PRINTED_CHARACTERS = 10_000
@@ -213,9 +215,10 @@ def print_table_fitted_to_terminal(
     ----------
     columns : the columns by a key
     least : keys of the columns that may be left out, the least important first
-    width : largest number of characters of a line; None: the width of the terminal
+    width : largest number of characters of a line; None: the width of the terminal, and no limit
+        in a file or a pipe
     """
-    width = width or shutil.get_terminal_size().columns
+    width = width or shutil.get_terminal_size((UNLIMITED_WIDTH, 1)).columns
     shown, cut = dict(columns), []
     for key in least:
         # The width of the table: all columns with two spaces between them.

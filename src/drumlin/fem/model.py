@@ -822,8 +822,9 @@ def _note_on_accuracy_of_shoe_contact(solution: _ShoeSolution, errors: _Arithmet
         softer = float(lever @ solution.pressure_errors[0]) / pressed if pressed else 0.0
         penetration = p.max() / group.contact_stiffness_per_area_of_shoes[k]
         contact = (
-            f"penalty {group.penalty:g} E/t: the lining penetrates by {penetration:.1e} m at most, "
-            f"which changes its {shoe.surface.effect} by {softer:+.1e} of it"
+            f"penalty {group.penalty:g} E/t, the stiffness between lining and {shoe.surface.word}: "
+            f"the lining enters the {shoe.surface.word} by {1e3 * penetration:.1e} mm at most, "
+            f"which changes the {shoe.surface.effect} by {100 * softer:+.1e} %"
         )
     note = f"shoe {shoe.name!r}: {contact}"
     if solution.refined:

@@ -116,7 +116,7 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
         return refusal
     for shoe in brake.shoes:
         if not isinstance(shoe.body, Beam):
-            return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'
+            return f'shoe {shoe.name!r}: is not a straight beam, [shoe.body] with shape = "beam"'
     model = "the foundation model"
     return (
         reason_against_loads_besides_actuation(brake, model)

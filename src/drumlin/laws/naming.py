@@ -29,7 +29,7 @@ def reason_why_no_law_is_named_rigid(brake: Brake) -> str | None:
     "sine".
     """
     name = name_of_rigid_shoe_law(brake)
-    return None if name == "rigid" else f"it is the law {name!r} of this brake"
+    return None if name == "rigid" else f"on this brake it is the same as the law {name!r}"
 
 
 def solve_brake_by_its_rigid_shoe_law(brake: Brake) -> Response:

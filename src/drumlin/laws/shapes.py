@@ -359,8 +359,8 @@ COSINE = Law(
     integrals_of_cosine_pressure,
     _cosine_pressure_about_middle,
     _angle_of_lining_middle,
-    remark="friction is mu N at psi R, each element in its place; mu' N at the drum's surface "
-    "is the law 'block'",
+    remark="each part of the lining has its own friction force; the law 'block' has the friction "
+    "as one force at the lining's middle",
     load_on_part=_integrals_of_cosine_pressure_on_arc_part,
 )
 BLOCK = Law(

@@ -13,6 +13,7 @@ from drumlin.base.journal import Journal, checksum_of_source_and_libraries, jour
 from drumlin.models import BUILT_IN_MODELS
 from drumlin.sweeps.cases import Row, SweepCase, journal_keys_of_cases
 from drumlin.sweeps.file import Sweep
+from drumlin.sweeps.keys_without_effect import notes_on_keys_without_effect
 from drumlin.sweeps.sample import solve_all_cases_with_sample
 from drumlin.sweeps.sweep_table import SweepTable
 from drumlin.sweeps.table import table_lines_of_cases
@@ -74,7 +75,8 @@ def table_of_solved_sweep(prepared: Sweep, rows: list[Row], folder: Path) -> Swe
     `rows` holds the results of the cases. Paths of mesh files are relative to the folder.
     """
     lines = table_lines_of_cases(prepared.cases, rows, folder.resolve(), prepared.pressure)
-    return SweepTable(prepared.title, lines, list(prepared.units))
+    notes = notes_on_keys_without_effect(prepared.cases)
+    return SweepTable(prepared.title, lines, list(prepared.units), notes)
 
 
 def _progress_bar_that_shows_nothing(_: str) -> AbstractContextManager[Callable[[int, int], None]]:

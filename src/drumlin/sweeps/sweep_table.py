@@ -114,10 +114,14 @@ class SweepTable(Sequence[Row]):
     title : title of the sweep
     rows : the rows of all cases
     varied : names of the varied keys
+    notes : lines on the sweep, such as on a law that does not use a varied key
     """
 
-    def __init__(self, title: str, rows: Sequence[Row], varied: Sequence[str]) -> None:
+    def __init__(
+        self, title: str, rows: Sequence[Row], varied: Sequence[str], notes: Sequence[str] = ()
+    ) -> None:
         self.title, self.rows, self.varied = title, list(rows), tuple(varied)
+        self.notes = tuple(notes)
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -238,13 +242,13 @@ class SweepTable(Sequence[Row]):
         return rows
 
     def lines_of_outcome(self) -> list[str]:
-        """Lines of text: the number of solved and failed cases, and the most frequent reasons."""
+        """Lines of text: the number of solved and failed cases, the main reasons, and the notes."""
         failures = self.failures
         count, failed = len(self.rows), failures.total()
         lines = [f"{count} cases: {count - failed} solved, {failed} failed"]
         for reason, number in failures.most_common(MOST_SHOWN_REASONS):
             lines.append(f"  failed, {number}: {reason}")
-        return lines
+        return [*lines, *self.notes]
 
     def write(self, path: Path | str) -> None:
         """Write the table into a file, CSV or Parquet by the ending of its name.
@@ -335,7 +339,7 @@ class SweepTable(Sequence[Row]):
 
     def _repr_html_(self) -> str:
         """The first rows and the statistics as two HTML tables, which notebooks display."""
-        outcome = self.lines_of_outcome()[0]
+        outcome = "; ".join([self.lines_of_outcome()[0], *self.notes])
         first = html_table_with_caption(f"{self.title}, {outcome}", self._shown_cells())
         return first + html_table_with_caption("statistics", self.cells_of_statistics())
 

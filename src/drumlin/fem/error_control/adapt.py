@@ -213,8 +213,8 @@ def _last_response_with_estimated_errors(progress: _Progress) -> Response:
     If the errors miss the tolerance, the notes end with a warning.
     """
     notes = [
-        f"adapted on {len(progress.responses)} meshes, "
-        f"the last with {progress.unknowns} unknowns a shoe"
+        f"solved on {len(progress.responses)} meshes, each adapted to the answer before; "
+        f"the last has {progress.unknowns} unknowns for each shoe"
     ]
     if progress.missed:
         notes.append(f"warning: {progress.missed}")

@@ -22,6 +22,12 @@ from drumlin.fem.mesh.edges import nodes_along_element_edges
 
 MOST_LISTED_NAMES = 30
 """Largest number of group names that the message on a missing group lists."""
+TABLES_OF_GROUPS = {
+    "backing": "table [shoe.backing]",
+    "shoe": "table [shoe.body]",
+    "table": "key table in [shoe.body]",
+}
+"""Groups of elements that a mesh needs only if the brake file has the table or key beside them."""
 LARGEST_ARC_DIFFERENCE = math.radians(2)
 """Largest difference [rad] between the ends of the lining in the brake's file and in the mesh.
 
@@ -175,9 +181,13 @@ def _mesh_with_only_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequ
     # groups makes the total number of members larger than the number of elements.
     named = np.concatenate([subdomains[name] for name in needed])
     if len(np.unique(named)) < mesh.nelements or len(named) > mesh.nelements:
+        reason = ""
+        for name, table in TABLES_OF_GROUPS.items():
+            if name in subdomains and name not in needed:
+                reason += f"; the file has a group {name}, and the shoe has no {table}"
         raise BadInput(
             f"{fault}: every element must be in exactly one of the groups "
-            f"{', '.join(sorted(needed))}"
+            f"{', '.join(sorted(needed))}{reason}"
         )
     lines |= {"actuation"} & set(boundaries)
     return dataclasses.replace(

@@ -118,12 +118,11 @@ def unit_loads_at_points_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
 
     Returns
     -------
-    FURTHER_FORCES : unit force x and unit force y at the point of each further force
-    FORCES_ON_MASS : forces on a mass of 1 kg by unit acceleration x, unit acceleration y and unit
-        square of the angular speed, in the axes of the shoe's frame
-
-    The result is empty for a shoe without such loads, for a shoe without a body, and for a mesh
-    file without elements of a body.
+    FURTHER_FORCES has the unit force x and the unit force y at the point of each further force.
+    FORCES_ON_MASS has the forces on a mass of 1 kg by unit acceleration x, unit acceleration y and
+    unit square of the angular speed, in the axes of the shoe's frame. The result is empty
+    for a shoe without such loads, for a shoe without a body, and for a mesh file without elements
+    of a body.
     """
     places = points_where_shoe_body_is_loaded(shoe)
     if not len(places):

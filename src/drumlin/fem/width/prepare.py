@@ -105,7 +105,10 @@ def reason_why_width_model_does_not_apply(brake: Brake) -> str | None:
 def _reason_against_modelling_width_of_shoe(shoe: Shoe) -> str | None:
     """The reason why the model of the width does not apply to a shoe; None where it applies."""
     if shoe.mesh is not None:
-        return "a mesh of its own is a section without widths"
+        return (
+            "a mesh of its own is a section without widths; "
+            "without mesh, [shoe.body] makes a shoe that has them"
+        )
     if shoe.body is not None and shoe.body.bending_stiffness is not None:
         return "its bending_stiffness is not that of a section of its thickness and width"
     for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):

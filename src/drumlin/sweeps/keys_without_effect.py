@@ -1,0 +1,82 @@
+"""Which varied keys of a sweep change no result of a law.
+
+A law of rigid shoes knows no clearance, no body and often no modulus. A sweep of such a key by a
+law has the same results in all cases, which looks like an answer.
+"""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from drumlin.sweeps.cases import Row, SweepCase, solve_case_without_raising
+
+MODELS_THAT_USE_ALL_KEYS = {"fem", "solid"}
+"""Models whose results depend on all geometry, loads and stiffnesses of a brake.
+
+They are not solved anew for the question, because one case takes as long as many cases of a law.
+"""
+
+MOST_READ_CASES = 1000
+"""Largest number of cases whose values of a key are read, evenly among all; reading takes time."""
+
+MOST_TRIED_VALUES = 4
+"""Largest number of values of a key with which a law is solved anew.
+
+A key may have an effect only from some value on, such as the threshold of a cylinder. Two values
+could both lie below. More values cost time, some milliseconds each.
+"""
+
+SAME_RESULT = 1e-9
+"""Relative difference of two results of a law up to which they are equal but for round-off.
+
+Round-off of the laws is some 1e-12. A key with an effect below a billionth has none for a user.
+"""
+
+
+def notes_on_keys_without_effect(cases: Sequence[SweepCase]) -> tuple[str, ...]:
+    """A line for each law of a sweep whose results do not depend on some of the varied keys.
+
+    For each key the first case of the law is solved anew, with other values of this key alone.
+    """
+    notes = []
+    for model in dict.fromkeys(case.model for case in cases):
+        if model in MODELS_THAT_USE_ALL_KEYS:
+            continue
+        own = [case for case in cases if case.model == model]
+        own = own[:: max(len(own) // MOST_READ_CASES, 1)]
+        keys = [key for key in own[0].changes if _has_key_no_effect(own, key)]
+        if keys:
+            notes.append(f"{model} does not use {', '.join(keys)}: no result depends on it")
+    return tuple(notes)
+
+
+def _has_key_no_effect(cases: Sequence[SweepCase], key: str) -> bool:
+    """Whether the values of a key, put into the first case of a law, all give equal results.
+
+    The result is False if fewer than two of the values have an answer.
+    """
+    values = {json.dumps(case.changes[key], default=str): case.changes[key] for case in cases}
+    step = max(len(values) // MOST_TRIED_VALUES, 1)
+    rows = []
+    for value in list(values.values())[::step][:MOST_TRIED_VALUES]:
+        case = cases[0]._replace(changes={**cases[0].changes, key: value})
+        row = solve_case_without_raising(case).row
+        if row["status"] == "solved":
+            rows.append(row)
+    return len(rows) > 1 and all(_are_results_equal(rows[0], row) for row in rows[1:])
+
+
+def _are_results_equal(row: Row, other: Row) -> bool:
+    """Whether two cases have the same results but for round-off; their balances are round-off."""
+    return row.keys() == other.keys() and all(
+        _are_values_equal(row, other, name) for name in row if name != "balance"
+    )
+
+
+def _are_values_equal(row: Mapping[str, Any], other: Mapping[str, Any], name: str) -> bool:
+    """Whether two cases have the same value of a result, but for round-off."""
+    one, two = row[name], other[name]
+    if isinstance(one, float) and isinstance(two, float):
+        return math.isclose(one, two, rel_tol=SAME_RESULT)
+    return bool(one == two)

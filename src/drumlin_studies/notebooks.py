@@ -1,0 +1,99 @@
+"""The example notebooks with their outputs, as they are kept in `studies/notebooks`.
+
+`python -m drumlin_studies.notebooks` executes each notebook in an empty folder and writes its
+outputs into its file, without the times, paths and counts of the run. The manual shows the kept
+outputs. A test executes the notebooks anew and compares the texts.
+"""
+
+import importlib
+import re
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from nbclient import NotebookClient
+
+from drumlin.base.files import write_text
+from drumlin.studies import paths_of_example_notebooks
+
+# The package has no types of its own.
+notebook_format: Any = importlib.import_module("nbformat.v4")
+
+LONGEST_CELL = 300
+"""Seconds after which a cell counts as hung. All cells of a notebook take some 20 s."""
+
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+"""A number in a text, such as 447.59, +2.8 or 1e-05."""
+
+
+def execute_notebook(path: Path) -> Any:
+    """The notebook of a file with the outputs of its cells, and without traces of this run.
+
+    The cells run in an empty folder, as those of a reader who has only drumlin. Raises nbclient's
+    CellExecutionError if a cell fails.
+    """
+    notebook: Any = notebook_format.reads(path.read_text(encoding="utf-8"))
+    with tempfile.TemporaryDirectory(prefix="drumlin-notebook-") as folder:
+        place = {"metadata": {"path": folder}}
+        NotebookClient(
+            notebook, timeout=LONGEST_CELL, kernel_name="python3", resources=place
+        ).execute()
+    cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    for number, cell in enumerate(cells, start=1):
+        cell.execution_count = number
+        # The metadata of a run are the times at which the cells began and ended.
+        cell.metadata = {}
+        cell.outputs = _outputs_with_joined_texts(cell.outputs)
+        for output in cell.outputs:
+            _remove_traces_of_run(output, number)
+    notebook.metadata.pop("language_info", None)
+    return notebook
+
+
+def _outputs_with_joined_texts(outputs: list[Any]) -> list[Any]:
+    """The outputs of a cell, in which successive printed texts are one.
+
+    By chance of the run the lines of a loop come in one text or in several.
+    """
+    joined: list[Any] = []
+    for output in outputs:
+        if joined and output.get("name") and output.get("name") == joined[-1].get("name"):
+            joined[-1].text += output.text
+        else:
+            joined.append(output)
+    return joined
+
+
+def _remove_traces_of_run(output: Any, number: int) -> None:
+    """Give an output the number of its cell, and a picture no text such as "<Figure size ...>"."""
+    if output.output_type == "execute_result":
+        output.execution_count = number
+    data = output.get("data", {})
+    if "image/png" in data:
+        data.pop("text/plain", None)
+
+
+def texts_of_outputs(notebook: Any) -> list[str]:
+    """The printed texts and the shown values of all code cells, an entry a cell."""
+    texts = []
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            shown = [output.get("text", "") for output in cell.outputs]
+            shown += [output.get("data", {}).get("text/plain", "") for output in cell.outputs]
+            texts.append("\n".join(filter(None, shown)))
+    return texts
+
+
+def words_and_numbers_of_text(text: str) -> tuple[str, list[float]]:
+    """A text with a star for each number, and the numbers."""
+    return " ".join(NUMBER.sub("*", text).split()), list(map(float, NUMBER.findall(text)))
+
+
+def main() -> None:
+    """Execute all example notebooks, and write their outputs into their files."""
+    for path in paths_of_example_notebooks().values():
+        write_text(path, notebook_format.writes(execute_notebook(path)) + "\n")
+
+
+if __name__ == "__main__":
+    main()
