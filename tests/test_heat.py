@@ -15,7 +15,7 @@ from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.brake.heat import (
     brake_with_heat_only_in_given_parts,
-    check_heated_shoes_can_expand,
+    check_thermal_expansion_of_shoes_is_known,
     radial_growth_of_heated_drum,
 )
 from drumlin.brake.writing import brake_file_text
@@ -28,15 +28,15 @@ from drumlin.fem.error_control.refinement import (
 )
 from drumlin.fem.hp.shoe import function_from_depth_and_angle_to_point
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.bodies import free_thermal_strains_of_heated_layers
+from drumlin.fem.preparation.bodies import functions_of_free_thermal_strain_by_layer
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.verification.triangles.levels import (
     CONTACT_FINDING_LEVEL,
-    solve_on_triangle_level_sequence,
+    solve_brake_on_sequence_of_triangle_meshes,
 )
-from drumlin_studies.heat_error import rows_of_drawn_brake
-from drumlin_studies.load_error import draw_loaded_brake
+from drumlin_studies.heat_error import rows_of_stated_and_true_errors_of_drawn_brake
+from drumlin_studies.load_error import draw_random_brake_with_loads_and_lining_friction
 from drumlin_studies.stated_true import stated_over_true_error_of_row
 from flat_pads import pad
 
@@ -244,13 +244,13 @@ def test_the_temperature_of_a_block_is_linear_over_the_thickness_that_it_has_the
     for shoe in hot.shoes:
         points_at = function_from_depth_and_angle_to_point(shoe, hot.size)
         phi = np.linspace(*shoe.arc, 9)
-        strains = free_thermal_strains_of_heated_layers(shoe, hot.size)["backing"]
+        strains = functions_of_free_thermal_strain_by_layer(shoe, hot.size)["backing"]
         for share in (0.0, 0.25, 0.5, 1.0):
             along, through = strains(points_at(np.full(9, 1 + share), phi))
             assert along == pytest.approx(1e-5 * (40 + share * 260), rel=1e-12)
             assert through == pytest.approx(along)
         # The block that the file states is thinner than the block between lining and beam.
-        depth = shoe.distance_from_friction_surface(points_at(np.full(9, 2.0), phi), hot.size)
+        depth = shoe.distances_from_friction_surface(points_at(np.full(9, 2.0), phi), hot.size)
         assert np.ptp(depth) > 0.1 * shoe.backing.thickness
 
 
@@ -259,14 +259,16 @@ def test_a_block_of_a_mesh_before_a_straight_beam_has_one_temperature():
     hot = vary(read_brake(ROOT / "studies" / "post_brake" / "brake.toml"), HOT_BLOCK)
     shoe = hot.shoes[0].model_copy(update={"mesh": "post.msh"})
     with pytest.raises(ValueError, match=r"back_temperature_rise = 300 K: the block"):
-        check_heated_shoes_can_expand([shoe])
+        check_thermal_expansion_of_shoes_is_known([shoe])
 
 
 @pytest.mark.slow
 def test_stated_errors_hold_for_a_post_whose_block_is_hotter_at_its_back():
     """Strains with a kink inside elements fell more slowly from level to level than is stated."""
-    assert isinstance(draw_loaded_brake(540005).shoes[0].body, Beam)
-    for row in rows_of_drawn_brake(draw_loaded_brake, 540005):
+    assert isinstance(draw_random_brake_with_loads_and_lining_friction(540005).shoes[0].body, Beam)
+    for row in rows_of_stated_and_true_errors_of_drawn_brake(
+        draw_random_brake_with_loads_and_lining_friction, 540005
+    ):
         assert row["outcome"] == "reached"
         for name in ("pressure", "torque", "peak", "reaction"):
             assert stated_over_true_error_of_row(row, name) > 1
@@ -335,7 +337,7 @@ def test_the_second_solver_has_the_same_hot_brake(file):
             | {"shoe.lining.back_temperature_rise": 20.0, "shoe.body.back_temperature_rise": 0.0},
         )
     response = drumlin.solve(brake, tolerance=1e-3, model_error=False)
-    shoes = solve_on_triangle_level_sequence(brake)[-1]
+    shoes = solve_brake_on_sequence_of_triangle_meshes(brake)[-1]
     torque = sum(shoe.torque for shoe in shoes)
     assert abs(response.torque / torque - 1) < response.error["torque"] + 1e-6
     for mine, theirs in zip(response.shoes, shoes, strict=True):
@@ -346,7 +348,7 @@ def test_the_second_solver_has_the_same_hot_brake(file):
 @pytest.mark.slow
 def test_triangles_on_a_coarse_mesh_have_the_same_hot_brake():
     brake = vary(MAIN, LINING | BODY | {"shoe.body.back_temperature_rise": 0.0})
-    shoes = solve_on_triangle_level_sequence(brake, [CONTACT_FINDING_LEVEL])[-1]
+    shoes = solve_brake_on_sequence_of_triangle_meshes(brake, [CONTACT_FINDING_LEVEL])[-1]
     assert sum(shoe.torque for shoe in shoes) == pytest.approx(solved(brake).torque, rel=2e-3)
 
 

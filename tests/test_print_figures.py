@@ -22,11 +22,11 @@ from drumlin.report.field_picture import (
     draw_stress_in_shoes_and_ring,
     paint_values_of_cells,
 )
-from drumlin.studies import import_study
+from drumlin.studies import import_study_and_find_its_folder
 from drumlin_studies.misfit_rows import DRAWN_QUANTITIES
 from drumlin_studies.plane_stress import PlaneErrorMap, TimeAndErrors
 from drumlin_studies.post_brake_rows import ErrorMap
-from drumlin_studies.stated_true_figure import draw_stated_over_true_errors
+from drumlin_studies.stated_true_figure import plot_stated_over_true_errors
 
 KEPT = ROOT / "reports" / "reference"
 LEAST_TEXT = 6.5
@@ -92,7 +92,7 @@ def check_legible(figure):
 
 def study_module(name):
     """The module of a study."""
-    return import_study(name)[0]
+    return import_study_and_find_its_folder(name)[0]
 
 
 def draw_map_of_plane_stress():
@@ -164,7 +164,7 @@ def draw_histograms():
 
 
 def draw_stated_true():
-    return draw_stated_over_true_errors(stored("verification/stated_true.csv")[::20])
+    return plot_stated_over_true_errors(stored("verification/stated_true.csv")[::20])
 
 
 @pytest.mark.parametrize(

@@ -106,7 +106,9 @@ def _draw_random_temperature_rises_of_part(
     return found
 
 
-def rows_of_drawn_brake(draw: Callable[[int], Brake], seed: int) -> list[dict[str, Any]]:
+def rows_of_stated_and_true_errors_of_drawn_brake(
+    draw: Callable[[int], Brake], seed: int
+) -> list[dict[str, Any]]:
     """The rows of stated and true errors of one brake, one for each judged tolerance.
 
     `draw` is a function that draws the brake of a seed, and may raise BadInput. A brake that is not
@@ -153,7 +155,9 @@ def read_judged_rows(path: Path) -> dict[int, list[dict[str, Any]]]:
     return {one["seed"]: one["rows"] for one in judged}
 
 
-def judge_brakes_of_seeds(draw: Callable[[int], Brake], first: int, last: int, path: Path) -> None:
+def judge_brakes_of_seeds_and_print_summary(
+    draw: Callable[[int], Brake], first: int, last: int, path: Path
+) -> None:
     """Judge brakes that a file lacks, keep their rows in it, and print the summary of all its rows.
 
     Parameters
@@ -167,7 +171,7 @@ def judge_brakes_of_seeds(draw: Callable[[int], Brake], first: int, last: int, p
     """
     judged = read_judged_rows(path)
     for seed in sorted({*range(first, last)} - judged.keys()):
-        own = judged[seed] = rows_of_drawn_brake(draw, seed)
+        own = judged[seed] = rows_of_stated_and_true_errors_of_drawn_brake(draw, seed)
         with path.open("a", encoding="utf-8") as file:
             file.write(json.dumps({"seed": seed, "rows": own}) + "\n")
         sys.stdout.write(f"{seed}: {', '.join(map(_text_on_outcome_and_smallest_ratio, own))}\n")
@@ -183,7 +187,9 @@ def judge_brakes_of_command_line(draw: Callable[[int], Brake]) -> None:
 
     `draw` is a function that draws the brake of a seed, and may raise BadInput.
     """
-    judge_brakes_of_seeds(draw, int(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3]))
+    judge_brakes_of_seeds_and_print_summary(
+        draw, int(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3])
+    )
 
 
 if __name__ == "__main__":

@@ -43,7 +43,7 @@ def _print_version_and_exit(asked: bool) -> None:
         raise typer.Exit
 
 
-def _options_before_any_command(
+def _take_options_before_any_command(
     version: Annotated[
         bool,
         typer.Option(
@@ -64,7 +64,7 @@ def make_application(commands: Iterable[Callable[..., None]]) -> typer.Typer:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    made.callback()(_options_before_any_command)
+    made.callback()(_take_options_before_any_command)
     for command in commands:
         made.command()(command)
     return made

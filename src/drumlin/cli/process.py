@@ -38,8 +38,8 @@ def main() -> NoReturn:
 
 def _prepare_process_and_run_command() -> int:
     """Prepare signals, streams and imports of this process, run its command, return exit status."""
-    _make_end_signals_raise_stopped()
-    _make_output_streams_usable()
+    _make_termination_signals_raise_stopped()
+    _replace_closed_streams_and_unprintable_letters()
     _exclude_current_folder_from_imports()
     search_memory_for_garbage_seldom()
     # Python's warnings concern programmers, not users. `python -W default` shows them.
@@ -51,7 +51,7 @@ def _prepare_process_and_run_command() -> int:
         _flush_standard_output()
 
 
-def _make_end_signals_raise_stopped() -> None:
+def _make_termination_signals_raise_stopped() -> None:
     """Let the signals SIGTERM and SIGHUP raise Stopped in this process.
 
     A signal that the process was started to ignore, as under nohup, stays ignored.
@@ -86,7 +86,7 @@ def run_command_line(words: Sequence[str]) -> int:
     """
     import typer
 
-    from drumlin.base.files import protect_input_files
+    from drumlin.base.files import protect_input_files_within_block
     from drumlin.cli.commands import app, application_for_words
 
     # Only Python code can pass a word with a NUL character; some versions of typer fail on it.
@@ -97,7 +97,7 @@ def run_command_line(words: Sequence[str]) -> int:
     if SHELL_COMPLETION_VARIABLE in os.environ:
         typer.main.get_command(app)(list(words), prog_name="drumlin")
     command = typer.main.get_command(application_for_words(words))
-    with protect_input_files():
+    with protect_input_files_within_block():
         try:
             with command.make_context("drumlin", list(words) or ["--help"]) as context:
                 command.invoke(context)
@@ -136,7 +136,7 @@ def _raise_stopped_for_signal(number: int, _: object) -> None:
     raise Stopped(number)
 
 
-def _make_output_streams_usable() -> None:
+def _replace_closed_streams_and_unprintable_letters() -> None:
     """Make standard output and standard error usable.
 
     A closed standard error is replaced by a null device. A letter that the terminal does not know,

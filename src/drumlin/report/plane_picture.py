@@ -19,7 +19,7 @@ from drumlin.report.field_picture import (
     rounded_up_to_end_of_colour_bar,
 )
 from drumlin.report.palette import RED
-from drumlin.report.render import draw_picture_in_own_process, draw_picture_named_by_arguments
+from drumlin.report.render import draw_picture_in_new_process, draw_picture_named_by_arguments
 from drumlin.report.solid_picture import STRESS_NAME
 
 PLANE_WINDOW = 1800, 1300
@@ -36,7 +36,7 @@ def draw_plane_fields_and_return_failure_reason(
     fields: Path, picture: Path, title: str
 ) -> str | None:
     """Draw the plane fields of a .vtu file into a .png file; None, or why there is no picture."""
-    return draw_picture_in_own_process(__name__, fields, picture, title)
+    return draw_picture_in_new_process(__name__, fields, picture, title)
 
 
 def draw_plane_fields_in_this_process(fields: Path, picture: Path, title: str) -> None:

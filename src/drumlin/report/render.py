@@ -1,7 +1,7 @@
 """A process of its own for pictures in space, which pyvista draws without a window.
 
 Drawing without a window needs OpenGL or its replacement in software. If neither is installed, the
-library VTK may end the whole process instead of raising an error. `draw_picture_in_own_process`
+library VTK may end the whole process instead of raising an error. `draw_picture_in_new_process`
 therefore draws in another process, and returns the reason if this process fails.
 """
 
@@ -26,7 +26,7 @@ class NoPicture(Exception):
     """The exception for a drawing process that has ended without a picture."""
 
 
-def draw_picture_in_own_process(
+def draw_picture_in_new_process(
     module: str, fields: Path, picture: Path, argument: str
 ) -> str | None:
     """Start a new process in which a module's `main` draws a .vtu file into a .png file.

@@ -18,7 +18,7 @@ from drumlin.report.field_picture import (
     rounded_up_to_end_of_colour_bar,
 )
 from drumlin.report.figures import FULL_WIDTH, STYLE, save_figure
-from drumlin.report.render import draw_picture_in_own_process, draw_picture_named_by_arguments
+from drumlin.report.render import draw_picture_in_new_process, draw_picture_named_by_arguments
 
 LARGEST_DISPLACEMENT = 0.05
 """Length of the largest displacement in the picture, relative to the drum's radius.
@@ -52,7 +52,7 @@ def draw_solid_shoes_and_return_failure_reason(
 
     Returns None, or one line that says why the picture could not be drawn.
     """
-    return draw_picture_in_own_process(__name__, fields, picture, title)
+    return draw_picture_in_new_process(__name__, fields, picture, title)
 
 
 def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) -> None:

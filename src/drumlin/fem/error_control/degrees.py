@@ -15,12 +15,12 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
-from drumlin.base.texts import error_as_text
+from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
     Tolerance,
-    errors_with_singular_points_included,
+    errors_with_singular_points_and_text_on_short_contacts,
     is_tolerance_met,
     response_with_estimated_errors,
 )
@@ -206,15 +206,15 @@ def solve_brake_on_mesh_files(
                 second = SolvedLevel(scene, response)
                 curved = second if mesh_levels is FINE_MESH_LEVELS else first
                 smooth = partial(prepare, smooth=True)
-                shape = _errors_by_straight_element_sides(brake, respond, curved, smooth, cache)
-                shape = shape + _errors_by_rounded_mesh_coordinates(brake, cache)
+                shape = _errors_due_to_straight_element_sides(brake, respond, curved, smooth, cache)
+                shape = shape + _errors_due_to_rounded_mesh_coordinates(brake, cache)
                 fitting = partial(prepare, fitting=True)
-                shape = shape + _errors_of_gaps_below_rounding(
+                shape = shape + _errors_due_to_gaps_below_rounding(
                     brake, respond, first, fitting, cache
                 )
             error = _estimated_errors_on_last_mesh_level(brake, responses, shape)
             of_level = _estimated_errors_on_last_mesh_level(brake, responses, 0.0)
-            if not _would_further_level_help(error, of_level, aim):
+            if not _would_finer_mesh_level_reduce_error(error, of_level, aim):
                 break
     except NoAnswer as refusal:
         stopped = str(refusal)
@@ -234,8 +234,8 @@ def solve_brake_on_mesh_files(
     if tolerance is not None and not is_tolerance_met(error, aim):
         notes.append(
             f"warning: tolerance {tolerance:g} not reached on the meshes of the files: estimated "
-            f"error of p {error_as_text(error.brake['pressure'])}, "
-            f"of the torque {error_as_text(error.brake['torque'])}; "
+            f"error of p {error_text_in_percent(error.brake['pressure'])}, "
+            f"of the torque {error_text_in_percent(error.brake['torque'])}; "
             "a finer mesh or more digits of its coordinates make it smaller"
         )
     return SolvedLevel(solved_last, response_with_estimated_errors(responses, error, notes))
@@ -305,7 +305,7 @@ def _estimated_errors_on_last_mesh_level(
         moved = moved._replace(steps=moved.steps + FORMER_SHARE * steps)
     factors = _factors_of_error_estimate(brake)
     errors = estimate_errors_from_response_differences(moved, last, factors, shape)
-    return errors_with_singular_points_included(errors, brake, last)[0]
+    return errors_with_singular_points_and_text_on_short_contacts(errors, brake, last)[0]
 
 
 def _factors_of_error_estimate(brake: Brake) -> Factors:
@@ -319,7 +319,7 @@ def _factors_of_error_estimate(brake: Brake) -> Factors:
     return Factors(*map(max, DEGREE_FACTORS, FACTORS))
 
 
-def _would_further_level_help(error: Errors, of_level: Errors, aim: Tolerance) -> bool:
+def _would_finer_mesh_level_reduce_error(error: Errors, of_level: Errors, aim: Tolerance) -> bool:
     """Whether a further level would reduce an error that misses its tolerance.
 
     Parameters
@@ -335,7 +335,7 @@ def _would_further_level_help(error: Errors, of_level: Errors, aim: Tolerance) -
     )
 
 
-def _errors_by_straight_element_sides(
+def _errors_due_to_straight_element_sides(
     brake: Brake,
     respond: ResponseFunction,
     straight: SolvedLevel,
@@ -391,11 +391,11 @@ def _errors_by_change_of_shape(
     # The difference of a peak may be small by accident; it counts as at least the difference of p.
     of_shoes[:, peak] = of_shoes[:, [pressure, peak]].max(axis=1)
     steps = np.concatenate([torque, of_shoes.ravel()])
-    factors = SHAPE_FACTORS.error_factors_of_refinement_differences(len(brake.shoes))
+    factors = SHAPE_FACTORS.safety_factors_of_level_differences(len(brake.shoes))
     return factors * steps + SHAPE_FACTORS.cancelled * moved.chance
 
 
-def _errors_by_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Floats:
+def _errors_due_to_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Floats:
     """The relative errors (1 + 4 shoes,) that rounded coordinates of mesh files cause."""
     of_shoes = []
     for shoe in brake.shoes:
@@ -406,7 +406,7 @@ def _errors_by_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Floats:
     return np.array([ROUNDING_FACTORS["torque"] * max(of_shoes), *rows.ravel()])
 
 
-def _errors_of_gaps_below_rounding(
+def _errors_due_to_gaps_below_rounding(
     brake: Brake,
     respond: ResponseFunction,
     solved: SolvedLevel,

@@ -54,7 +54,7 @@ def solve_until_friction_fits_pressures(
         As `solve` does, and if the friction does not settle.
     """
     shoes, found = solve(faces, first)
-    curves = [brake.friction_over_pressure_of_shoe(shoe) for shoe in brake.shoes]
+    curves = [brake.friction_coefficient_curve_of_shoe(shoe) for shoe in brake.shoes]
     if all(len(curve.mu) == 1 for curve in curves):
         return shoes, faces, found
     for _ in range(MOST_FRICTION_SOLVES):
@@ -81,9 +81,9 @@ def _friction_forces_at_pressures_of_solution(
     the nodes give the friction forces. M is the mass matrix of the nodes in contact. An open node
     has the coefficient at the pressure 0.
     """
-    curve = brake.friction_over_pressure_of_shoe(shoe)
+    curve = brake.friction_coefficient_curve_of_shoe(shoe)
     p = nodal_pressures_equivalent_to_contact_forces(one, found)
-    mu = brake.sign_of_motion * curve.friction_coefficient_at_pressures(p)
+    mu = brake.sign_of_motion * curve.friction_coefficients_at_pressures(p)
     forces, a = np.diag(mu), np.flatnonzero(found.active)
     M = one.mass[np.ix_(a, a)]
     # The transpose of M mu M^-1 is M^-1 mu M, since M is symmetric.
