@@ -58,7 +58,7 @@ def stored(steps: int) -> dict[str, Any]:
 
 def _by_triangles(steps: int) -> dict[str, Any]:
     brake = brake_of(steps)
-    *_, before, last = triangles.solve_on_triangle_level_sequence(brake)
+    *_, before, last = triangles.solve_brake_on_sequence_of_triangle_meshes(brake)
     pressure = last[0].pressure_at(angles_of(brake))
     return {
         "torque": last[0].torque,

@@ -19,7 +19,7 @@ from drumlin.brake.file import read_brake
 from drumlin.contact import self_locking
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
-from drumlin.studies import import_study
+from drumlin.studies import import_study_and_find_its_folder
 
 # A job in the background ignores these signals, and the processes that it starts would, too.
 for number in (signal.SIGINT, signal.SIGHUP):
@@ -63,7 +63,7 @@ def root() -> Path:
 @pytest.fixture(scope="module")
 def module(request: pytest.FixtureRequest) -> Any:
     """The module of the study that a test module names in STUDY_NAME."""
-    return import_study(request.module.STUDY_NAME)[0]
+    return import_study_and_find_its_folder(request.module.STUDY_NAME)[0]
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from drumlin.brake import read_any, vary
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
-    states_of_holding_brake_at_rotations,
+    turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.solve import prepared_model_with_finest_elements
@@ -145,7 +145,7 @@ def test_slopes_and_full_slip_of_a_chain() -> None:
     assert compute_torque_sensitivity(scene, brake).friction == pytest.approx(
         (torque[1] - torque[2]) / 2e-4, rel=1e-6
     )
-    states = states_of_holding_brake_at_rotations(
+    states = turn_holding_brake_and_return_states_at_rotations(
         scene, brake, np.array([0.0, find_drum_rotation_of_full_slip(scene, brake)])
     )
     assert states[-1].torque == pytest.approx(torque[0], rel=1e-9)

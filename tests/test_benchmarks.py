@@ -6,11 +6,11 @@ import math
 import pytest
 
 from conftest import ROOT
-from drumlin.studies import import_study
+from drumlin.studies import import_study_and_find_its_folder
 from drumlin_studies import benchmarks
 from picking import picked
 
-import_study("manual")
+import_study_and_find_its_folder("manual")
 
 from studies.manual import history  # noqa: E402
 

@@ -13,8 +13,8 @@ from drumlin.fem.error_control import levels
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
 from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.error_control.singular_points import (
-    pressure_changes_by_kinks_of_gap,
-    singular_points_of_all_linings,
+    pressure_change_norms_due_to_kinks_of_gap,
+    singular_points_of_each_shoe_shape,
 )
 from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe_into_hp_elements
 from drumlin.fem.model import solve_prepared_model
@@ -23,7 +23,7 @@ from drumlin_studies.consistency_blocks import (
     FEWEST_BLOCK_STEPS,
     MOST_BLOCK_STEPS,
     draw_random_brake_with_blocks,
-    rows_of_stated_and_true_errors_of_block_linings,
+    rows_comparing_stated_with_true_errors_of_block_linings,
 )
 from picking import picked
 
@@ -159,7 +159,7 @@ def test_what_the_chords_of_a_table_change_in_p_is_foretold() -> None:
     spread = (
         lining.material.E / thin.thickness * np.std(strays) * math.sqrt(lining.end - lining.start)
     )
-    inner = pressure_changes_by_kinks_of_gap(thin, R)[1:-1]
+    inner = pressure_change_norms_due_to_kinks_of_gap(thin, R)[1:-1]
     assert math.sqrt(float(np.sum(inner**2))) == pytest.approx(spread, rel=0.01)
 
 
@@ -174,7 +174,7 @@ def test_kinks_that_p_does_not_feel_are_no_places(brake: Brake) -> None:
     kinks = [
         sum(
             point.kind == Singularity.KINK
-            for point in singular_points_of_all_linings(many, response, error=error)[0]
+            for point in singular_points_of_each_shoe_shape(many, response, error=error)[0]
         )
         for error in (1e-2, 1e-6, 0.0)
     ]
@@ -196,7 +196,7 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
         seen.append(turns[len(seen) % 2])
         return seen[-1]
 
-    monkeypatch.setattr(levels, "singular_points_of_all_linings", in_turn)
+    monkeypatch.setattr(levels, "singular_points_of_each_shoe_shape", in_turn)
     passes: list[Any] = []
 
     def counted(scene: Any, brake: Brake, *, start: Response | None = None) -> Response:
@@ -224,14 +224,14 @@ def test_a_brake_without_a_truth_is_a_row_that_is_refused(monkeypatch: pytest.Mo
     monkeypatch.setattr(
         "drumlin_studies.consistency_blocks.solve_fine_reference_by_hp_elements", none
     )
-    assert picked(rows_of_stated_and_true_errors_of_block_linings(11), ("outcome", "said")) == [
-        ("refused", "no level has an answer")
-    ]
+    assert picked(
+        rows_comparing_stated_with_true_errors_of_block_linings(11), ("outcome", "said")
+    ) == [("refused", "no level has an answer")]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 14, 22, 27, 30, 34])
 def test_stated_errors_of_random_linings_of_blocks_hold(seed: int) -> None:
-    assert set(picked(rows_of_stated_and_true_errors_of_block_linings(seed), "outcome")) == {
-        "agrees"
-    }
+    assert set(
+        picked(rows_comparing_stated_with_true_errors_of_block_linings(seed), "outcome")
+    ) == {"agrees"}

@@ -17,7 +17,7 @@ from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import (
     FRAME,
-    condense_body_to_contact_and_frame,
+    condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
     sparse_stiffness_of_body,
 )
@@ -28,7 +28,7 @@ from drumlin.fem.substructure.elimination import (
 )
 from drumlin.fem.substructure.interface import (
     make_contact_line_of_lining,
-    nodal_forces_of_unit_loads_on_loaded_end,
+    nodal_forces_of_unit_end_loads_and_end_centre,
 )
 from drumlin_studies.two_bodies import scikit_fem_basis_of_mesh
 from picking import saying
@@ -186,14 +186,16 @@ def full_system(brake, elements=12):
     ties = multi_point_constraints_of_body(
         basis, line.nodes, rigid, np.array([shoe.hinge.radius, 0.0])
     )
-    loads, _ = nodal_forces_of_unit_loads_on_loaded_end(basis, mesh.boundaries["actuation"])
+    loads, _ = nodal_forces_of_unit_end_loads_and_end_centre(basis, mesh.boundaries["actuation"])
     return basis, K, line, rigid, ties, loads
 
 
 def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     basis, K, line, rigid, ties, loads = full_system(brake)
     n = 2 * len(line.nodes)
-    condensed = condense_body_to_contact_and_frame(K, ties, {"actuation": ties.matrix.T @ loads}, n)
+    condensed = condense_body_to_contact_and_hinge_face(
+        K, ties, {"actuation": ties.matrix.T @ loads}, n
+    )
     rng = np.random.default_rng(0)
     nodal = rng.normal(size=n) * 1e3
     forces = np.zeros(2 * basis.N)
@@ -206,7 +208,7 @@ def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     u[free] = spsolve(K[free][:, free].tocsc(), forces[free])
     scale = np.abs(u).max()
 
-    Y = condensed.nodal_forces_over_cholesky_factor(
+    Y = condensed.inverse_cholesky_factor_times_nodal_forces(
         np.column_stack([nodal + condensed.load_on_contact @ factors])
     )
     work = float((Y[:, 0] ** 2).sum())
@@ -222,7 +224,9 @@ def test_condensed_displacements_equal_those_of_the_whole_system(brake):
 def test_end_loads_have_their_resultants(brake):
     basis, _, _, _, _, loads = full_system(brake)
     mesh = basis.mesh
-    loads, centre = nodal_forces_of_unit_loads_on_loaded_end(basis, mesh.boundaries["actuation"])
+    loads, centre = nodal_forces_of_unit_end_loads_and_end_centre(
+        basis, mesh.boundaries["actuation"]
+    )
     x, y = basis.doflocs - centre[:, None]
     nodal = loads.reshape(-1, 2, 3)
     assert nodal.sum(axis=0) == pytest.approx(np.array([[1, 0, 0], [0, 1, 0]]), abs=1e-11)

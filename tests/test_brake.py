@@ -186,7 +186,7 @@ def test_a_clearance_table_is_read_and_interpolated(tmp_path):
         '"0.1 mm"]]'
     )
     lining = read(tmp_path, TEXT.replace('end = "55 deg"', table, 1)).shoes[0].lining
-    assert lining.clearance_at_surface_coordinates(
+    assert lining.clearances_at_surface_coordinates(
         np.radians([-70, -35, 0, 27.5])
     ) == pytest.approx([0, 1e-4, 2e-4, 1.5e-4], abs=1e-18)
     for bad, words in [

@@ -17,12 +17,12 @@ from drumlin.fem.error_control.estimate import (
 )
 from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import solve_prepared_model
-from drumlin.studies import import_study
+from drumlin.studies import import_study_and_find_its_folder
 from drumlin_studies.calibration import (
     STATED_QUANTILE,
     LevelRecord,
     Provenance,
-    draw_random_calibration_brake,
+    draw_random_calibration_brake_and_name_of_kind,
     estimate_factors_as_json_text,
     fit_safety_factors,
     true_and_estimated_errors_of_quantity,
@@ -143,7 +143,7 @@ def test_the_file_that_the_code_reads_was_written_by_the_command():
 
 @pytest.fixture(scope="module")
 def seen():
-    _, brake = draw_random_calibration_brake(300_001)
+    _, brake = draw_random_calibration_brake_and_name_of_kind(300_001)
     return brake, true_errors_and_estimates_on_each_mesh(
         brake,
         solve_brake_by_finer_hp_meshes(brake),
@@ -172,7 +172,7 @@ def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
 
 @pytest.mark.slow
 def test_the_study_writes_the_same_twice(tmp_path):
-    module, _ = import_study("calibration")
+    module, _ = import_study_and_find_its_folder("calibration")
     for folder in ("one", "other"):
         module.report(module.study(short=True), tmp_path / folder)
     one, other = ((tmp_path / folder / "factors.json").read_bytes() for folder in ("one", "other"))

@@ -14,7 +14,7 @@ from drumlin.brake.file import read_brake
 from drumlin.cli.terminal import print_table_of_compared_models
 from drumlin.comparison import COLUMNS
 from drumlin.fem.solve import solve
-from drumlin.studies import paths_of_own_studies
+from drumlin.studies import paths_of_drumlin_studies
 from picking import picked
 
 
@@ -384,7 +384,7 @@ def test_a_study_without_a_name_lists_all_of_them_with_what_they_do():
     done = drumlin("study")
     assert done.returncode == 0
     lines = dict(line.split(maxsplit=1) for line in done.stdout.splitlines() if line[0] != " ")
-    assert set(lines) == set(paths_of_own_studies()) >= {"double_shoe", "post_brake", "manual"}
+    assert set(lines) == set(paths_of_drumlin_studies()) >= {"double_shoe", "post_brake", "manual"}
     assert all(line[0].isupper() for line in lines.values())
 
 

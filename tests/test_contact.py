@@ -161,10 +161,10 @@ def test_changing_a_few_nodes_of_a_factorised_set_equals_factorising_the_other_s
     system, other = scale_contact_problem(problem), active.copy()
     other[rng.choice(n, n // 10, replace=False)] ^= True
     base, direct = (
-        ContactSetEquations(system.K, system.mark_unknowns_of_contact_set(active)),
-        ContactSetEquations(system.K, system.mark_unknowns_of_contact_set(other)),
+        ContactSetEquations(system.K, system.mask_of_unknowns_of_contact_set(active)),
+        ContactSetEquations(system.K, system.mask_of_unknowns_of_contact_set(other)),
     )
-    changed = BorderedEquations(base, system.K, system.mark_unknowns_of_contact_set(other))
+    changed = BorderedEquations(base, system.K, system.mask_of_unknowns_of_contact_set(other))
     for r in (system.r, rng.normal(size=(n + 1, 3))):
         a, b = direct.solve(r), changed.solve(r)
         assert b == pytest.approx(a, rel=1e-6, abs=1e-8 * np.abs(a).max())
@@ -236,7 +236,7 @@ def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, ske
     A, x = p_matrix(rng, n, skew), rng.uniform(0.2, 1.0, n)
     motion = (-x[:, None], -x[None], np.array([-1.0])) if hinged else free(A, x)[2:]
     problem = ContactProblem(A, rng.normal(size=n), *motion)
-    active, steps = active_set.find_contact_set_by_closing_wide_gaps(problem)
+    active, steps = active_set.find_contact_set_and_step_count_by_closing_wide_gaps(problem)
     found = active_set.solve_contact_by_block_pivoting(problem, active)
     assert found.steps == 1
     assert steps <= 10 * n
@@ -250,7 +250,7 @@ def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, ske
 def test_followed_from_wider_gaps_a_contact_without_answer_never_arrives():
     """A spring that softens as it is pressed, w = -1 - p: no pressure closes it."""
     with pytest.raises(NoAnswer, match="never reaches"):
-        active_set.find_contact_set_by_closing_wide_gaps(free([[-1.0]], [-1.0]))
+        active_set.find_contact_set_and_step_count_by_closing_wide_gaps(free([[-1.0]], [-1.0]))
 
 
 @pytest.mark.parametrize(
@@ -270,7 +270,7 @@ def test_a_path_that_turns_back_is_followed_to_the_only_answer(A, q, p):
 
     Gaps grow again on the way, in the last case twice; all eight contact sets were tried.
     """
-    active, steps = active_set.find_contact_set_by_closing_wide_gaps(free(A, q))
+    active, steps = active_set.find_contact_set_and_step_count_by_closing_wide_gaps(free(A, q))
     assert active.tolist() == (np.array(p) > 0).tolist()
     assert steps <= 5
     assert active_set.solve_contact_by_block_pivoting(free(A, q), active).p == pytest.approx(
@@ -295,7 +295,7 @@ def test_wrong_nodes_that_do_not_become_fewer_are_given_up_after_five_steps_more
     assert end.value.steps == 7
     with pytest.raises(active_set.ContactSetNotConverged, match="after 2 steps"):
         active_set.solve_contact_by_block_pivoting(cycle, start, most_steps=2)
-    _, followed = active_set.find_contact_set_by_closing_wide_gaps(cycle)
+    _, followed = active_set.find_contact_set_and_step_count_by_closing_wide_gaps(cycle)
     assert active_set.solve_contact_problem(cycle, start).steps == 7 + followed + 1
 
 
@@ -344,7 +344,7 @@ def test_nodes_that_the_actuation_closes_first():
     A, q, B, C, h = hinged_twice()
 
     def first(*changed, **more):
-        return active_set._find_nodes_that_touch_first(ContactProblem(A, *changed), **more)
+        return active_set._mask_of_nodes_that_touch_first(ContactProblem(A, *changed), **more)
 
     assert first(q, B, C, h).tolist() == [True, True, False]
     # The third node closes at once with the others.

@@ -14,12 +14,12 @@ from drumlin.fem.hp.corner import (
     UnboundedCorner,
     corners_with_unbounded_pressure,
     element_column_size_for_error_at_pointed_gap_kink,
+    nodes_and_pressures_with_power_law_at_corner,
     polynomial_error_of_power_function,
-    pressure_error_left_at_lining_corners,
-    pressure_error_left_at_pointed_gap_kinks,
     pressure_exponent_at_lining_corner,
     pressure_exponents_at_both_lining_corners,
-    pressure_with_power_law_at_corner,
+    remaining_pressure_error_at_lining_corners,
+    remaining_pressure_error_at_pointed_gap_kinks,
     response_with_power_laws_at_corners,
 )
 from drumlin.fem.hp.division import HALF_FORCE_PART
@@ -123,7 +123,7 @@ def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_ag
         exact = x**power + 2 - x
     exact[0] = exact[1]
     theta, p = (1.0 + x, exact) if at_start else ((1.0 + ends[-1] - x)[::-1], exact[::-1])
-    new, value = pressure_with_power_law_at_corner(
+    new, value = nodes_and_pressures_with_power_law_at_corner(
         theta, p, order, UnboundedCorner(at_start=at_start, exponent=power), reach=POWER_LAW_PART
     )
     at, q, weight = polynomial_values_at_gauss_points(new, value, order)
@@ -145,7 +145,7 @@ def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
     inner = np.diff(ends)[:, None] * 0.5 * (1 + gauss_lobatto_points(order)[:-1])
     x = np.append((ends[:-1, None] + inner).ravel(), ends[-1])
     p = np.append(x[1] ** power, x[1:] ** power)
-    new, value = pressure_with_power_law_at_corner(
+    new, value = nodes_and_pressures_with_power_law_at_corner(
         x, p, order, UnboundedCorner(at_start=True, exponent=power), reach=POWER_LAW_PART
     )
     at, q, weight = (part.ravel() for part in polynomial_values_at_gauss_points(new, value, order))
@@ -187,13 +187,13 @@ def test_what_is_left_of_p_is_known_where_it_has_no_bound():
         solve_brake_on_finer_and_finer_mesh_levels(stored.brake, solve_prepared_model), 4
     )
     (shoe,), (found,) = stored.brake.shoes, last.response.shoes
-    left = pressure_error_left_at_pointed_gap_kinks(shoe, stored.brake.size, found)
+    left = remaining_pressure_error_at_pointed_gap_kinks(shoe, stored.brake.size, found)
     assert left == pytest.approx(
         true_errors_of_response(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
     )
     corner = read_stored_fine_solution(TRUTHS / "corner_dragged_inwards.json").brake
     *_, last = islice(solve_brake_on_finer_and_finer_mesh_levels(corner, solve_prepared_model), 2)
     (found,) = last.response.shoes
-    assert pressure_error_left_at_lining_corners(corner, 0, found) > 2e-3
+    assert remaining_pressure_error_at_lining_corners(corner, 0, found) > 2e-3
     (better,) = response_with_power_laws_at_corners(corner, last.response).shoes
-    assert pressure_error_left_at_lining_corners(corner, 0, better) < 3e-4
+    assert remaining_pressure_error_at_lining_corners(corner, 0, better) < 3e-4

@@ -33,7 +33,7 @@ from drumlin.fem.substructure.body import (
 from drumlin.fem.substructure.elasticity import (
     isotropic_and_orthotropic_elastic_constants,
     stresses_from_displacement_gradients,
-    thickness_directions_of_layers,
+    unit_vectors_through_thickness_of_layers,
 )
 from drumlin.response.resultants import gauss_lobatto_points
 from drumlin.verification.triangles import lagrange
@@ -137,7 +137,7 @@ def test_stresses_are_those_of_the_matrix_in_the_layers_directions(name):
     points, H = random.uniform(0.1, 0.2, (2, 5)), random.standard_normal((2, 2, 5))
     t, n = directions(layer, points)
     assert layer.directions(points) == pytest.approx(t, abs=1e-14)
-    assert thickness_directions_of_layers(t) == pytest.approx(n, abs=1e-14)
+    assert unit_vectors_through_thickness_of_layers(t) == pytest.approx(n, abs=1e-14)
     eps = 0.5 * (H + H.swapaxes(0, 1))
 
     def parts(tensor):

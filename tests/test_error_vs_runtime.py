@@ -10,7 +10,7 @@ import independent
 from drumlin.base.errors import BadInput
 from drumlin.base.journal import Journal
 from drumlin.fem.solve import solve
-from drumlin.studies import import_study
+from drumlin.studies import import_study_and_find_its_folder
 from drumlin.verification.reference import ReferenceResponses, solve_brake_for_reference_values
 from drumlin_studies import work_precision
 from drumlin_studies.recommendation import (
@@ -23,7 +23,7 @@ from drumlin_studies.work_precision import (
     Method,
     measure_call_time_over_unit_workload,
     measure_drumlin_method_on_brake,
-    uncertainty_of_reference_responses,
+    relative_uncertainties_of_reference_responses,
 )
 from picking import having, picked, saying
 from shared_parts import scaled_pressures
@@ -55,7 +55,7 @@ class Stopping(Journal):
 def outcome(tmp_path_factory):
     """The study's module, its result after two interruptions, and its journal at each of them."""
     path = tmp_path_factory.mktemp("study") / "journal.jsonl"
-    module, _ = import_study("error_vs_runtime")
+    module, _ = import_study_and_find_its_folder("error_vs_runtime")
     kept, references = [], {}
 
     def once(brake, refinement):
@@ -200,7 +200,7 @@ def test_methods_that_do_not_apply_are_rows(brake):
     for row in rows:
         assert row["status"].startswith("refused: --")
     with pytest.raises(BadInput):
-        import_study("no_such_study")
+        import_study_and_find_its_folder("no_such_study")
 
 
 def test_times_are_medians_of_enough_repeats_beside_the_unit():
@@ -222,12 +222,16 @@ def test_the_floor_is_the_distance_of_both_references_whose_shoes_do_not_cancel(
         ),
     )
     assert other.torque == pytest.approx(one.torque, rel=1e-12)
-    assert uncertainty_of_reference_responses(brake, ReferenceResponses(one, one, other))[
-        "torque_error"
-    ] == pytest.approx(2 / one.torque, rel=1e-12)
+    assert relative_uncertainties_of_reference_responses(
+        brake, ReferenceResponses(one, one, other)
+    )["torque_error"] == pytest.approx(2 / one.torque, rel=1e-12)
     peaks = replace(one, shoes=scaled_pressures(one.shoes, 1.01))
-    found = uncertainty_of_reference_responses(brake, ReferenceResponses(one, peaks, None))
+    found = relative_uncertainties_of_reference_responses(
+        brake, ReferenceResponses(one, peaks, None)
+    )
     assert [found["pressure_error"], found["peak_error"]] == pytest.approx([0.01, 0.01], rel=1e-9)
     assert set(
-        uncertainty_of_reference_responses(brake, ReferenceResponses(one, one, one)).values()
+        relative_uncertainties_of_reference_responses(
+            brake, ReferenceResponses(one, one, one)
+        ).values()
     ) == {0.0}

@@ -33,7 +33,7 @@ from drumlin.explore.knobs import (
 )
 from drumlin.explore.page import http_reply_to_requested_address
 from drumlin.explore.picture import (
-    highest_pressure_of_scale,
+    highest_pressure_of_picture_scale,
     picture_of_brake_at_slider_setting,
     pressure_curve_as_whole_numbers,
 )
@@ -86,7 +86,7 @@ def test_shoes_with_their_widths_are_a_choice_of_the_page(explorer):
         link_query_of_slider_setting(explorer.knobs, explorer.brake, wide.setting) == "model=solid"
     )
     limits = [
-        min(explorer.self_locking_friction_of_groups(explorer.brake, model).values())
+        min(explorer.cached_self_locking_friction_of_shoe_groups(explorer.brake, model).values())
         for model in ("fem", "solid")
     ]
     assert limits[0] != limits[1]
@@ -271,7 +271,7 @@ def test_self_locking_is_said_and_its_distance(explorer):
     answer = explorer.fem_and_law_answer_at_slider_setting(
         slider_setting_at_brake_file_values(explorer.brake)
     )
-    limit = min(explorer.self_locking_friction_of_groups(answer.brake).values())
+    limit = min(explorer.cached_self_locking_friction_of_shoe_groups(answer.brake).values())
     # The limit comes from the condensed matrices on 80 elements.
     assert limit == pytest.approx(1.1812, rel=1e-3)
     assert answer.law_locking == pytest.approx(0.8231, rel=1e-3)
@@ -380,10 +380,10 @@ def test_how_far_the_fixed_division_is_off_is_said(explorer):
 
 def test_the_scale_is_round_and_holds_the_peak():
     for peak in np.geomspace(1e-3, 1e3, 200):
-        assert peak <= highest_pressure_of_scale(peak) <= 2.5001 * peak
+        assert peak <= highest_pressure_of_picture_scale(peak) <= 2.5001 * peak
         assert round(
-            highest_pressure_of_scale(peak)
-            / 10 ** math.floor(math.log10(highest_pressure_of_scale(peak)) + 1e-9),
+            highest_pressure_of_picture_scale(peak)
+            / 10 ** math.floor(math.log10(highest_pressure_of_picture_scale(peak)) + 1e-9),
             6,
         ) in {
             1,
@@ -391,7 +391,7 @@ def test_the_scale_is_round_and_holds_the_peak():
             5,
             10,
         }
-    assert highest_pressure_of_scale(0.0) == 1.0
+    assert highest_pressure_of_picture_scale(0.0) == 1.0
 
 
 @pytest.mark.parametrize(

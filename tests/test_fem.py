@@ -24,7 +24,10 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 from drumlin.response.norms import relative_distance_of_pressures
-from drumlin.verification.cost import cost_by_size_table_lines, measure_time_and_memory_of_fem
+from drumlin.verification.cost import (
+    measure_time_and_memory_of_fem,
+    table_lines_of_cost_by_number_of_unknowns,
+)
 from picking import picked, saying
 
 ROTATIONS = ("counter-clockwise", "clockwise")
@@ -447,7 +450,7 @@ def test_cost_is_counted_from_the_same_run(brake):
 
 @pytest.mark.slow
 def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
-    head, *rows, last = cost_by_size_table_lines(brake, sizes=(2_000, 4_000))
+    head, *rows, last = table_lines_of_cost_by_number_of_unknowns(brake, sizes=(2_000, 4_000))
     assert "memory [GiB]" in head
     # Meshes consist of whole layers of elements and meet a size only roughly.
     assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.4)

@@ -104,7 +104,7 @@ def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_be
     assert bool(p.max() * 1e-6 > top) is bool(cut)
     lower = Figure().subplots()
     lower.set_ylim(0, 0.5 * p.max())
-    figures.mark_where_curve_leaves_axes(lower, theta, p, "#000000")
+    figures.draw_triangles_where_curve_leaves_axes(lower, theta, p, "#000000")
     assert [line.get_ydata()[0] for line in lower.lines] == [0.5 * p.max()] * len(
         lower.lines
     ) and lower.lines

@@ -23,10 +23,10 @@ from drumlin.base.errors import (
 from drumlin.base.files import (
     check_output_files_are_writable,
     check_path_can_be_folder,
-    protect_input_files,
+    protect_input_files_within_block,
     read_bytes,
     read_text,
-    spreadsheet_cell_without_formula,
+    spreadsheet_cell_safe_from_being_run_as_formula,
     temporary_file_replacing_output,
     write_text,
 )
@@ -241,7 +241,7 @@ def test_outside_of_the_command_line_what_was_read_may_be_written(tmp_path):
     path.write_text("read")
     read_text(path, 100, "a file")
     write_text(path, "written")
-    with protect_input_files():
+    with protect_input_files_within_block():
         read_text(path, 100, "a file")
         with pytest.raises(BadInput, match="must not be written over"):
             write_text(path, "again")
@@ -381,14 +381,14 @@ def test_texts_are_limited_before_a_parser_sees_them():
     "text", ["=1+1", "+cmd|' /C calc'!A0", "-2+3+cmd|x", "@SUM(1)", "\t=1", "\r=1", "-x"]
 )
 def test_a_text_that_a_spreadsheet_would_compute_is_led_by_an_apostrophe(text):
-    assert spreadsheet_cell_without_formula(text) == f"'{text}"
+    assert spreadsheet_cell_safe_from_being_run_as_formula(text) == f"'{text}"
 
 
 @pytest.mark.parametrize(
     "value", ["-70 to 55.1", "-1e-05", "+3", "-70", "a=1", "", -3.5, None, "failed: -"]
 )
 def test_numbers_and_harmless_texts_are_cells_as_they_are(value):
-    assert spreadsheet_cell_without_formula(value) == value
+    assert spreadsheet_cell_safe_from_being_run_as_formula(value) == value
 
 
 # the last word of a process

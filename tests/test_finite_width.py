@@ -9,11 +9,11 @@ import pytest
 import drumlin as package
 from command_line import drumlin
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.texts import error_as_text
+from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.width import error
@@ -23,7 +23,7 @@ from drumlin.fem.width.correction import (
 )
 from drumlin.fem.width.error import (
     coarse_solutions_with_and_without_shoe_width,
-    distance_of_plane_stress_from_width_solution,
+    relative_distance_of_plane_stress_from_width_solution,
 )
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.response.balance import relative_imbalance_of_shoe
@@ -40,8 +40,8 @@ def one_width(brake):
 
 def solid_answer(brake, plane, degree=5, level=LEVELS[1]):
     """The answer of shoes with their widths on the second level of the section."""
-    points = singular_points_of_all_linings(
-        brake, plane, error=level.pressure_error_by_column_ratio
+    points = singular_points_of_each_shoe_shape(
+        brake, plane, error=level.pressure_error_due_to_column_size_ratio
     )
     return solve_prepared_model(
         prepare_model_with_shoe_widths(brake, level, degree, points), brake, start=plane
@@ -53,7 +53,12 @@ def test_without_contraction_one_width_is_not_corrected(flexible):
     brake = vary(flexible, changes)
     plane, found = solve(brake), solve(brake, finite_width=True)
     assert (
-        max(distance_of_plane_stress_from_width_solution(brake, plane, found).brake.values()) < 1e-9
+        max(
+            relative_distance_of_plane_stress_from_width_solution(
+                brake, plane, found
+            ).brake.values()
+        )
+        < 1e-9
     )
     assert max(found.plane_stress_error.brake.values()) < 1e-9
 
@@ -91,8 +96,8 @@ def test_it_more_than_halves_the_error_and_states_what_remains(flexible, section
     brake = section(flexible)
     plane, found = solve(brake), solve(brake, finite_width=True)
     true = solid_answer(brake, plane)
-    without = distance_of_plane_stress_from_width_solution(brake, plane, true).brake
-    remaining = distance_of_plane_stress_from_width_solution(brake, found, true).brake
+    without = relative_distance_of_plane_stress_from_width_solution(brake, plane, true).brake
+    remaining = relative_distance_of_plane_stress_from_width_solution(brake, found, true).brake
     for name, size in remaining.items():
         stated = found.plane_stress_error.brake[name] + found.error[name]
         assert without[name] > 1e-3
@@ -109,7 +114,7 @@ def test_the_balance_is_that_of_the_corrected_pressure(flexible):
     assert found.balance.force == max(each.force for each in balances)
     assert found.balance.moment == max(each.moment for each in balances)
     (note,) = [line for line in found.notes if line.startswith("corrected for the widths")]
-    assert f"balances to {error_as_text(found.balance.force)} (force)" in note
+    assert f"balances to {error_text_in_percent(found.balance.force)} (force)" in note
     assert not any("not quite as round" in line for line in found.notes)
     # The pressure and the torque are corrected one by one, but by the same two answers.
     assert 1e-9 < found.balance.force < 1e-3
@@ -125,8 +130,8 @@ def test_a_solve_prints_what_remains_alone_and_with_the_error_of_the_mesh(root, 
     left, mesh = data["plane_stress_error"], data["error"]
     assert left["corrected"] is True
     assert left["peak"] is None
-    assert f"{LINE}p {error_as_text(left['pressure'])} (mean over the width)" in text
-    assert f"both together: p {error_as_text(left['pressure'] + mesh['pressure'])}" in text
+    assert f"{LINE}p {error_text_in_percent(left['pressure'])} (mean over the width)" in text
+    assert f"both together: p {error_text_in_percent(left['pressure'] + mesh['pressure'])}" in text
     assert "error of plane stress itself" not in text
     assert "corrected for the widths of the shoes: torque by " in text
     brake = read_brake(file)
@@ -166,7 +171,7 @@ def test_it_corrects_brakes_on_a_plane(root):
     brake = read_any(root / "studies" / "brakes" / "rail_clamp.toml")
     plane, found = solve(brake), solve(brake, finite_width=True)
     assert found.effect == pytest.approx(plane.effect, rel=0.1)
-    sizes = distance_of_plane_stress_from_width_solution(brake, plane, found).brake
+    sizes = relative_distance_of_plane_stress_from_width_solution(brake, plane, found).brake
     assert sizes["pressure"] > found.plane_stress_error.brake["pressure"] > 1e-5
 
 

@@ -11,8 +11,8 @@ import pytest
 import drumlin
 from command_line import drumlin as run
 from conftest import partly
-from drumlin.base.arrays import are_equal_with_arrays
-from drumlin.base.texts import error_as_text
+from drumlin.base.arrays import are_nested_values_with_arrays_equal
+from drumlin.base.texts import error_text_in_percent
 from drumlin.cli.solving import _SolvedBrake
 from drumlin.models import BUILT_IN_MODELS, MODELS
 from drumlin.studies import PACKAGES_OF_STUDIES, paths_of_all_examples
@@ -59,9 +59,9 @@ def test_answers_are_equal_if_all_their_numbers_are(brake):
     run = drumlin.hold(brake, elements=6, steps=1)
     assert run == drumlin.hold(brake, elements=6, steps=1) and run.states[0] != run.states[1]
     zeros = np.zeros(2)
-    assert are_equal_with_arrays({"a": (zeros, 1)}, {"a": (zeros, 1)})
+    assert are_nested_values_with_arrays_equal({"a": (zeros, 1)}, {"a": (zeros, 1)})
     for unequal in ({"a": (zeros, 2)}, {"b": (zeros, 1)}, {"a": (np.zeros(3), 1)}, {"a": (zeros,)}):
-        assert not are_equal_with_arrays({"a": (zeros, 1)}, unequal)
+        assert not are_nested_values_with_arrays_equal({"a": (zeros, 1)}, unequal)
 
 
 def test_what_is_shown_is_short(brake):
@@ -98,7 +98,7 @@ def test_an_array_and_a_function_are_a_clearance(brake):
     given = drumlin.vary(brake, {key: gap})
     lining = given.shoes[0].lining
     theta = np.linspace(lining.start, lining.end, 2001)
-    at = lining.clearance_at_surface_coordinates(theta)
+    at = lining.clearances_at_surface_coordinates(theta)
     assert np.abs(at - gap(theta)).max() < 1e-6 * at.max()
     finer = drumlin.vary(brake, {key: np.column_stack([theta, gap(theta)])})
     assert drumlin.solve(given).torque == pytest.approx(drumlin.solve(finer).torque, rel=1e-5)
@@ -386,7 +386,7 @@ def test_the_terminal_names_its_options(here):
 
 def test_json_of_the_terminal_names_its_options_too(brake):
     failure = drumlin.NoAnswer("--tolerance = 1e-12: is not reached")
-    failure.name_arguments_in_place_of_options()
+    failure.replace_options_by_python_arguments_in_message()
     data = _SolvedBrake(Path("my.toml"), brake, None, failure).as_dict()
     assert data == {"brake_file": "my.toml", "failure": "--tolerance = 1e-12: is not reached"}
 
@@ -444,7 +444,7 @@ def test_wear_starts_where_solve_is_and_states_its_error(here):
     said = worn.lines()[-1]
     for key in ("pressure", "torque"):
         assert worn.start_error[key] == pytest.approx(solved.error[key])
-        assert error_as_text(solved.error[key]) in said
+        assert error_text_in_percent(solved.error[key]) in said
     assert worn.as_dict()["start_error"] == worn.start_error
 
 
@@ -496,4 +496,4 @@ def test_errors_are_in_per_cent(here):
     line = said[said.index("estimated error") :].replace("\n ", "")
     assert re.match(r"estimated error: p 0\.0\d+ % \(L2, worst shoe\), torque 0\.0\d+ %", line)
     shown = {5.8e-4: "0.058 %", 0.123: "12 %", 0.994: "99 %", 0.996: "100 %", 12.3: "1230 %"}
-    assert {error: error_as_text(error) for error in shown} == shown
+    assert {error: error_text_in_percent(error) for error in shown} == shown

@@ -14,7 +14,10 @@ from drumlin import BadInput, Brake, NoAnswer, foundation
 from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
 from drumlin.foundation import ring
 from drumlin.foundation.model import contact_problem_of_shoe_group
-from drumlin.foundation.post import divide_shoe_into_stations_and_sectors, places_of_beam_stations
+from drumlin.foundation.post import (
+    divide_shoe_into_stations_and_sectors,
+    places_of_beam_stations_and_indices_under_linings,
+)
 from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 from drumlin.lining_wear.worn_in import post_brake_with_worn_in_clearances
 from drumlin.models import MODELS, applicable_models
@@ -153,10 +156,12 @@ def test_a_beam_on_an_elastic_foundation_is_hetenyis():
 
 def test_stations_end_at_the_linings_ends_and_their_number_is_as_asked():
     for sections in (10, 45, 360):
-        x, (under,) = places_of_beam_stations(4.6, [np.array([1.0, 3.6])], sections)
+        x, (under,) = places_of_beam_stations_and_indices_under_linings(
+            4.6, [np.array([1.0, 3.6])], sections
+        )
         assert abs(len(x) - 1 - sections) <= 1
         assert (x[under[0]], x[under[-1]], x[-1]) == pytest.approx((1.0, 3.6, 4.6))
-    x, (under,) = places_of_beam_stations(4.6, [np.array([0.0, 4.6])], 20)
+    x, (under,) = places_of_beam_stations_and_indices_under_linings(4.6, [np.array([0.0, 4.6])], 20)
     assert len(x) == len(under) == 21
 
 
@@ -539,6 +544,6 @@ def test_a_worn_in_lining_bears_by_the_sine_law_however_elastic_the_brake_is(lif
             c.pressure_at(b.theta), rel=2e-3, abs=1e-5 * c.peak_pressure
         )
         assert np.abs(a.pressure - c.pressure_at(a.theta)).max() > 0.1 * c.peak_pressure
-        gap = shoe.lining.clearance_at_surface_coordinates(b.theta)
+        gap = shoe.lining.clearances_at_surface_coordinates(b.theta)
         assert gap.min() == pytest.approx(0, abs=1e-9)
         assert gap.max() > 1e-4

@@ -10,7 +10,7 @@ from drumlin import foundation
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.analysis.deflection import (
-    inward_displacement_of_ring_surface,
+    angles_and_inward_displacements_of_ring_surface,
     stations_and_deflections_of_beam,
 )
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
@@ -225,12 +225,12 @@ def test_beam_and_rim_of_the_finite_elements_move_as_those_of_the_foundation_mod
         assert w == pytest.approx(
             np.interp(x, answer.deformation.x, answer.deformation.w), abs=0.05 * w.max()
         )
-    theta, z = inward_displacement_of_ring_surface(scene, brake, fem)
+    theta, z = angles_and_inward_displacements_of_ring_surface(scene, brake, fem)
     whole = foundation.ring_displacement_under_each_shoe(brake, mine, theta, ["all"]).sum(axis=0)
     assert np.ptp(theta) > 6
     assert np.abs(z - whole).max() < 0.03 * np.abs(z).max()
     with pytest.raises(BadInput, match="rigid drum"):
-        inward_displacement_of_ring_surface(
+        angles_and_inward_displacements_of_ring_surface(
             make_prepared_model(vary(brake, {"drum.ring": None}), elements=10), brake, fem
         )
 

@@ -6,10 +6,13 @@ import pytest
 import drumlin
 from drumlin.brake.file import vary
 from drumlin.contact import stick_slip
-from drumlin.fem.analysis.at_rest import FeetOnRoughAbutments, make_stick_slip_problem_of_shoe_group
+from drumlin.fem.analysis.at_rest import (
+    FeetOnRoughAbutments,
+    make_stick_slip_problem_and_slip_per_drum_rotation,
+)
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
-    states_of_holding_brake_at_rotations,
+    turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.equilibrium.group import divide_shoes_into_groups
 from drumlin.fem.model import solve_prepared_model
@@ -23,7 +26,9 @@ from shared_forces import cam_brake, servo
 def test_held_from_rest_to_full_slip_shoes_come_to_the_sliding_torque(kind: str) -> None:
     brake = vary(brake_of(kind, 1, body=BODY), {"shoe.lining.thickness": 0.005})
     scene = make_prepared_model(brake, elements=16)
-    states = states_of_holding_brake_at_rotations(scene, brake, np.geomspace(1e-6, 2e-3, 8))
+    states = turn_holding_brake_and_return_states_at_rotations(
+        scene, brake, np.geomspace(1e-6, 2e-3, 8)
+    )
     # The lever drags the shoe along the drum to full slip as it presses the shoe.
     if kind != "pivot":
         assert states[0].torque < states[-1].torque * (1 - 1e-3)
@@ -41,7 +46,7 @@ def test_forces_shared_by_a_cam_or_a_strut_hold_the_drum_by_what_it_slides_at(
 ) -> None:
     brake = vary(make(spin=spin, body=0.012), {"shoe.lining.thickness": 0.005, "drum.ring": ring})
     scene = make_prepared_model(brake, elements=10)
-    states = states_of_holding_brake_at_rotations(
+    states = turn_holding_brake_and_return_states_at_rotations(
         scene, brake, np.linspace(0, find_drum_rotation_of_full_slip(scene, brake), 4)
     )
     assert states[-1].sticking == 0
@@ -61,8 +66,8 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
     brake = vary(brake_of("rough abutment", spin, body=BODY), {"shoe.lining.thickness": 0.005})
     scene = make_prepared_model(brake, elements=12)
     (group,) = divide_shoes_into_groups(scene, brake, [0], 1e6)
-    problem, lever = make_stick_slip_problem_of_shoe_group(group)
-    mu = FeetOnRoughAbutments.collect_shoe_ends_on_rough_abutments(
+    problem, lever = make_stick_slip_problem_and_slip_per_drum_rotation(group)
+    mu = FeetOnRoughAbutments.collect_feet_on_rough_abutments(
         group
     ).friction_coefficients_of_all_nodes()
     assert mu[-1] == 0.2
@@ -96,7 +101,9 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
         assert abs(slip) < 1e-15 or t == pytest.approx(0.2 * p * np.sign(slip), rel=1e-9)
         seen.add(int(at.state[-1]))
     assert len(seen) > 1
-    last = states_of_holding_brake_at_rotations(scene, brake, np.linspace(0, end, 5))[-1]
+    last = turn_holding_brake_and_return_states_at_rotations(scene, brake, np.linspace(0, end, 5))[
+        -1
+    ]
     # The foot of the trailing shoe slides while the force comes on and sticks there: a little
     # beyond its place under a drum that slides already.
     assert last.torque == pytest.approx(

@@ -13,7 +13,7 @@ from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
     compute_checks_of_wear_run,
-    final_pressure_and_torque_by_rigid_shoe_law,
+    final_wear_pressure_and_torque_by_rigid_shoe_law,
     wear_brake_linings_until_worn_in,
 )
 from flat_pads import pad
@@ -76,7 +76,7 @@ def test_running_in_ends_at_the_law(name: str) -> None:
     setup = wear_setup_by_finite_elements(make_prepared_model(brake, elements=24), brake)
     states, goal = (
         wear_brake_linings_until_worn_in(setup),
-        final_pressure_and_torque_by_rigid_shoe_law(setup),
+        final_wear_pressure_and_torque_by_rigid_shoe_law(setup),
     )
     assert goal.torque == pytest.approx(solve_brake_by_its_rigid_shoe_law(brake).torque, rel=2e-4)
     assert states[-1].torque == pytest.approx(goal.torque, rel=2e-3)

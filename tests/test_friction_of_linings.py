@@ -15,7 +15,7 @@ from drumlin.cli.commands import app
 from drumlin.explore.knobs import sliders_for_brake
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
-    states_of_holding_brake_at_rotations,
+    turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
@@ -26,9 +26,9 @@ from drumlin.fem.error_control.refinement import (
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.peers.peer import meshes_of_shoes_for_peer_program
+from drumlin.peers.peer import mesh_shoes_for_peer_program
 from drumlin.response.resultants import integral_of_piecewise_polynomial
-from drumlin.verification.triangles import solve_on_triangle_level_sequence
+from drumlin.verification.triangles import solve_brake_on_sequence_of_triangle_meshes
 from shared_forces import cam_brake, servo
 
 OWN = {"friction": 0.2, "shoe[0].lining.friction": 0.3, "shoe[1].lining.friction": 0.45}
@@ -117,7 +117,10 @@ def test_shoes_that_act_on_each_other_balance_with_their_own_friction(root, kind
 @pytest.mark.slow
 def test_the_second_solver_agrees_on_a_ring(root):
     brake = unlike(posts(root))
-    near, true = drumlin.solve(brake, model_error=False), solve_on_triangle_level_sequence(brake)
+    near, true = (
+        drumlin.solve(brake, model_error=False),
+        solve_brake_on_sequence_of_triangle_meshes(brake),
+    )
     for ours, other in zip(near.shoes, true[-1], strict=True):
         assert ours.torque == pytest.approx(other.torque, rel=3e-3)
 
@@ -147,7 +150,7 @@ def test_a_held_drum_slips_at_the_torque_of_solve(brake):
     own = unlike(brake)
     scene = make_prepared_model(own, elements=8)
     turned = find_drum_rotation_of_full_slip(scene, own)
-    (state,) = states_of_holding_brake_at_rotations(scene, own, [turned])
+    (state,) = turn_holding_brake_and_return_states_at_rotations(scene, own, [turned])
     assert state.torque == pytest.approx(solve_prepared_model(scene, own).torque, rel=1e-6)
 
 
@@ -169,7 +172,7 @@ def test_refusals_name_the_key(brake):
     with pytest.raises(BadInput, match=r"friction = 0: must be .* own shoe\[1\]\.lining\.friction"):
         vary(brake, {"friction": 0.0, "shoe[1].lining.friction": 0.2})
     with pytest.raises(BadInput, match=r"shoe\[1\]\.lining\.friction = 0: the peers"):
-        meshes_of_shoes_for_peer_program(vary(brake, {"shoe[1].lining.friction": 0.0}))
+        mesh_shoes_for_peer_program(vary(brake, {"shoe[1].lining.friction": 0.0}))
     with pytest.raises(BadInput, match=r"shoe\[1\]\.lining\.friction"):
         vary(brake, {"shoe[1].lining.friction": -0.1})
 

@@ -22,7 +22,7 @@ from drumlin.contact.pressure_friction import (
 from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.explore.answers import Explorer
 from drumlin.fem.solve import solve
-from drumlin.peers.peer import meshes_of_shoes_for_peer_program
+from drumlin.peers.peer import mesh_shoes_for_peer_program
 from drumlin.response.balance import relative_imbalance_of_shoe
 from drumlin.response.resultants import integral_of_piecewise_polynomial
 from drumlin_studies.random_brake import draw_random_brake
@@ -200,8 +200,8 @@ def test_friction_agrees_with_the_pressure_and_every_shoe_balances(brake, name):
     found = on_mesh(table)
     assert max(found.balance.force, found.balance.moment) < 1e-9
     for shoe, given in zip(found.shoes, table.shoes, strict=True):
-        curve = table.friction_over_pressure_of_shoe(given)
-        stress = curve.friction_coefficient_at_pressures(shoe.pressure) * shoe.pressure
+        curve = table.friction_coefficient_curve_of_shoe(given)
+        stress = curve.friction_coefficients_at_pressures(shoe.pressure) * shoe.pressure
         assert_allclose(shoe.friction_stress, stress, atol=2e-10 * stress.max())
         # The torque is that of the friction stress, integrated by hand.
         force = integral_of_piecewise_polynomial(shoe.theta, stress, shoe.order)
@@ -308,15 +308,17 @@ def test_each_shoe_needs_few_steps_of_newtons_method(brake, monkeypatch):
 def test_a_grid_is_linear_in_pressure_and_speed(brake):
     # 150 mm at 50 rad/s slide at 7.5 m/s, a quarter of the way from 5 to 15 m/s.
     table = over_pressure(brake, GRID, **{"drum.speed": 50.0})
-    curve = table.friction_over_pressure_of_shoe(table.shoes[0])
+    curve = table.friction_coefficient_curve_of_shoe(table.shoes[0])
     assert table.sliding_speed == pytest.approx(0.150 * 50)
     assert_allclose(
-        curve.friction_coefficient_at_pressures(np.array([0, 5e5, 9e9])),
+        curve.friction_coefficients_at_pressures(np.array([0, 5e5, 9e9])),
         [0.39, 0.3425, 0.295],
         rtol=1e-12,
     )
     assert_allclose(
-        curve.friction_slope_at_pressures(np.array([0, 5e5, 9e9])), [-9.5e-8, -9.5e-8, 0], rtol=1e-9
+        curve.friction_slopes_at_pressures(np.array([0, 5e5, 9e9])),
+        [-9.5e-8, -9.5e-8, 0],
+        rtol=1e-9,
     )
     reduced = {"pressure": [0, 1e6], "mu": [0.39, 0.295]}
     expected = on_mesh(over_pressure(brake, reduced)).torque
@@ -331,7 +333,9 @@ def test_speed_and_temperature_alone_give_each_lining_a_number(brake):
     }
     hot = {"shoe[0].lining.temperature_rise": 100.0, "shoe.lining.material.expansion": 0.0}
     varied = over_pressure(brake, table, **{"drum.speed": 50.0} | hot)
-    assert [varied.friction_of_shoe(shoe) for shoe in varied.shoes] == pytest.approx([0.335, 0.38])
+    assert [
+        varied.friction_coefficient_of_shoe_at_zero_pressure(shoe) for shoe in varied.shoes
+    ] == pytest.approx([0.335, 0.38])
     plain = {"friction": 0.38, "shoe[0].lining.friction": 0.335}
     for model in ("fem", "sine"):
         options = {"elements": 12, "model_error": False} if model == "fem" else {}
@@ -423,7 +427,7 @@ REFUSED = {
     "sine": lambda brake: drumlin.solve(brake, "sine"),
     "cosine": lambda brake: drumlin.solve(brake, "cosine"),
     "block": lambda brake: drumlin.solve(brake, "block"),
-    "peers": meshes_of_shoes_for_peer_program,
+    "peers": mesh_shoes_for_peer_program,
 }
 
 
@@ -454,7 +458,7 @@ def test_the_table_of_a_function_meets_it(brake):
         return 0.4 / (1 + 1e-6 * pressure)
 
     table = vary(brake, {"friction": fading}).friction_as_written
-    curve = table.friction_over_pressure_at_speed_and_heat(0.0, 0.0)
+    curve = table.friction_coefficient_curve_at_speed_and_temperature_rise(0.0, 0.0)
     pressure = np.geomspace(1e3, 1e8, 20001)
     met = np.interp(pressure, curve.pressure, curve.mu)
     assert np.abs(met / fading(pressure) - 1).max() < 6e-5

@@ -23,7 +23,7 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.verification.triangles.levels import (
     CONTACT_FINDING_LEVEL,
-    solve_on_triangle_level_sequence,
+    solve_brake_on_sequence_of_triangle_meshes,
 )
 
 HOT = read_brake(ROOT / "studies" / "heat" / "brake.toml")
@@ -213,7 +213,7 @@ def test_the_second_solver_has_the_same_hot_brake(file):
             | {"shoe.lining.back_temperature_rise": 20.0, "shoe.body.back_temperature_rise": 0.0},
         )
     response = drumlin.solve(brake, tolerance=1e-3, model_error=False)
-    shoes = solve_on_triangle_level_sequence(brake)[-1]
+    shoes = solve_brake_on_sequence_of_triangle_meshes(brake)[-1]
     torque = sum(shoe.torque for shoe in shoes)
     assert abs(response.torque / torque - 1) < response.error["torque"] + 1e-6
     for mine, theirs in zip(response.shoes, shoes, strict=True):
@@ -224,7 +224,7 @@ def test_the_second_solver_has_the_same_hot_brake(file):
 @pytest.mark.slow
 def test_triangles_on_a_coarse_mesh_have_the_same_hot_brake():
     brake = vary(MAIN, LINING | BODY | {"shoe.body.back_temperature_rise": 0.0})
-    shoes = solve_on_triangle_level_sequence(brake, [CONTACT_FINDING_LEVEL])[-1]
+    shoes = solve_brake_on_sequence_of_triangle_meshes(brake, [CONTACT_FINDING_LEVEL])[-1]
     assert sum(shoe.torque for shoe in shoes) == pytest.approx(solved(brake).torque, rel=2e-3)
 
 

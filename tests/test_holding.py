@@ -12,10 +12,10 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK
-from drumlin.fem.analysis.at_rest import make_stick_slip_problem_of_shoe_group
+from drumlin.fem.analysis.at_rest import make_stick_slip_problem_and_slip_per_drum_rotation
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
-    states_of_holding_brake_at_rotations,
+    turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
 from drumlin.fem.equilibrium.group import divide_shoes_into_groups
@@ -63,7 +63,7 @@ def test_random_brakes_go_through_full_slip_and_back(count):
         # The drum turns forth until all nodes slip.
         end = find_drum_rotation_of_full_slip(scene, brake, increments=6)
         forth = np.linspace(0, end, 6)
-        states = states_of_holding_brake_at_rotations(scene, brake, forth)
+        states = turn_holding_brake_and_return_states_at_rotations(scene, brake, forth)
         assert states[-1].sticking == 0
         assert states[-1].torque == pytest.approx(
             solve_prepared_model(scene, brake).torque, rel=1e-6
@@ -79,7 +79,7 @@ def test_random_brakes_go_through_full_slip_and_back(count):
             continue
         # The way back first releases the brake, then leads to full slip in the other sense.
         far = end + 3 * max(end, find_drum_rotation_of_full_slip(scene, back))
-        state = states_of_holding_brake_at_rotations(
+        state = turn_holding_brake_and_return_states_at_rotations(
             scene, brake, np.concatenate([forth, end - np.linspace(0, far, 10)[1:]])
         )[-1]
         assert state.sticking == 0
@@ -99,7 +99,9 @@ def test_at_the_rotation_of_full_slip_no_path_sticks():
     scene = make_prepared_model(pad, elements=12)
     end = find_drum_rotation_of_full_slip(scene, pad, increments=1)
     for count in (2, 6, 12):
-        last = states_of_holding_brake_at_rotations(scene, pad, np.linspace(0, end, count))[-1]
+        last = turn_holding_brake_and_return_states_at_rotations(
+            scene, pad, np.linspace(0, end, count)
+        )[-1]
         assert last.sticking == 0
         assert last.torque == pytest.approx(solve_prepared_model(scene, pad).torque, rel=1e-6)
 
@@ -112,7 +114,7 @@ def test_an_increment_that_does_not_settle_is_halved():
     brake = draw_random_brake_with_clearances(420078)
     scene = make_prepared_model(brake, elements=12)
     far = 640 * find_drum_rotation_of_full_slip(scene, brake)
-    there, back, again = states_of_holding_brake_at_rotations(
+    there, back, again = turn_holding_brake_and_return_states_at_rotations(
         scene, brake, np.array([far, -far, far])
     )
     assert there.sticking == back.sticking == again.sticking == 0
@@ -128,7 +130,7 @@ def test_every_increment_obeys_contact_and_friction():
     kinds = set()
     for seed in range(6):
         brake, scene = any_brake(seed)
-        problem, lever = make_stick_slip_problem_of_shoe_group(
+        problem, lever = make_stick_slip_problem_and_slip_per_drum_rotation(
             divide_shoes_into_groups(scene, brake, [0], 1e6)[0]
         )
         end, mu = find_drum_rotation_of_full_slip(scene, brake), brake.friction
@@ -174,8 +176,8 @@ def test_every_increment_obeys_contact_and_friction():
 @pytest.mark.parametrize(
     "left",
     [
-        ("_find_stick_and_slip_by_newton",),
-        ("_find_stick_and_slip_by_newton", "_find_stick_slip_states_from_balanced_load"),
+        ("_find_stick_slip_states_by_newton",),
+        ("_find_stick_slip_states_by_newton", "_find_stick_slip_states_from_balanced_load"),
     ],
 )
 def test_both_paths_lead_to_the_answer_of_newtons_method(seed, monkeypatch, left):
@@ -185,11 +187,11 @@ def test_both_paths_lead_to_the_answer_of_newtons_method(seed, monkeypatch, left
     """
     brake, scene = any_brake(seed)
     rotations = find_drum_rotation_of_full_slip(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
-    expected = states_of_holding_brake_at_rotations(scene, brake, rotations)
+    expected = turn_holding_brake_and_return_states_at_rotations(scene, brake, rotations)
     with monkeypatch.context() as patch:
         for way in left:
             patch.setattr(stick_slip, way, _refuse)
-        found = states_of_holding_brake_at_rotations(scene, brake, rotations)
+        found = turn_holding_brake_and_return_states_at_rotations(scene, brake, rotations)
     for one, other in zip(found, expected, strict=True):
         largest = other.pressure[0].max()
         assert one.pressure[0] == pytest.approx(other.pressure[0], rel=1e-7, abs=1e-7 * largest)
@@ -213,7 +215,7 @@ def test_another_discretisation_and_another_method_give_the_same_history():
     end = find_drum_rotation_of_full_slip(scene, brake)
     rotations = end * np.array([0.0, 0.3, 0.7, 1.0, 0.5, 0.2, -0.5])
     found = np.array(
-        picked(states_of_holding_brake_at_rotations(scene, brake, rotations), "torque")
+        picked(turn_holding_brake_and_return_states_at_rotations(scene, brake, rotations), "torque")
     )
     expected = independent.hold(brake, 0, rotations, 28, 1e3)
     assert found == pytest.approx(expected, abs=3e-3 * found.max())
@@ -229,7 +231,7 @@ def test_the_history_converges_with_the_increment():
     end = find_drum_rotation_of_full_slip(scene, brake)
 
     def after(n):
-        state = states_of_holding_brake_at_rotations(
+        state = turn_holding_brake_and_return_states_at_rotations(
             scene,
             brake,
             end * np.concatenate([np.linspace(0, 0.6, n), np.linspace(0.6, -0.3, n)[1:]]),
@@ -259,7 +261,7 @@ def test_self_locking_is_refused_with_its_limit(rotation):
     for share in (0.97, 1.03):
         strong = vary(brake, {"friction": share * locks})
         if share < 1:
-            torque = states_of_holding_brake_at_rotations(
+            torque = turn_holding_brake_and_return_states_at_rotations(
                 scene, strong, np.linspace(0, find_drum_rotation_of_full_slip(scene, strong), 5)
             )[-1].torque
             assert torque == pytest.approx(solve_prepared_model(scene, strong).torque, rel=1e-6)

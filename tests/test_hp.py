@@ -21,14 +21,14 @@ from drumlin.fem.analysis.fields import (
 )
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
-    states_of_holding_brake_at_rotations,
+    turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_brake_to_tolerance
 from drumlin.fem.error_control.estimate import FACTORS, estimate_errors_from_two_mesh_levels
 from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp import division
 from drumlin.fem.hp.arc import (
     angular_factors_of_column_stiffness,
@@ -57,7 +57,7 @@ from drumlin.fem.hp.element import (
     shape_function_values_and_slopes,
 )
 from drumlin.fem.hp.shoe import (
-    distinct_sizes_up_to_round_off,
+    distinct_sizes_and_index_of_each_size,
     node_coordinates_of_layers_and_columns,
 )
 from drumlin.fem.model import (
@@ -71,7 +71,7 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.fem.substructure.body import (
     FRAME,
-    condense_body_to_contact_and_frame,
+    condense_body_to_contact_and_hinge_face,
     rigid_body_displacements_of_nodes,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -296,7 +296,7 @@ def body_and_parts(brake, index=0, level=LEVELS[1]):
 def factorised_at_once(shoe, body):
     """The shoe condensed by one sparse factorisation, after a check of its contact stiffness."""
     _, ties, loads = body.condensed.assemble_equations_of_whole_body()
-    other = condense_body_to_contact_and_frame(
+    other = condense_body_to_contact_and_hinge_face(
         body.basis.stiffness(elastic_layers_of_shoe(shoe)),
         ties,
         {"actuation": loads},
@@ -428,7 +428,7 @@ def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
     ringed = vary(brake, drum_ring(0.012, support))
     theirs = solve_prepared_model(make_prepared_model(ringed, elements=120), ringed)
     mine = solve_prepared_model(
-        make_prepared_model(ringed, LEVELS[2], singular_points_of_all_linings(ringed, theirs)),
+        make_prepared_model(ringed, LEVELS[2], singular_points_of_each_shoe_shape(ringed, theirs)),
         ringed,
     )
     assert mine.torque == pytest.approx(theirs.torque, rel=2e-5)
@@ -581,7 +581,7 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
         solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 1, 3
     )
     # The ends of the contact are kept: their rounding changes p by more.
-    places = singular_points_of_all_linings(brake, true)
+    places = singular_points_of_each_shoe_shape(brake, true)
     for rule in (
         division.relative_element_size_far_from_contact,
         lambda size, distance, *, coarsens: size,
@@ -630,7 +630,7 @@ def test_a_short_contact_is_graded_faster():
     true = picked(
         solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), "response"
     )[-1]
-    places = singular_points_of_all_linings(brake, true)
+    places = singular_points_of_each_shoe_shape(brake, true)
 
     def solved(level):
         made = make_prepared_model(brake, level, places)
@@ -693,7 +693,7 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     everywhere = np.diff(divide_shoe_into_hp_elements(shoe, brake.drum.radius, LEVELS[2]).angles)
     assert borne[-1] == pytest.approx(everywhere[-1])
     assert borne[0] > 3 * everywhere[0], "no pressure there: not graded to its spike"
-    values, which = distinct_sizes_up_to_round_off(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
+    values, which = distinct_sizes_and_index_of_each_size(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
     assert which.tolist() == [0, 1, 0] and values == pytest.approx([0.1, 0.2])
 
 
@@ -768,7 +768,7 @@ def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
 
 def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
-    places = singular_points_of_all_linings(kinked, solve(kinked, elements=40))
+    places = singular_points_of_each_shoe_shape(kinked, solve(kinked, elements=40))
     kinks = sorted(point.at for point in chain(*places.values()) if point.kind == Singularity.KINK)
     assert kinks == pytest.approx(
         sorted(brake.shoes[0].frame.phi(np.array([-0.5, 0.1, 0.6])).tolist())
@@ -787,10 +787,10 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
     # One node in the middle is opened by hand.
     opened = shoe.pressure.copy()
     opened[i] = 0.0
-    places = singular_points_of_all_linings(
+    places = singular_points_of_each_shoe_shape(
         brake, replace(response, shoes=(replace(shoe, pressure=opened), *response.shoes[1:]))
     )
-    before = singular_points_of_all_linings(brake, response)
+    before = singular_points_of_each_shoe_shape(brake, response)
     (found,) = set(chain.from_iterable(places.values())) - set(chain.from_iterable(before.values()))
     assert (found.at, found.length) == pytest.approx(
         (brake.shoes[0].frame.phi(shoe.theta[i]), shoe.theta[i + 1] - shoe.theta[i - 1]), rel=1e-5
@@ -811,7 +811,7 @@ def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
     narrow = replace(
         response, shoes=(replace(shoe, pressure=opened, theta=theta), *response.shoes[1:])
     )
-    assert singular_points_of_all_linings(brake, narrow) == singular_points_of_all_linings(
+    assert singular_points_of_each_shoe_shape(brake, narrow) == singular_points_of_each_shoe_shape(
         brake, response
     )
     ((a, b),) = shoe.contact_arcs
@@ -820,8 +820,8 @@ def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
         arcs = (a, theta[i] - gap / 2), (theta[i] + gap / 2, b)
         split = replace(response, shoes=(replace(shoe, contact_arcs=arcs), *response.shoes[1:]))
         assert (
-            len(singular_points_of_all_linings(brake, split)[0])
-            == len(singular_points_of_all_linings(brake, response)[0]) + seen
+            len(singular_points_of_each_shoe_shape(brake, split)[0])
+            == len(singular_points_of_each_shoe_shape(brake, response)[0]) + seen
         )
 
 
@@ -874,7 +874,7 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     The assembled stiffness times the displacements of all nodes gives these forces back.
     """
     made = make_prepared_model(
-        brake, LEVELS[1], singular_points_of_all_linings(brake, solve(brake))
+        brake, LEVELS[1], singular_points_of_each_shoe_shape(brake, solve(brake))
     )
     found = solve_prepared_model(made, brake)
     shoe, body = brake.shoes[0], made.bodies[0]
@@ -942,7 +942,7 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
     theta = picked(made.bodies, "line.phi")
     assert list(map(len, theta)) == list(map(len, picked(answer.shoes, "theta")))
     end = find_drum_rotation_of_full_slip(made, brake)
-    assert states_of_holding_brake_at_rotations(made, brake, np.linspace(0.0, end, 9))[
+    assert turn_holding_brake_and_return_states_at_rotations(made, brake, np.linspace(0.0, end, 9))[
         -1
     ].torque == pytest.approx(answer.torque, rel=1e-5)
     assert compute_torque_sensitivity(made, brake).torque == pytest.approx(answer.torque, rel=1e-9)

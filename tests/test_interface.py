@@ -14,7 +14,7 @@ from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.interface import (
     ContactLine,
-    function_for_drum_normals_and_tangents,
+    function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
     weak_coupling_of_contact_line,
 )
@@ -231,6 +231,8 @@ def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, t
 
 @pytest.mark.parametrize("sign", (1, -1))
 def test_normals_point_from_the_lining_to_the_drum_and_tangents_along_growing_angles(sign):
-    n, e = function_for_drum_normals_and_tangents(sign)(np.array([[3.0, 0.0], [4.0, -2.0]]))
+    n, e = function_that_returns_drum_normals_and_tangents(sign)(
+        np.array([[3.0, 0.0], [4.0, -2.0]])
+    )
     assert n == pytest.approx(sign * np.array([[0.6, 0], [0.8, -1]]))
     assert e == pytest.approx(np.array([[-0.8, 1], [0.6, 0]]))

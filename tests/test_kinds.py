@@ -18,7 +18,7 @@ from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli.commands import app
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
-    states_of_holding_brake_at_rotations,
+    turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
@@ -192,7 +192,7 @@ def slopes(at: Posed) -> None:
 def held(at: Posed) -> None:
     """`hold` ends at full slip: friction holds the drum, or a line names a foot held elsewhere."""
     scene = make_prepared_model(at.brake, elements=ELEMENTS)
-    states = states_of_holding_brake_at_rotations(
+    states = turn_holding_brake_and_return_states_at_rotations(
         scene, at.brake, np.linspace(0, find_drum_rotation_of_full_slip(scene, at.brake), 4)
     )
     torque = drumlin.solve(at.brake, elements=ELEMENTS).effect
@@ -340,7 +340,7 @@ def flat(brake: Brake) -> bool:
 def unhinged(brake: Brake) -> bool:
     return (
         not brake.surface.is_plane_and_not_drum
-        and brake.reason_why_not_all_shoes_hinged() is not None
+        and brake.reason_why_not_all_shoes_are_hinged() is not None
     )
 
 

@@ -13,7 +13,7 @@ from drumlin_studies.random_kinds import HOLDING_KINDS, draw_random_brake_of_sup
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
     Truth,
-    estimate_distance_from_limit,
+    estimate_distance_of_last_value_from_limit,
     row_of_stated_and_true_errors,
     solve_fine_reference_by_hp_elements,
     stated_over_true_error_of_row,
@@ -34,7 +34,7 @@ def brake_of(seed: int, kind: str) -> Brake:
 @pytest.mark.parametrize("kind", ["rough abutment", pytest.param("cam", marks=pytest.mark.slow)])
 def test_another_solver_answers_alike(kind: str) -> None:
     brake = brake_of(3, kind)
-    (true,) = triangles.solve_on_triangle_level_sequence(brake, QUICK)
+    (true,) = triangles.solve_brake_on_sequence_of_triangle_meshes(brake, QUICK)
     found = drumlin.solve(brake)
     assert found.torque == pytest.approx(math.fsum(picked(true, "torque")), rel=1e-4)
     for a, b in zip(found.shoes, true, strict=True):
@@ -50,14 +50,14 @@ def rows_of(kind: str, seeds: range, tolerance: float) -> list[dict[str, Any]]:
     rows = []
     for seed in seeds:
         brake = brake_of(seed, kind)
-        before, last = triangles.solve_on_triangle_level_sequence(
+        before, last = triangles.solve_brake_on_sequence_of_triangle_meshes(
             brake, triangles.TRIANGLE_LEVELS[:2]
         )
         moved = true_errors_of_response(brake, before, last)
         true = Truth(
             last,
             {
-                name: estimate_distance_from_limit(2 * moved[name], moved[name])
+                name: estimate_distance_of_last_value_from_limit(2 * moved[name], moved[name])
                 for name in JUDGED_QUANTITIES
             },
             0.0,

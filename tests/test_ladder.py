@@ -130,7 +130,7 @@ def test_a_short_shoe_on_springs_locks_as_a_block_does():
 
     The equivalent friction of a short block is its own friction.
     """
-    assert closed_forms.sine_shoe_locking_friction(
+    assert closed_forms.locking_friction_of_hinged_shoe_with_sine_pressure(
         0.2, 0.2, math.pi / 2 - 1e-3, math.pi / 2 + 1e-3
     ) == approx(1.0, rel=1e-5)
     assert closed_forms.equivalent_friction_ratio_of_block(1e-3) == approx(1.0, rel=1e-6)

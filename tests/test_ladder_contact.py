@@ -15,7 +15,7 @@ from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
-    function_for_drum_normals_and_tangents,
+    function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
     weak_coupling_of_contact_line,
 )
@@ -317,7 +317,9 @@ def test_lame_ring_under_inner_pressure():
         basis, {"body": ElasticLayer.make_layer_in_plane_stress(Material(E=200e9, nu=0.3), 0.02)}
     ).tolil()
     line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], 0.0)
-    coupling = weak_coupling_of_contact_line(line, 0.02, function_for_drum_normals_and_tangents(1))
+    coupling = weak_coupling_of_contact_line(
+        line, 0.02, function_that_returns_drum_normals_and_tangents(1)
+    )
     f = np.zeros(2 * basis.N)
     force = (coupling.N.T @ np.full(len(line.nodes), 60e6)).reshape(-1, 2)
     f[2 * line.nodes], f[2 * line.nodes + 1] = force.T

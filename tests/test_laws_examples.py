@@ -17,14 +17,14 @@ from drumlin.laws import LAWS, Layout, self_locking_friction_of_hinged_shoe
 from drumlin.laws.shapes import (
     pivot_radius_for_cosine_pressure,
     ratio_of_equivalent_friction,
-    short_shoe_moments_over_torque,
+    short_shoe_pressure_and_friction_moments_over_torque,
 )
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
 from drumlin.response.merit import (
     brake_scaled_to_peak_pressure,
     sign_of_friction_moment_about_hinge,
-    torque_sensitivity_by_differences,
+    torque_sensitivity_to_friction_by_differences,
 )
 from drumlin_studies.textbook_brakes import (
     TEXTBOOK_LINING,
@@ -329,7 +329,7 @@ def test_uwa_short_rotational_shoe_in_the_general_form(side: str, spin: int) -> 
     r, a, theta_m, mu, M = 0.2, 0.25, radians(75), 0.3, 50.0
     arc = (theta_m - 0.05, theta_m + 0.05)
     brake = brake_with_one_hinged_shoe(R=r, a=a, arc=arc, moment=M, mu=mu, side=side, spin=spin)
-    m, n = short_shoe_moments_over_torque(mu, theta_m, r, a)
+    m, n = short_shoe_pressure_and_friction_moments_over_torque(mu, theta_m, r, a)
     # The lining lies counter-clockwise of the hinge.
     dragged_away = spin > 0
     dD = 1 if dragged_away == (side == "external") else -1
@@ -385,7 +385,9 @@ def test_two_separately_actuated_short_shoes() -> None:
     S = [1 / (1 - 0.25), 1 / (1 + 0.25)]
     assert picked(response.merits, "sensitivity_at_fixed_shape") == approx(S, rel=1e-9)
     pair = (20 * S[0] + 8 * S[1]) / 28
-    assert torque_sensitivity_by_differences(brake, MODELS["short"].solve) == approx(pair, rel=1e-6)
+    assert torque_sensitivity_to_friction_by_differences(brake, MODELS["short"].solve) == approx(
+        pair, rel=1e-6
+    )
 
 
 def test_nptel_external_long_shoes() -> None:

@@ -21,7 +21,7 @@ from drumlin.response.balance import relative_imbalance_of_shoe
 from drumlin.response.merit import (
     barecki_shoe_factor,
     sign_of_friction_moment_about_hinge,
-    torque_sensitivity_by_differences,
+    torque_sensitivity_to_friction_by_differences,
 )
 from drumlin.response.response import ShoeResponse
 from drumlin_studies.textbook_brakes import brake_with_one_hinged_pad, brake_with_one_hinged_shoe
@@ -179,7 +179,7 @@ def test_merits_of_a_response_are_those_of_the_formula(brake: Brake, name: str) 
     assert merit.mechanical_advantage == approx(
         1 / (merit.m - merit.double_delta * merit.n), rel=1e-6
     )
-    assert torque_sensitivity_by_differences(brake, MODELS[name].solve) == approx(
+    assert torque_sensitivity_to_friction_by_differences(brake, MODELS[name].solve) == approx(
         float(law.sensitivity_of_braking_effect_to_friction(brake.friction, arc)), rel=1e-2
     )
 
@@ -291,7 +291,7 @@ def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictio
     mu = 1e-6
     slight = MODELS[name].solve(vary(brake, {"friction": mu})).shoes[0]
     integral = np.trapezoid(free.pressure, free.theta) * brake.shoes[0].lining.width * brake.size**2
-    M_N = LAWS[name].normal_and_friction_moments_about_hinge(
+    M_N = LAWS[name].scaled_normal_and_friction_moments_about_hinge(
         Layout(*brake.shoes[0].arc, brake.size, brake.shoes[0].hinge.radius, 1)
     )
     assume(abs(M_N[1] / M_N[0]) < 100)

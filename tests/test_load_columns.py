@@ -13,17 +13,17 @@ from drumlin.fem.preparation.bodies import (
 )
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import (
-    condense_body_to_contact_and_frame,
+    condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_ring, elastic_layers_of_shoe
 from drumlin.fem.substructure.expansion import (
     nodal_forces_of_thermal_expansion,
-    stress_belonging_to_free_strain,
+    stress_times_width_of_free_strain,
 )
 from drumlin.fem.substructure.loads import ACTUATION, HEAT
-from drumlin.fem.substructure.ring import unknowns_of_statically_determinate_support
+from drumlin.fem.substructure.ring import indices_of_displacements_that_hold_free_ring
 
 STRAIN = 1e-3
 """Free strain of the heated bodies: some 80 K of steel."""
@@ -63,10 +63,10 @@ def free_body(brake, level):
     body, shoe = make_prepared_model(brake, level, elements=16).bodies[0], brake.shoes[0]
     basis, contact = body.basis, body.line.nodes
     inner = np.setdiff1d(np.arange(basis.N), contact)
-    held = unknowns_of_statically_determinate_support(basis, inner)
+    held = indices_of_displacements_that_hold_free_ring(basis, inner)
     constraints = multi_point_constraints_of_body(basis, contact, inner[:0], np.zeros(2), held)
     layers = elastic_layers_of_shoe(shoe)
-    condensed = condense_body_to_contact_and_frame(
+    condensed = condense_body_to_contact_and_hinge_face(
         sparse_stiffness_of_body(basis, layers), constraints, {}, 2 * len(contact)
     )
     return condensed, basis, layers, held
@@ -123,7 +123,7 @@ def test_a_clamped_body_is_pressed_as_plane_stress_tells(root, level):
     material = shoe.lining.material
     pressed = material.E * STRAIN / (1 - material.nu)
     points = body.line.xy
-    sigma = stress_belonging_to_free_strain(layer, everywhere(EVEN)(points), points) / layer.width
+    sigma = stress_times_width_of_free_strain(layer, everywhere(EVEN)(points), points) / layer.width
     assert sigma == pytest.approx(
         np.broadcast_to((pressed * np.eye(2))[:, :, None], sigma.shape), rel=1e-12
     )
@@ -159,7 +159,7 @@ def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
     _, constraints, loads = warm.assemble_equations_of_whole_body()
     named = {ACTUATION: loads[:, :3], HEAT: loads[:, 3:]}
     K = body.basis.stiffness(elastic_layers_of_shoe(shoe))
-    other = condense_body_to_contact_and_frame(K, constraints, named, 2 * len(body.line.nodes))
+    other = condense_body_to_contact_and_hinge_face(K, constraints, named, 2 * len(body.line.nodes))
     for name in ("load_on_contact", "load_on_frame", "load_work"):
         mine, theirs = getattr(warm, name), getattr(other, name)
         assert np.array_equal(mine[:, :3][:3], getattr(body.condensed, name)[:3])

@@ -11,7 +11,7 @@ from drumlin.fem.hp.shoe import LoadedEnd, unit_actuation_loads_on_end_face
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.bodies import load_column_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.substructure.body import condense_body_to_contact_and_frame
+from drumlin.fem.substructure.body import condense_body_to_contact_and_hinge_face
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 
@@ -65,7 +65,7 @@ def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, 
     assert body.load_motion_by_load.shape == (4, 4)
     _, ties, loads = body.condensed.assemble_equations_of_whole_body()
     named = {ACTUATION: loads[:, :3], FURTHER: loads[:, 3:]}
-    other = condense_body_to_contact_and_frame(
+    other = condense_body_to_contact_and_hinge_face(
         body.basis.stiffness(elastic_layers_of_shoe(shoe)), ties, named, 2 * len(body.line.nodes)
     )
     assert other.columns == TWO

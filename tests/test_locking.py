@@ -341,7 +341,7 @@ def test_below_the_first_singular_set_every_load_has_one_answer(brake):
         make_prepared_model(one, elements=2), one, (0,)
     ).contact_problem_as_function_of_friction
     first, n = (
-        self_locking.smallest_singular_friction_of_contact_sets(problems),
+        self_locking.smallest_friction_that_makes_any_contact_set_singular(problems),
         len(problems.frictionless.q),
     )
     assert 0 < first <= self_locking.find_largest_friction_with_equilibrium(problems).friction
@@ -452,10 +452,10 @@ class FollowedDirections:
         self.holds = holds
         self.settled = SimpleNamespace(group=self)
 
-    def continued_to_higher_friction(self, friction):
+    def solution_continued_with_present_supports_or_none(self, friction):
         return self if friction <= self.holds else None
 
-    def solution_at_higher_friction(self, friction):
+    def solution_at_higher_friction_or_none(self, friction):
         return self if friction <= 0.005 else None
 
     def copy_of_group_with_other_drum_friction(self, _):

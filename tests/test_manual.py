@@ -14,11 +14,11 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.fields import Part
 from drumlin.brake.schema import json_schema_of_brake_file
 from drumlin.models import MODELS
-from drumlin.studies import import_study, paths_of_example_brakes
+from drumlin.studies import import_study_and_find_its_folder, paths_of_example_brakes
 from drumlin.sweeps.schema import json_schema_of_sweep_file
 from picking import picked
 
-manual = import_study("manual")[0]
+manual = import_study_and_find_its_folder("manual")[0]
 listing = manual.listing
 solve_path = importlib.import_module("studies.manual.solve_path")
 built_pages = importlib.import_module("studies.manual.built_pages")

@@ -14,7 +14,7 @@ from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.report.mesh_check import (
     GROUP_COLORS,
     draw_checked_meshes,
-    mean_compression_under_actuation_force,
+    mean_lining_compression_under_actuation_force,
     read_meshes_of_brake,
     text_lines_about_mesh_to_be_solved,
 )
@@ -74,7 +74,7 @@ def test_the_compression_is_that_of_a_layer_under_an_even_pressure(brake):
     shoe = brake.shoes[0]
     # 2 kN on 40 mm times 125 deg of an arc of 150 mm, through 8 mm of 300 MPa.
     pressure = 2000 / (0.04 * np.radians(125) * 0.15)
-    assert mean_compression_under_actuation_force(brake, shoe) == pytest.approx(
+    assert mean_lining_compression_under_actuation_force(brake, shoe) == pytest.approx(
         pressure * 0.008 / 300e6
     )
 

@@ -10,7 +10,7 @@ import skfem
 from conftest import partly
 from drumlin import hold, sensitivity, vary
 from drumlin.base.errors import NoAnswer
-from drumlin.base.texts import error_as_text
+from drumlin.base.texts import error_text_in_percent
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.error_control import degrees
 from drumlin.fem.error_control.estimate import (
@@ -44,12 +44,12 @@ from drumlin_studies import mesh_degrees
 from drumlin_studies.mesh_cost import (
     TOLERANCE,
     costs_of_solves_on_mesh_file,
-    write_mesh_of_main_example,
+    write_mesh_and_return_brakes_of_main_example,
 )
 from drumlin_studies.mesh_degrees import (
     JudgedMesh,
     MeshForm,
-    draw_random_shoe,
+    draw_random_brake_with_one_shoe,
     judge_mesh_of_random_shoe,
     report_lines_on_judged_meshes,
     write_gmsh_mesh_of_shoe,
@@ -126,7 +126,7 @@ def test_contact_nodes_keep_the_distance_of_the_meshs_own_nodes(shoe, brake, kin
         off = replace(mesh, doflocs=mesh.doflocs * (1 - shoe.sign * gap / brake.size))
         basis = nodal_basis_of_shoe_mesh(off, 4, shoe, brake.size)
         nodes = nodes_along_element_edges(basis, off.boundaries["contact"])
-        assert shoe.distance_from_friction_surface(
+        assert shoe.distances_from_friction_surface(
             basis.doflocs[:, nodes], brake.size
         ) == pytest.approx(gap, abs=1e-9)
         # Straight sides would lie some 0.2 mm off the drum. The nodes of a side stand in its order.
@@ -195,7 +195,7 @@ def test_a_tolerance_raises_the_degree_until_it_is_met_or_says_what_is_reached(o
     assert not saying(loose.notes, "warning:")
     assert tight.shoes[0].order == degrees.MESH_LEVELS[-1].degree
     (warning,) = saying(tight.notes, "tolerance 1e-07 not reached")
-    assert f"error of p {error_as_text(tight.error['pressure'])}" in warning
+    assert f"error of p {error_text_in_percent(tight.error['pressure'])}" in warning
     # The default tolerance is met as well as possible, without a warning.
     assert not saying(solve(fine).notes, "warning:")
 
@@ -299,7 +299,7 @@ def test_stated_errors_of_meshes_by_gmsh_are_above_the_true_ones(monkeypatch):
 def test_rounded_coordinates_change_a_response_by_less_than_stated(tmp_path, seed):
     pytest.importorskip("gmsh")
     rng = np.random.default_rng([seed, 3])
-    shoe = draw_random_shoe(rng)
+    shoe = draw_random_brake_with_one_shoe(rng)
     size = shoe.size / rng.uniform(9, 14)
     solved = []
     for decimals in (2, None):
@@ -309,7 +309,7 @@ def test_rounded_coordinates_change_a_response_by_less_than_stated(tmp_path, see
         brake = vary(shoe, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"})
         # Such a tolerance is not met, and both meshes are solved at the highest degree.
         response = solve(brake, tolerance=1e-6)
-        solved.append((response, degrees._errors_by_rounded_mesh_coordinates(brake, Cache())))
+        solved.append((response, degrees._errors_due_to_rounded_mesh_coordinates(brake, Cache())))
     (rounded, stated), (exact, nothing) = solved
     changes = relative_differences_of_responses_on_two_levels(shoe, rounded, exact).steps
     assert not nothing.any()
@@ -377,7 +377,7 @@ def test_split_elements_fit_together_and_keep_the_shape_of_the_mesh(shoe, brake,
         assert area == pytest.approx(basis.dx[members].sum(), rel=1e-6), name
     contact = nodes_along_element_edges(split, parts.boundaries["contact"])
     assert (
-        np.abs(shoe.distance_from_friction_surface(split.doflocs[:, contact], brake.size)).max()
+        np.abs(shoe.distances_from_friction_surface(split.doflocs[:, contact], brake.size)).max()
         < 1e-7
     )
     # Elements at each point are small enough.
@@ -447,7 +447,7 @@ def test_hold_and_slopes_of_a_mesh_file_are_those_of_the_shoe(brake, shoe, own):
 def test_rounded_nodes_inside_sides_are_put_on_the_drum(tmp_path, form):
     """The rounding changed p by 22 % on third-order sides, by 10 % on short straight sides."""
     pytest.importorskip("gmsh")
-    brake = draw_random_shoe(np.random.default_rng([103, 3]))
+    brake = draw_random_brake_with_one_shoe(np.random.default_rng([103, 3]))
     write_gmsh_mesh_of_shoe(brake, form, brake.size / 14, tmp_path / "shoe.msh")
     filed = vary(brake, {"shoe.mesh": str(tmp_path / "shoe.msh"), "shoe.mesh_unit": "mm"})
     (shoe,) = filed.shoes
@@ -464,7 +464,7 @@ def test_long_third_order_sides_on_the_drum_stay_on_it(tmp_path, recombined):
     The torque changed by 6e-6, and no difference of two levels showed it.
     """
     pytest.importorskip("gmsh")
-    brake = draw_random_shoe(np.random.default_rng([104, 3]))
+    brake = draw_random_brake_with_one_shoe(np.random.default_rng([104, 3]))
     form = MeshForm(3, straight=False, recombined=recombined)
     write_gmsh_mesh_of_shoe(brake, form, brake.size / 11, tmp_path / "shoe.msh")
     filed = vary(brake, {"shoe.mesh": str(tmp_path / "shoe.msh"), "shoe.mesh_unit": "mm"})
@@ -480,7 +480,7 @@ def test_levels_end_when_no_level_reduces_the_error_that_misses_its_tolerance():
         whole, part = (
             Errors(dict(zip(aim._fields, each, strict=True)), ()) for each in (error, of_level)
         )
-        return degrees._would_further_level_help(whole, part, aim)
+        return degrees._would_finer_mesh_level_reduce_error(whole, part, aim)
 
     assert not helps((9e-4, 9e-5), (9e-4, 9e-5))
     assert helps((2e-3, 9e-5), (9e-4, 9e-5))
@@ -493,7 +493,7 @@ def test_levels_end_when_no_level_reduces_the_error_that_misses_its_tolerance():
 def test_cost_on_a_mesh_file_has_errors_that_the_mesh_explains(tmp_path):
     """The answer with a stated error is nearer than one on the elements of the file's degree."""
     pytest.importorskip("gmsh")
-    alone, filed = write_mesh_of_main_example(tmp_path / "shoe.msh", 8e-3)
+    alone, filed = write_mesh_and_return_brakes_of_main_example(tmp_path / "shoe.msh", 8e-3)
     rows = {row.way: row for row in costs_of_solves_on_mesh_file(alone, filed)}
     split, whole = rows["drumlin, stated error"], rows["drumlin, file's degree"]
     assert split.pressure < split.stated < TOLERANCE

@@ -42,7 +42,7 @@ def test_the_gap_ends_on_the_linings_own_circle(dr, x, y, middle, sign):
     """At R - sign gap every point is the radius r away from the circle's centre."""
     theta = middle + np.linspace(-1.2, 1.2, 41)
     r = R * (1 + dr)
-    gap = off_circle.gap_of_lining_ground_to_circle(
+    gap = off_circle.gaps_of_lining_ground_to_circle(
         R, r, Point(x=x * R, y=y * R), middle, sign, theta
     )
     rho = R - sign * gap
@@ -60,7 +60,7 @@ def test_to_first_order_the_gap_is_that_of_small_mismatches(dr, offset):
     for scale in (1.0, 0.5):
         a, b = scale * dr, scale * offset
         first = -a * (1 - np.cos(theta)) - b * np.cos(theta)
-        exact = off_circle.gap_of_lining_ground_to_circle(
+        exact = off_circle.gaps_of_lining_ground_to_circle(
             R, R + a, Point(x=b, y=0.0), 0.0, 1, theta
         )
         left.append(np.abs(exact - first).max())
@@ -195,7 +195,7 @@ def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
         vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.4, 2e-5], [0.3, -1e-5]]}).shoes[0].lining
     )
     theta = np.array([-1.0, -0.45, -0.4, -0.35, 0.2, 0.3, 0.4, 0.9])
-    assert clearance.gap_due_to_block_heights(blocks, theta) == pytest.approx(
+    assert clearance.gaps_due_to_block_heights(blocks, theta) == pytest.approx(
         [0, 0, 1e-5, 2e-5, 2e-5, 5e-6, -1e-5, -1e-5], abs=1e-15
     )
     # A drum that grows evenly has a lobe of order 0, of 1.2e-5 1/K times 100 K of its radius.
@@ -215,7 +215,7 @@ def test_steps_between_blocks_begin_and_end_at_the_kinks():
     edges = [lining.start, *sorted(clearance.coordinates_of_gap_kinks(lining)), lining.end]
     assert len(edges) == 6
     for k, (a, b) in enumerate(pairwise(edges)):
-        steps = np.diff(clearance.gap_due_to_block_heights(lining, np.linspace(a, b, 20)))
+        steps = np.diff(clearance.gaps_due_to_block_heights(lining, np.linspace(a, b, 20)))
         assert (steps == 0).all() if k % 2 == 0 else (np.abs(steps) > 0).all()
 
 
@@ -343,7 +343,7 @@ def test_the_foundation_has_the_same_misfit():
     tables = {}
     for i, shoe in enumerate(changed.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 4001)
-        gap = clearance.gap_between_unloaded_lining_and_surface(changed, shoe, theta)
+        gap = clearance.gaps_between_unloaded_lining_and_surface(changed, shoe, theta)
         # The same gap is given as a table of many rows.
         tables[f"shoe[{i}].lining.clearance"] = np.column_stack([theta, gap]).tolist()
     same(
@@ -397,9 +397,9 @@ def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
     """
     off = vary(BRAKE, {f"{MISFIT}.radius": R + 5e-5, f"{MISFIT}.taper": -3e-5})
     setup = wear_setup_by_finite_elements(SCENE, off)
-    goal = run_in.final_pressure_and_torque_by_rigid_shoe_law(setup)
+    goal = run_in.final_wear_pressure_and_torque_by_rigid_shoe_law(setup)
     states = run_in.wear_brake_linings_until_worn_in(
-        setup, until=run_in.make_test_for_end_of_wear(setup, goal, 1e-4)
+        setup, until=run_in.make_function_that_tests_for_end_of_wear(setup, goal, 1e-4)
     )
     ended, limit = (
         run_in.brake_with_worn_linings(setup, states[-1]),
@@ -407,7 +407,7 @@ def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
     )
     for by_wear, at_once in zip(ended.shoes, limit.shoes, strict=True):
         theta, gap = np.array(at_once.lining.clearance).T
-        difference = clearance.gap_between_unloaded_lining_and_surface(ended, by_wear, theta) - gap
+        difference = clearance.gaps_between_unloaded_lining_and_surface(ended, by_wear, theta) - gap
         turn = np.sin(by_wear.frame.phi(theta))
         # The part of the difference that a turn of the shoe makes is taken off.
         left = difference - turn * (turn @ difference) / (turn @ turn)

@@ -20,7 +20,7 @@ from drumlin.response.norms import relative_distance_of_pressures
 from drumlin_studies.omission import (
     brake_without_neglected_parts,
     predict_response_change_by_omitting_parts,
-    prepared_model_without_neglected_parts,
+    prepared_model_and_brake_without_neglected_parts,
     relative_change_from_whole_to_simpler_brake,
 )
 from drumlin_studies.omission_table import (
@@ -32,7 +32,7 @@ from drumlin_studies.omission_table import (
 from drumlin_studies.reduced import (
     HALF_PLANE_WAVE,
     make_function_that_prepares_surrogates,
-    radial_ring_compliances_by_mode,
+    radial_ring_compliances_under_two_tractions_by_mode,
 )
 from picking import having, picked, saying
 
@@ -86,7 +86,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     """
     R, t, E, nu = 0.15, 0.02, 1.2e11, 0.25
     ring = Ring(thickness=t, width=0.04, material=IRON, support=support)
-    radial, shear = radial_ring_compliances_by_mode(ring, R, 1, np.arange(300))
+    radial, shear = radial_ring_compliances_under_two_tractions_by_mode(ring, R, 1, np.arange(300))
     b = R + t
     # u = A r + B/r, sigma_r = E/(1 - nu^2) ((1 + nu) A - (1 - nu) B/r^2) = -1 for r = R
     stress = lambda r: [(1 + nu) * E / (1 - nu**2), -(1 - nu) / r**2 * E / (1 - nu**2)]  # noqa: E731
@@ -103,9 +103,9 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
         thin = Ring(thickness=2e-3 * R, width=0.04, material=IRON, support="free")
         k = np.arange(2, 6)
         EI_per_width = E * (2e-3 * R) ** 3 / 12
-        assert radial_ring_compliances_by_mode(thin, R, 1, k)[0] == pytest.approx(
-            R**4 / (EI_per_width * (k**2 - 1) ** 2), rel=5e-3
-        )
+        assert radial_ring_compliances_under_two_tractions_by_mode(thin, R, 1, k)[
+            0
+        ] == pytest.approx(R**4 / (EI_per_width * (k**2 - 1) ** 2), rel=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -167,7 +167,9 @@ def test_predictions_are_within_a_factor_two_of_the_truth(case):
 
     predicted = predict_response_change_by_omitting_parts(brake, [part], solve_prepared_model)
     true = relative_change_from_whole_to_simpler_brake(
-        solve_prepared_model(*prepared_model_without_neglected_parts(brake, [part], make)),
+        solve_prepared_model(
+            *prepared_model_and_brake_without_neglected_parts(brake, [part], make)
+        ),
         solve_prepared_model(make(brake), brake),
     )
     judged = [
@@ -247,7 +249,7 @@ def test_omissions_compose_and_their_words_are_checked():
 
 def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
     brake = vary(BRAKE, ringed("free"))
-    scene, simple = prepared_model_without_neglected_parts(
+    scene, simple = prepared_model_and_brake_without_neglected_parts(
         brake, ["drag"], lambda spec: make_prepared_model(spec, elements=16)
     )
     A = ShoeGroup(

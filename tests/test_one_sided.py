@@ -184,7 +184,7 @@ def test_a_holding_duo_servo_reverses_through_its_anchor() -> None:
     full = holding.find_drum_rotation_of_full_slip(scene, brake)
     back = holding.find_drum_rotation_of_full_slip(scene, brake.brake_with_reversed_motion())
     rotations = np.concatenate([np.linspace(0, full, 5), np.linspace(full, -full - 4 * back, 12)])
-    states = holding.states_of_holding_brake_at_rotations(scene, brake, rotations)
+    states = holding.turn_holding_brake_and_return_states_at_rotations(scene, brake, rotations)
     forwards = drumlin.solve(brake, elements=16).torque
     backwards = drumlin.solve(brake.brake_with_reversed_motion(), elements=16).torque
     assert abs(forwards / backwards - 1) > 1e-5

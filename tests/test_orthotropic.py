@@ -48,7 +48,7 @@ from drumlin_studies.consistency_slopes import (
     ALLOWED_SLOPE_DIFFERENCE,
     DivisionForSlopes,
     all_torque_sensitivities_printed_for_brake,
-    largest_difference_from_central_slopes,
+    largest_relative_difference_from_central_differences,
 )
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import (
@@ -544,7 +544,7 @@ def test_slopes_are_those_of_differences(name, elements):
         divided.compute_derivatives_of_brake_torque(brake),
     )
     for slope in all_torque_sensitivities_printed_for_brake(brake, found):
-        off = largest_difference_from_central_slopes(brake, slope, divided, base)
+        off = largest_relative_difference_from_central_differences(brake, slope, divided, base)
         assert off is None or off < 0.1 * ALLOWED_SLOPE_DIFFERENCE, slope.what
 
 

@@ -16,7 +16,7 @@ from drumlin.fem.mesh.file import (
     read_shoe_mesh_with_notes,
     write_shoe_mesh_to_file,
 )
-from drumlin.fem.mesh.from_file import count_turns_between_rise_and_fall
+from drumlin.fem.mesh.from_file import count_changes_between_rise_and_fall
 from drumlin.fem.mesh.msh4 import read_mesh_in_gmsh_format_4
 from drumlin.fem.solve import solve
 from picking import saying
@@ -229,7 +229,7 @@ def test_middle_nodes_of_straight_sides_are_put_on_the_drum(tmp_path, brake, sho
     found = read_shoe_mesh_with_notes(path, shoe, radius)
     assert found.contact.straight == ELEMENTS
     on = found.mesh.dofs.facet_dofs[0, found.mesh.boundaries["contact"]]
-    assert shoe.distance_from_friction_surface(found.mesh.doflocs[:, on], radius) == pytest.approx(
+    assert shoe.distances_from_friction_surface(found.mesh.doflocs[:, on], radius) == pytest.approx(
         0, abs=1e-12
     )
 
@@ -252,7 +252,7 @@ def test_a_flat_in_rounded_coordinates_stays(tmp_path, brake, shoe, depth):
     in_mm = vary(brake, {"shoe[0].mesh": str(path), "shoe[0].mesh_unit": "mm"}).shoes[0]
     mesh = read_shoe_mesh_from_file(path, in_mm, radius)
     nodes = np.unique(mesh.facets[:, mesh.boundaries["contact"]])
-    off = shoe.distance_from_friction_surface(mesh.p[:, nodes], radius)
+    off = shoe.distances_from_friction_surface(mesh.p[:, nodes], radius)
     assert off.max() == pytest.approx(depth, abs=1e-6)
     assert np.count_nonzero(off > depth / 2) > 2
 
@@ -282,7 +282,7 @@ def test_digits_and_turns():
         largest_rounding_errors_of_coordinates(np.random.default_rng(0).random((20, 2))).max()
         < 1e-11
     )
-    assert count_turns_between_rise_and_fall(np.array([0.0, 1, 0, 1, 0.9, 1, 0]), 0.5) == 3
+    assert count_changes_between_rise_and_fall(np.array([0.0, 1, 0, 1, 0.9, 1, 0]), 0.5) == 3
 
 
 @pytest.mark.parametrize("kind", ["tri1", "quad2"])

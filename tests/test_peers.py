@@ -276,7 +276,7 @@ def test_results_are_read_as_written(index):
     calculix.require_equilibrium_and_contact(loaded, state)
     assert (state.iterations, state.unknowns) == (7, 1459)
     assert (state.touching, state.points, state.sticking) == (20, 120, 0.0)
-    shoe, balance = calculix.shoe_response_of_calculix_state(loaded, state)
+    shoe, balance = calculix.shoe_response_and_imbalance_of_calculix_state(loaded, state)
     # The jump at the ends leaves ripples in the elements next to them.
     edge = 0.5
     inside = (shoe.theta > shoe.theta[0] + edge) & (shoe.theta < shoe.theta[-1] - edge)
@@ -326,16 +326,18 @@ def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
             *written(brake, loaded, setting, shear=shear)[:3], brake, loaded, setting
         )
 
-    monkeypatch.setattr(calculix, "run_calculix_on_deck_of_shoe", run)
+    monkeypatch.setattr(calculix, "write_deck_of_shoe_and_run_calculix", run)
     limit = 3e-3
-    state, rotation = calculix.run_calculix_until_lining_slips(
+    state, rotation = calculix.run_calculix_to_state_and_rotation_of_full_slip(
         MAIN, loaded, DeckSetting(rotation=1e-3)
     )
     assert (state.sticking, rotation, turned) == (0.0, 4e-3, [1e-3, 2e-3, 4e-3])
     # No rotation is far enough now.
     limit = 1.0
     with pytest.raises(NoAnswer, match="do not slip"):
-        calculix.run_calculix_until_lining_slips(MAIN, loaded, DeckSetting(rotation=1e-3))
+        calculix.run_calculix_to_state_and_rotation_of_full_slip(
+            MAIN, loaded, DeckSetting(rotation=1e-3)
+        )
 
 
 def test_absent_peers_say_how_to_install_them(monkeypatch):

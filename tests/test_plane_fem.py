@@ -224,7 +224,7 @@ def test_the_end_face_by_which_a_hinge_holds_a_pad_lies_on_the_plane_as_it_is() 
     brake = pad("hinge", body=BODY)
     (shoe,) = brake.shoes
     near, far = (
-        shoe.middle_of_supported_end_face_of_shoe_body(brake.size, loaded=loaded)
+        shoe.middle_of_supported_or_loaded_end_face_of_body(brake.size, loaded=loaded)
         - shoe.pin_position_in_shoe_frame
         for loaded in (False, True)
     )

@@ -15,7 +15,7 @@ from drumlin.brake.fields import Point
 from drumlin.brake.file import make_validated_brake_part, vary
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp.division import Singularity
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -69,11 +69,11 @@ def test_the_gap_ends_on_the_faces_own_circle(
     a hollow face.
     """
     r, along = radius if crowned else -radius, np.linspace(-0.06, 0.06, 41)
-    gap = off_circle.gap_of_pad_ground_to_circle(r, Point(x=x, y=y), along)
+    gap = off_circle.gaps_of_pad_ground_to_circle(r, Point(x=x, y=y), along)
     away = np.hypot(along - x, gap - (r + y))
     np.testing.assert_allclose(away, radius, rtol=1e-13)
     # The pad meets the plane in the lining's middle.
-    assert off_circle.gap_of_pad_ground_to_circle(r, Point(x=0.0, y=0.0), along)[20] == 0.0
+    assert off_circle.gaps_of_pad_ground_to_circle(r, Point(x=0.0, y=0.0), along)[20] == 0.0
 
 
 def test_a_crowned_pad_with_a_thin_lining_is_pressed_by_a_parabola() -> None:
@@ -168,7 +168,7 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     # Under this body the far end of the lining alone bears.
     brake = pad("hinge", body=BODY)
     stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
-    (places,) = singular_points_of_all_linings(
+    (places,) = singular_points_of_each_shoe_shape(
         stepped, solve_prepared_model(make_prepared_model(brake, LEVELS[1]), brake)
     ).values()
     assert sum(point.kind in {Singularity.STEP, Singularity.OPEN_STEP} for point in places) == 4

@@ -3,7 +3,7 @@
 import pytest
 
 from conftest import ROOT
-from drumlin.studies import import_study
+from drumlin.studies import import_study_and_find_its_folder
 from drumlin_studies.fuzzing import trials
 from drumlin_studies.fuzzing.endings import describe_fault_of_run
 from drumlin_studies.fuzzing.promises import PROMISES
@@ -23,7 +23,7 @@ def test_each_promise_names_a_test_that_exists():
 
 @pytest.mark.slow
 def test_the_short_fault_study_finds_no_fault_and_shows_one(tmp_path):
-    module, _ = import_study("faults")
+    module, _ = import_study_and_find_its_folder("faults")
     result = module.study(short=True)
     page = module.report(result, tmp_path).read_text(encoding="utf-8")
     assert "no fault" in page and "test_faults.py::" in page and "143" in page
@@ -44,7 +44,7 @@ def test_a_wrong_table_is_a_fault(monkeypatch):
 
 def test_every_kind_of_fault_has_a_name():
     """In the table of what an earlier drumlin did of the same inputs."""
-    import_study("faults")
+    import_study_and_find_its_folder("faults")
     from studies.faults import before
 
     kinds = {

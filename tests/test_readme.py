@@ -8,7 +8,7 @@ import pytest
 
 import drumlin
 from conftest import ROOT, STUDY
-from drumlin_studies.plane_stress_limits import ranges_within_limits
+from drumlin_studies.plane_stress_limits import parameter_ranges_within_error_limits
 from drumlin_studies.stated_true import JUDGED_QUANTITIES, stated_over_true_error_of_row
 from kept_reports import rows
 from picking import having, picked
@@ -231,7 +231,7 @@ def test_the_brakes_for_which_plane_stress_is_enough():
         row.update({name: float(row[name]) for name in ("value", "pressure", "torque")})
     found = {
         (each.varied, each.brake, each.quantity, each.limit): (each.low, each.high)
-        for each in ranges_within_limits(table)
+        for each in parameter_ranges_within_error_limits(table)
     }
     (largest_nu,) = quoted(r"Poisson's ratio of the lining is at most ([\d.]+)\. On the shoe")
     nu = "Poisson's ratio of the lining", "one width"

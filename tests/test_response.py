@@ -15,7 +15,7 @@ from drumlin.brake.surface import DRUM
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
     relative_imbalance_of_shoe,
-    relative_sums_of_forces_and_moments,
+    relative_magnitudes_of_force_and_moment_sums,
     resultant_of_contact_on_shoe,
 )
 from drumlin.response.response import (
@@ -24,7 +24,7 @@ from drumlin.response.response import (
     PressureOverWidth,
     Response,
     ShoeResponse,
-    largest_nodal_pressure_outside_zones,
+    largest_nodal_pressure_outside_end_zones,
     response_of_pressed_elastic_shoe,
     response_of_shoe_without_contact,
 )
@@ -225,7 +225,8 @@ def test_an_end_next_to_which_nothing_more_is_pressed_stays_at_its_node():
 def test_the_peak_leaves_out_the_ends_unless_nothing_is_left():
     theta, p = np.array([0.0, 0.1, 0.5, 0.9, 1.0]), np.array([9.0, 5, 3, 4, 8])
     assert [
-        largest_nodal_pressure_outside_zones(theta, p, zone) for zone in (0.0, 0.05, 0.1, 0.2, 0.6)
+        largest_nodal_pressure_outside_end_zones(theta, p, zone)
+        for zone in (0.0, 0.05, 0.1, 0.2, 0.6)
     ] == [5, 5, 3, 3, 9]
 
 
@@ -300,12 +301,12 @@ def test_an_elastic_lining_by_growing_angles(brake):
 
 def test_forces_and_moments_are_balanced_relative_to_the_largest(brake):
     forces = [np.array([3.0, 0]), np.array([0, 4.0]), np.array([-3.0, -3.0])]
-    assert relative_sums_of_forces_and_moments(forces, [2.0, -1.5]) == Balance(
+    assert relative_magnitudes_of_force_and_moment_sums(forces, [2.0, -1.5]) == Balance(
         pytest.approx(1 / math.sqrt(18)), pytest.approx(0.25)
     )
     assert (
-        relative_sums_of_forces_and_moments([np.zeros(2)], [0.0])
-        == relative_sums_of_forces_and_moments([], [])
+        relative_magnitudes_of_force_and_moment_sums([np.zeros(2)], [0.0])
+        == relative_magnitudes_of_force_and_moment_sums([], [])
         == Balance(0.0, 0.0)
     )
     assert largest_imbalance_among_shoes([Balance(1.0, 4.0), Balance(3.0, 2.0)]) == Balance(

@@ -14,10 +14,13 @@ from drumlin import Brake, NoAnswer, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, SlipHistory
-from drumlin.fem.analysis.at_rest import FeetOnRoughAbutments, make_stick_slip_problem_of_shoe_group
+from drumlin.fem.analysis.at_rest import (
+    FeetOnRoughAbutments,
+    make_stick_slip_problem_and_slip_per_drum_rotation,
+)
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
-    states_of_holding_brake_at_rotations,
+    turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.analysis.self_locking import (
     self_locking_friction_of_shoe_groups,
@@ -142,7 +145,9 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
     brake = pad(tmp_path)
     scene = make_prepared_model(brake, elements=40)
     end = find_drum_rotation_of_full_slip(scene, brake)
-    states = states_of_holding_brake_at_rotations(scene, brake, np.linspace(0.0, end, 21))
+    states = turn_holding_brake_and_return_states_at_rotations(
+        scene, brake, np.linspace(0.0, end, 21)
+    )
     # The pad begins just in contact, without friction.
     free = Layer(np.array([0.0, -1e-9, 0.0]), np.zeros(SPRINGS), 0.0, 0.0)
     at = free
@@ -166,7 +171,7 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
 def test_hold_says_where_it_ends_elsewhere(tmp_path: Path) -> None:
     brake = pad(tmp_path)
     scene = make_prepared_model(brake, elements=20)
-    states = states_of_holding_brake_at_rotations(
+    states = turn_holding_brake_and_return_states_at_rotations(
         scene, brake, np.linspace(0.0, find_drum_rotation_of_full_slip(scene, brake), 5)
     )
     (line,) = states[-1].notes
@@ -185,7 +190,7 @@ def test_hold_says_where_it_ends_elsewhere(tmp_path: Path) -> None:
 def test_hold_says_nothing_where_the_foot_is_smooth(tmp_path: Path) -> None:
     own = vary(pad(tmp_path), {"shoe.abutment.friction": 0.0})
     scene = make_prepared_model(own, elements=20)
-    last = states_of_holding_brake_at_rotations(
+    last = turn_holding_brake_and_return_states_at_rotations(
         scene, own, np.linspace(0.0, find_drum_rotation_of_full_slip(scene, own), 5)
     )[-1]
     assert last.torque == pytest.approx(solve_prepared_model(scene, own).torque, rel=1e-6)
@@ -210,8 +215,8 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
     for brake in rough_brakes(count):
         scene = make_prepared_model(brake, elements=ELEMENTS)
         for group in divide_pressed_shoes_into_groups(scene, brake, PENALTY):
-            problem, lever = make_stick_slip_problem_of_shoe_group(group)
-            feet = FeetOnRoughAbutments.collect_shoe_ends_on_rough_abutments(group)
+            problem, lever = make_stick_slip_problem_and_slip_per_drum_rotation(group)
+            feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
             slid = problem._replace(
                 q_s=problem.q_s
                 + lever * 0.01 * brake.sign_of_motion / group.largest_actuation_force

@@ -14,7 +14,7 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.laws import hinged, rigid
 from drumlin.lining_wear.archard import (
     WearLaw,
-    amplitude_of_node_to_node_pressure_ripple,
+    relative_amplitude_of_node_to_node_pressure_ripple,
     wear_linings_in_given_steps,
 )
 from drumlin.lining_wear.linings import (
@@ -27,7 +27,7 @@ from drumlin.lining_wear.run_in import (
     brake_with_worn_linings,
     compute_checks_of_wear_run,
     compute_life_of_linings,
-    final_pressure_and_torque_by_rigid_shoe_law,
+    final_wear_pressure_and_torque_by_rigid_shoe_law,
     relative_differences_from_end_of_wear,
     sliding_distance_of_e_fold_pressure_change,
     wear_brake_linings_until_worn_in,
@@ -61,7 +61,7 @@ def holds(setup, states, law_torque):
     """Check everything that must hold after run-in."""
     assert (
         relative_differences_from_end_of_wear(
-            setup, states[-1], final_pressure_and_torque_by_rigid_shoe_law(setup)
+            setup, states[-1], final_wear_pressure_and_torque_by_rigid_shoe_law(setup)
         ).pressure
         <= 0.01
     )
@@ -71,7 +71,7 @@ def holds(setup, states, law_torque):
     assert found.energy < 1e-6
     for s in setup.surfaces:
         assert (
-            amplitude_of_node_to_node_pressure_ripple(
+            relative_amplitude_of_node_to_node_pressure_ripple(
                 s.lining_values_by_growing_angle(states[-1].pressure)
             )
             < 1e-3
@@ -83,7 +83,7 @@ def test_the_main_brake_comes_to_the_sine_law_and_stays(brake, setup, states):
     holds(setup, states, law.torque)
     assert (
         relative_differences_from_end_of_wear(
-            setup, states[0], final_pressure_and_torque_by_rigid_shoe_law(setup)
+            setup, states[0], final_wear_pressure_and_torque_by_rigid_shoe_law(setup)
         ).pressure
         > 0.5
     )
@@ -93,7 +93,7 @@ def test_the_main_brake_comes_to_the_sine_law_and_stays(brake, setup, states):
             map(
                 abs,
                 relative_differences_from_end_of_wear(
-                    setup, long[-1], final_pressure_and_torque_by_rigid_shoe_law(setup)
+                    setup, long[-1], final_wear_pressure_and_torque_by_rigid_shoe_law(setup)
                 ),
             )
         )
@@ -104,7 +104,7 @@ def test_the_main_brake_comes_to_the_sine_law_and_stays(brake, setup, states):
         expected = law.shoes[surface.shoe].pressure_at(surface.contact_angles_in_growing_order)
         np.testing.assert_allclose(
             surface.lining_values_by_growing_angle(
-                final_pressure_and_torque_by_rigid_shoe_law(setup).pressure
+                final_wear_pressure_and_torque_by_rigid_shoe_law(setup).pressure
             ),
             expected,
             rtol=1e-6,
@@ -155,7 +155,7 @@ def test_a_pivoted_shoe_comes_to_its_two_term_law():
     (surface,) = setup.surfaces
     np.testing.assert_allclose(
         surface.lining_values_by_growing_angle(
-            final_pressure_and_torque_by_rigid_shoe_law(setup).pressure
+            final_wear_pressure_and_torque_by_rigid_shoe_law(setup).pressure
         ),
         law.shoes[0].pressure_at(surface.contact_angles_in_growing_order),
         atol=1e-5 * law.shoes[0].peak_pressure,
@@ -175,7 +175,7 @@ def test_a_guided_shoe_comes_to_the_cosine_law():
     )
     (surface,) = setup.surfaces
     p = surface.lining_values_by_growing_angle(
-        final_pressure_and_torque_by_rigid_shoe_law(setup).pressure
+        final_wear_pressure_and_torque_by_rigid_shoe_law(setup).pressure
     )
     cosine = np.cos(surface.contact_angles_in_growing_order - math.pi / 2)
     np.testing.assert_allclose(p, p.max() * cosine, rtol=1e-6)
@@ -187,7 +187,7 @@ def test_a_post_comes_to_the_sine_law_on_the_foundation_once_it_may_tilt():
     holds(
         setup, wear_brake_linings_until_worn_in(setup), hinged.solve_brake_by_sine_law(brake).torque
     )
-    published = final_pressure_and_torque_by_rigid_shoe_law(
+    published = final_wear_pressure_and_torque_by_rigid_shoe_law(
         wear_setup_by_foundation_model(brake, sections=180)
     ).torque
     # The shoes turn without tilt, which gives x cos(theta), not sin(phi).
@@ -207,7 +207,7 @@ def test_a_square_law_of_wear_tends_to_the_root_of_the_sine(setup):
     law = WearLaw(DEFAULT_WEAR_COEFFICIENT, 2.0)
     states, goal = (
         wear_brake_linings_until_worn_in(setup, law),
-        final_pressure_and_torque_by_rigid_shoe_law(setup, law),
+        final_wear_pressure_and_torque_by_rigid_shoe_law(setup, law),
     )
     for surface in setup.surfaces:
         phi = setup.brake.shoes[surface.shoe].frame.phi(surface.contact_angles_in_growing_order)
@@ -242,19 +242,19 @@ def test_a_reversal_undoes_the_law_until_the_lining_has_run_in_anew(scene, brake
     assert (before.depth == after.depth).all()
     assert (
         relative_differences_from_end_of_wear(
-            setup, before, final_pressure_and_torque_by_rigid_shoe_law(setup)
+            setup, before, final_wear_pressure_and_torque_by_rigid_shoe_law(setup)
         ).pressure
         < 2e-3
     )
     assert (
         relative_differences_from_end_of_wear(
-            other, after, final_pressure_and_torque_by_rigid_shoe_law(other)
+            other, after, final_wear_pressure_and_torque_by_rigid_shoe_law(other)
         ).pressure
         > 0.3
     )
     assert (
         relative_differences_from_end_of_wear(
-            other, run[-1], final_pressure_and_torque_by_rigid_shoe_law(other)
+            other, run[-1], final_wear_pressure_and_torque_by_rigid_shoe_law(other)
         ).pressure
         < 0.01
     )
@@ -271,13 +271,13 @@ def test_the_part_of_life_does_not_depend_on_the_wear_coefficient_and_grows_with
     brake, scene, setup, states
 ):
     mine = compute_life_of_linings(
-        setup, states, final_pressure_and_torque_by_rigid_shoe_law(setup), LAW
+        setup, states, final_wear_pressure_and_torque_by_rigid_shoe_law(setup), LAW
     )
     faster = WearLaw(7 * DEFAULT_WEAR_COEFFICIENT)
     again = compute_life_of_linings(
         setup,
         wear_brake_linings_until_worn_in(setup, faster),
-        final_pressure_and_torque_by_rigid_shoe_law(setup),
+        final_wear_pressure_and_torque_by_rigid_shoe_law(setup),
         faster,
     )
     assert again.pressure == pytest.approx(mine.pressure, rel=1e-6)
@@ -288,7 +288,7 @@ def test_the_part_of_life_does_not_depend_on_the_wear_coefficient_and_grows_with
     assert compute_life_of_linings(
         heavy,
         wear_brake_linings_until_worn_in(heavy),
-        final_pressure_and_torque_by_rigid_shoe_law(heavy),
+        final_wear_pressure_and_torque_by_rigid_shoe_law(heavy),
         LAW,
     ).pressure == pytest.approx(2 * mine.pressure, rel=2e-3)
     assert 0.1 < mine.pressure < 0.2 and 0.03 < mine.torque < 0.06
@@ -301,7 +301,7 @@ def test_what_cannot_be_worn_in_is_refused(brake, scene, flexible):
         wear_setup_by_foundation_model(flexible)
     locking = vary(brake, {"friction": 1.0})
     with pytest.raises(NoAnswer):
-        final_pressure_and_torque_by_rigid_shoe_law(
+        final_wear_pressure_and_torque_by_rigid_shoe_law(
             wear_setup_by_finite_elements(make_prepared_model(locking, elements=10), locking)
         )
 

@@ -24,7 +24,7 @@ from drumlin.response.resultants import (
 )
 from drumlin.verification.triangles.levels import (
     TRIANGLE_LEVELS,
-    solve_on_triangle_level_sequence,
+    solve_brake_on_sequence_of_triangle_meshes,
 )
 from several_linings import APART, BODY, brake_with, lining
 
@@ -149,7 +149,7 @@ def test_no_peak_is_sought_beside_a_slot() -> None:
     assert LiningWithoutEndZones(theta, 1, 0.11, slots).largest_value_outside_end_zones(p) == 1.0
     assert LiningWithoutEndZones(theta, 1, 0.11).largest_value_outside_end_zones(p) == 9.0
     inner = LiningWithoutEndZones(theta, 1, 0.11, slots)
-    whole, inside = inner.nodal_weights_with_and_without_end_zones @ on_lining
+    whole, inside = inner.integration_weights_with_and_without_end_zones @ on_lining
     assert whole == pytest.approx(2.0, abs=1e-11)
     assert inside == pytest.approx(2 * (1 - 2 * 0.11), abs=1e-11)
 
@@ -276,7 +276,7 @@ def test_triangles_give_the_same_answer(kind: str) -> None:
     """The second solver shares only the brake with the first."""
     brake = KINDS[kind]
     response = drumlin.solve(brake, model_error=False)
-    (true,) = solve_on_triangle_level_sequence(brake, TRIANGLE_LEVELS[:2])[-1]
+    (true,) = solve_brake_on_sequence_of_triangle_meshes(brake, TRIANGLE_LEVELS[:2])[-1]
     (shoe,) = response.shoes
     assert response.error is not None
     assert abs(shoe.torque / true.torque - 1) < response.error["torque"] < 2e-4

@@ -48,7 +48,7 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
     tips = []
     for i, group in enumerate(divide_pressed_shoes_into_groups(scene, alone, 1e6)):
         found = group.solve_contact_for_given_abutment_friction()
-        own = group.contact_effects_of_actuation_force_per_shoe(group.brake.friction)[0]
+        own = group.contact_effects_of_each_actuation_force(group.brake.friction)[0]
         tip = group.largest_actuation_force * (
             own.tip_travel_by_pressure @ found.p
             + own.tip_travel_by_force
@@ -73,7 +73,9 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
     brake = cam_brake(
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
     )
-    (true,) = triangles.solve_on_triangle_level_sequence(brake, triangles.TRIANGLE_LEVELS[:1])
+    (true,) = triangles.solve_brake_on_sequence_of_triangle_meshes(
+        brake, triangles.TRIANGLE_LEVELS[:1]
+    )
     found = solve_prepared_model(make_prepared_model(brake, LEVELS[1]), brake, penalty=math.inf)
     for a, b in zip(found.shoes, true, strict=True):
         assert a.hinge_reaction == pytest.approx(
@@ -96,7 +98,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
     (group, _) = divide_pressed_shoes_into_groups(scene, brake, math.inf)
     found, own = (
         group.solve_contact_for_given_abutment_friction(),
-        group.contact_effects_of_actuation_force_per_shoe(group.brake.friction)[0],
+        group.contact_effects_of_each_actuation_force(group.brake.friction)[0],
     )
     tip = (
         own.tip_travel_by_pressure @ found.p

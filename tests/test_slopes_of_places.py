@@ -20,7 +20,7 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
 from drumlin.fem.analysis.mutual_work import (
     mutual_elastic_work_in_each_part_of_body,
-    mutual_work_change_by_node_motions,
+    mutual_work_derivatives_by_node_motions,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensitivity_as_text_lines
 from drumlin.fem.error_control.levels import LEVELS
@@ -39,7 +39,7 @@ from drumlin_studies import consistency_slopes
 from drumlin_studies.consistency_slopes import (
     DivisionForSlopes,
     all_torque_sensitivities_printed_for_brake,
-    largest_difference_from_central_slopes,
+    largest_relative_difference_from_central_differences,
 )
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
@@ -235,7 +235,10 @@ def largest(brake: Brake, elements: int | None, key: str = "") -> float:
         )
         if slope.what.startswith(key)
     ]
-    apart = [largest_difference_from_central_slopes(brake, slope, divided, base) for slope in table]
+    apart = [
+        largest_relative_difference_from_central_differences(brake, slope, divided, base)
+        for slope in table
+    ]
     assert len(table) > 1
     assert None not in apart
     return max(each for each in apart if each is not None)
@@ -358,7 +361,7 @@ def test_the_mutual_work_is_that_of_the_assembled_stiffness_and_so_is_its_change
     h = 1e-6 * size
     ahead, behind = (v @ (sparse_stiffness_of_body(moved(basis, s), layers) @ u) for s in (h, -h))
     moves = at_nodes(basis.doflocs).T.reshape(1, -1)
-    exact = mutual_work_change_by_node_motions(basis, layers, u, v, moves, [0.0])[0]
+    exact = mutual_work_derivatives_by_node_motions(basis, layers, u, v, moves, [0.0])[0]
     assert exact == pytest.approx((ahead - behind) / (2 * h), rel=1e-4)
 
 
@@ -383,7 +386,7 @@ def test_the_mutual_work_changes_as_the_axis_of_straight_layers_turns(name):
         v @ (sparse_stiffness_of_body(basis, turned(h)) @ u),
         v @ (sparse_stiffness_of_body(basis, turned(-h)) @ u),
     )
-    exact = mutual_work_change_by_node_motions(
+    exact = mutual_work_derivatives_by_node_motions(
         basis, layers, u, v, np.zeros((1, 2 * basis.N)), [1.0]
     )[0]
     assert exact == pytest.approx((ahead - behind) / (2 * h), rel=1e-6)

@@ -77,7 +77,11 @@ def posed(request, flexible):
         brake,
         loaded,
         solid,
-        Parsed(solid_deck.solid_shoe_deck_text(brake, loaded, solid, DeckSetting(thickness=0.5))),
+        Parsed(
+            solid_deck.deck_text_of_half_solid_shoe(
+                brake, loaded, solid, DeckSetting(thickness=0.5)
+            )
+        ),
     )
 
 

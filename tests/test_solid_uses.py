@@ -16,8 +16,8 @@ from drumlin.brake.file import vary
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
-    states_of_holding_brake_at_rotations,
-    stick_slip_states_along_lining,
+    stick_slip_state_at_each_angle_of_lining,
+    turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.analysis.prepared import ANALYSIS_DEGREE, prepared_model_for_analysis
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
@@ -56,7 +56,7 @@ def plane(brake):
 
 
 def held(scene, brake, rotations):
-    return states_of_holding_brake_at_rotations(scene, brake, rotations)
+    return turn_holding_brake_and_return_states_at_rotations(scene, brake, rotations)
 
 
 def worn(scene, brake, units=(1.0, 3.0, 8.0)):
@@ -208,7 +208,12 @@ def test_slopes_of_solid_shoes_are_those_of_differences_of_solves(flexible, kind
 
 def test_an_angle_sticks_if_one_of_its_nodes_sticks():
     state = np.array([[FORWARD, STICK], [OPEN, BACKWARD], [BACKWARD, FORWARD], [OPEN, OPEN]])
-    assert stick_slip_states_along_lining(state).tolist() == [STICK, BACKWARD, FORWARD, OPEN]
+    assert stick_slip_state_at_each_angle_of_lining(state).tolist() == [
+        STICK,
+        BACKWARD,
+        FORWARD,
+        OPEN,
+    ]
 
 
 def test_worn_linings_settle_as_linings_with_clearance(flexible):

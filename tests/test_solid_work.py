@@ -3,13 +3,13 @@
 import pytest
 
 from drumlin.response.response import Response
-from drumlin.studies import import_study
+from drumlin.studies import import_study_and_find_its_folder
 from drumlin_studies.solid_work import (
     SolidSetting,
     measure_models_against_solid_shoes,
+    relative_uncertainty_of_solid_shoe_reference,
     solve_and_measure_processor_time,
     solve_fine_reference_of_solid_shoes,
-    uncertainty_of_solid_shoe_reference,
 )
 from picking import having
 
@@ -20,7 +20,9 @@ SETTING = SolidSetting(truth=2, levels=2, degrees=(2, 3), tolerances=(2e-2,), el
 def measured(brake):
     truth = solve_fine_reference_of_solid_shoes(brake, SETTING.truth)
     rows = measure_models_against_solid_shoes(brake, SETTING, truth.response)
-    return [row._asdict() for row in rows], uncertainty_of_solid_shoe_reference(brake, truth)
+    return [row._asdict() for row in rows], relative_uncertainty_of_solid_shoe_reference(
+        brake, truth
+    )
 
 
 @pytest.mark.slow
@@ -45,7 +47,7 @@ def test_each_degree_across_the_width_is_nearer_to_the_solid(measured):
 
 @pytest.mark.slow
 def test_the_picture_has_a_curve_for_each_family(measured):
-    module, _ = import_study("error_vs_runtime")
+    module, _ = import_study_and_find_its_folder("error_vs_runtime")
     rows, uncertain = measured
     figure = module.draw_error_against_solid(rows, uncertain)
     above, below = figure.axes

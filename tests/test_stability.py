@@ -44,7 +44,7 @@ def solved(case):
         brake,
         elements=case.elements,
         kind=case.kind,
-        mesher=case.function_to_mesh_shoe_with_aspect_ratio(),
+        mesher=case.function_that_meshes_shoe_with_aspect_ratio(),
     )
     return scene, brake, solve_prepared_model(scene, brake, penalty=case.penalty)
 
@@ -249,7 +249,7 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
     brake = draw_random_brake(8326)
     along, (true,) = (
         islice(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 2),
-        triangles.solve_on_triangle_level_sequence(brake, triangles.TRIANGLE_LEVELS[:1]),
+        triangles.solve_brake_on_sequence_of_triangle_meshes(brake, triangles.TRIANGLE_LEVELS[:1]),
     )
     found = solve_brake_to_tolerance(
         brake, Tolerance(1e-6, 1e-6), solve_prepared_model, must=False, levels=along

@@ -109,7 +109,7 @@ def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
     found = active_set.solve_contact_problem(problem, np.zeros(4, dtype=bool))
     np.testing.assert_allclose(found.p, [1.0, 0.0, 0.5, 0.0], atol=1e-9)
     np.testing.assert_array_equal(
-        active_set.find_contact_set_by_closing_wide_gaps(problem)[0], found.active
+        active_set.find_contact_set_and_step_count_by_closing_wide_gaps(problem)[0], found.active
     )
 
 

@@ -12,7 +12,7 @@ from conftest import partly
 from drumlin import NoAnswer, vary
 from drumlin.fem.error_control.adapt import (
     Tolerance,
-    errors_with_singular_points_included,
+    errors_with_singular_points_and_text_on_short_contacts,
     solve_brake_to_tolerance,
 )
 from drumlin.fem.error_control.estimate import (
@@ -30,15 +30,15 @@ from drumlin.fem.solve import solve
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import NO_CHANGE, ShoeChange, reference_force_of_reaction_errors
 from drumlin.response.resultants import integral_of_piecewise_polynomial, planar_cross_product
-from drumlin.verification.triangles import TriangleLevel, solve_on_triangle_level_sequence
+from drumlin.verification.triangles import TriangleLevel, solve_brake_on_sequence_of_triangle_meshes
 from drumlin_studies import stated_true
-from drumlin_studies.calibration import draw_random_calibration_brake
+from drumlin_studies.calibration import draw_random_calibration_brake_and_name_of_kind
 from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
     RELEVANT,
     Truth,
-    estimate_distance_from_limit,
+    estimate_distance_of_last_value_from_limit,
     row_of_stated_and_true_errors,
     solve_fine_reference_by_hp_elements,
     stated_over_true_error_of_row,
@@ -54,7 +54,7 @@ LEVELS = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(4, 7, 1.2, 1.0))
 
 @pytest.fixture(scope="module")
 def truth(brake):
-    before, last = solve_on_triangle_level_sequence(brake, LEVELS)
+    before, last = solve_brake_on_sequence_of_triangle_meshes(brake, LEVELS)
     return Truth(last, MappingProxyType(true_errors_of_response(brake, before, last)), 0.0)
 
 
@@ -147,10 +147,10 @@ def test_what_fails_stays_in_the_table(brake, truth):
 
 
 def test_uncertainty_of_a_sequence():
-    assert estimate_distance_from_limit(4.0, 1.0) == pytest.approx(1 / 3)
-    assert estimate_distance_from_limit(100.0, 1.0) == pytest.approx(1 / 3)
-    assert estimate_distance_from_limit(1.0, 1.0) == 1.0
-    assert estimate_distance_from_limit(1.0, 0.0) == 0.0
+    assert estimate_distance_of_last_value_from_limit(4.0, 1.0) == pytest.approx(1 / 3)
+    assert estimate_distance_of_last_value_from_limit(100.0, 1.0) == pytest.approx(1 / 3)
+    assert estimate_distance_of_last_value_from_limit(1.0, 1.0) == 1.0
+    assert estimate_distance_of_last_value_from_limit(1.0, 0.0) == 0.0
     assert math.isnan(
         stated_over_true_error_of_row(
             {"stated_torque": math.nan, "true_torque": 1.0, "unsure_torque": 0.0}, "torque"
@@ -524,7 +524,7 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     nothing = Errors.brake_errors_from_torque_and_shoe_errors(
         0.0, [dict.fromkeys(JUDGED_QUANTITIES, 0.0)]
     )
-    error, _ = errors_with_singular_points_included(
+    error, _ = errors_with_singular_points_and_text_on_short_contacts(
         nothing, brake, replace(last.response, shoes=(lowered,))
     )
     assert error.brake["peak"] == unknown
@@ -590,7 +590,7 @@ def test_a_reaction_that_two_levels_share_by_accident_is_not_stated_as_sure():
 
     Most of its stated error is the fraction `cancelled` of what chance signs would move it by.
     """
-    _, hinged = draw_random_calibration_brake(300_259)
+    _, hinged = draw_random_calibration_brake_and_name_of_kind(300_259)
     truth = solve_brake_by_finer_hp_meshes(hinged)
     off = true_errors_of_response(hinged, solve(hinged).shoes, truth.shoes)["reaction"]
     before, last = (

@@ -22,19 +22,19 @@ from drumlin.contact.stick_slip import (
     FrictionalProblem,
     SlipHistory,
 )
-from drumlin.fem.analysis.at_rest import make_stick_slip_problem_of_shoe_group
+from drumlin.fem.analysis.at_rest import make_stick_slip_problem_and_slip_per_drum_rotation
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
     holding_states_as_plain_data,
-    states_of_holding_brake_at_rotations,
     turn_drum_in_increments,
+    turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import (
-    condense_body_to_contact_and_frame,
+    condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
     sparse_stiffness_of_body,
 )
@@ -172,7 +172,7 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     Open, sticking and slipping nodes together: residuals vanish, and p, t move with the load by
     their linear equations.
     """
-    problem, lever = make_stick_slip_problem_of_shoe_group(
+    problem, lever = make_stick_slip_problem_and_slip_per_drum_rotation(
         ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4)
     )
     rng = np.random.default_rng(seed)
@@ -262,7 +262,7 @@ def test_flat_patch_whole_and_inclined(turned):
     K = sparse_stiffness_of_body(
         basis, {"body": ElasticLayer.make_layer_in_plane_stress(Material(E=2e6, nu=0.0), 1.0)}
     )
-    condensed = condense_body_to_contact_and_frame(
+    condensed = condense_body_to_contact_and_hinge_face(
         K,
         multi_point_constraints_of_body(basis, line.nodes, top, np.zeros(2)),
         {},
@@ -276,7 +276,7 @@ def test_flat_patch_whole_and_inclined(turned):
         ) * np.ones_like(points)
 
     coupling = weak_coupling_of_contact_line(line, 1.0, directions)
-    Y = condensed.nodal_forces_over_cholesky_factor(-coupling.N.T)
+    Y = condensed.inverse_cholesky_factor_times_nodal_forces(-coupling.N.T)
     # The strip of height 1 has the strain -.05, which gives s = -1e5.
     depth = 0.05
     n = len(line.nodes)
@@ -287,7 +287,7 @@ def test_flat_patch_whole_and_inclined(turned):
 
 
 def test_a_holding_brake_saturates_at_its_full_slip_torque():
-    states = states_of_holding_brake_at_rotations(
+    states = turn_holding_brake_and_return_states_at_rotations(
         SCENE, BRAKE, np.linspace(0, find_drum_rotation_of_full_slip(SCENE, BRAKE), 13)
     )
     torques = np.array(picked(states, "torque"))
@@ -311,14 +311,16 @@ def test_a_holding_brake_saturates_at_its_full_slip_torque():
 
 def test_more_increments_change_little_and_turning_on_changes_nothing_more():
     end = find_drum_rotation_of_full_slip(SCENE, BRAKE)
-    coarse = states_of_holding_brake_at_rotations(SCENE, BRAKE, np.linspace(0, 0.5 * end, 5))[
-        -1
-    ].torque
-    fine = states_of_holding_brake_at_rotations(SCENE, BRAKE, np.linspace(0, 0.5 * end, 33))[
-        -1
-    ].torque
+    coarse = turn_holding_brake_and_return_states_at_rotations(
+        SCENE, BRAKE, np.linspace(0, 0.5 * end, 5)
+    )[-1].torque
+    fine = turn_holding_brake_and_return_states_at_rotations(
+        SCENE, BRAKE, np.linspace(0, 0.5 * end, 33)
+    )[-1].torque
     assert coarse == pytest.approx(fine, rel=0.02)
-    beyond = states_of_holding_brake_at_rotations(SCENE, BRAKE, np.array([0.0, end, 2 * end]))
+    beyond = turn_holding_brake_and_return_states_at_rotations(
+        SCENE, BRAKE, np.array([0.0, end, 2 * end])
+    )
     assert beyond[2].torque == pytest.approx(beyond[1].torque, rel=1e-9)
 
 
@@ -326,7 +328,7 @@ def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
     """Forth to full slip and back: over a closed cycle of the drum what goes in is dissipated."""
     end = find_drum_rotation_of_full_slip(SCENE, BRAKE)
     there, back = np.linspace(0, 2 * end, 25), np.linspace(2 * end, -2 * end, 97)[1:]
-    states = states_of_holding_brake_at_rotations(
+    states = turn_holding_brake_and_return_states_at_rotations(
         SCENE, BRAKE, np.concatenate([there, back, np.linspace(-2 * end, 2 * end, 97)[1:]])
     )
     loop = states[24:]
@@ -341,9 +343,11 @@ def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
 
 def test_refusals():
     with pytest.raises(BadInput, match="friction = 0"):
-        states_of_holding_brake_at_rotations(SCENE, vary(BRAKE, {"friction": 0.0}), np.array([0.0]))
+        turn_holding_brake_and_return_states_at_rotations(
+            SCENE, vary(BRAKE, {"friction": 0.0}), np.array([0.0])
+        )
     with pytest.raises(NoAnswer, match="does not touch"):
-        states_of_holding_brake_at_rotations(
+        turn_holding_brake_and_return_states_at_rotations(
             SCENE, vary(BRAKE, {"shoe[1].actuation.force": -1.0}), np.array([0.0])
         )
 
@@ -352,7 +356,7 @@ def test_a_ring_takes_part_in_holding():
     spec = vary(BRAKE, drum_ring(0.015, "fixed"))
     scene = make_prepared_model(spec, elements=20)
     # At full slip holding and sliding brakes have the same torque.
-    states = states_of_holding_brake_at_rotations(
+    states = turn_holding_brake_and_return_states_at_rotations(
         scene, spec, np.linspace(0, find_drum_rotation_of_full_slip(scene, spec), 4)
     )
     assert states[-1].torque == pytest.approx(solve_prepared_model(scene, spec).torque, rel=1e-9)
@@ -371,7 +375,7 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
     Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again before
     it falls.
     """
-    monkeypatch.setattr(stick_slip, "_find_stick_and_slip_by_newton", way)
+    monkeypatch.setattr(stick_slip, "_find_stick_slip_states_by_newton", way)
     monkeypatch.setattr(stick_slip, "_find_stick_slip_states_from_balanced_load", way)
     monkeypatch.setattr(stick_slip, "_find_stick_slip_states_from_widened_gaps", way)
     n, none = 4, np.zeros(0)
@@ -408,8 +412,8 @@ def test_a_vanishing_gap_changes_nothing():
     """A force that closes the gap in increments ends where one increment ends without a gap."""
     gap = vary(BRAKE, {"shoe.lining.clearance": 1e-13})
     with_gap, without = (
-        states_of_holding_brake_at_rotations(SCENE, gap, np.zeros(8))[0],
-        states_of_holding_brake_at_rotations(SCENE, BRAKE, np.zeros(8))[0],
+        turn_holding_brake_and_return_states_at_rotations(SCENE, gap, np.zeros(8))[0],
+        turn_holding_brake_and_return_states_at_rotations(SCENE, BRAKE, np.zeros(8))[0],
     )
     for mine, theirs in zip(with_gap.traction, without.traction, strict=True):
         assert mine == pytest.approx(theirs, rel=1e-3, abs=1e-4 * np.abs(theirs).max())

@@ -23,7 +23,7 @@ from drumlin_studies.stored_truth import (
     FINER,
     STORED_BRAKES,
     read_stored_fine_solution,
-    solve_fine_solution_to_be_stored,
+    solve_stored_brake_on_far_finer_meshes,
 )
 
 FOLDER = Path(__file__).parent / "truths"
@@ -198,7 +198,7 @@ def test_a_stored_truth_is_found_again_by_its_command(name):
     peak.
     """
     stored = read_stored_fine_solution(FOLDER / f"{name}.json")
-    again = solve_fine_solution_to_be_stored(name)
+    again = solve_stored_brake_on_far_finer_meshes(name)
     assert stored.by == again.by
     for one, other in zip(stored.true.shoes, again.true.shoes, strict=True):
         np.testing.assert_allclose(

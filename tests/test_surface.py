@@ -61,7 +61,7 @@ def test_a_length_along_the_surface_is_phi_in_sizes_and_q_in_scale_factors(brake
             shoe.surface_coordinates_of_points_in_shoe_frame(on_it, brake.size), phi, atol=1e-13
         )
         np.testing.assert_allclose(
-            shoe.distance_from_friction_surface(on_it, brake.size), 0.0, atol=1e-15
+            shoe.distances_from_friction_surface(on_it, brake.size), 0.0, atol=1e-15
         )
 
 
@@ -87,7 +87,7 @@ def test_levers_are_the_moments_of_normal_and_tangent(
     )
     for along, lever in zip(
         (surface.unit_normals_into_surface(q), surface.unit_tangents_of_surface(q)),
-        surface.moments_of_unit_forces_on_surface(q, size),
+        surface.moments_of_unit_normal_and_tangential_forces(q, size),
         strict=True,
     ):
         np.testing.assert_allclose(x * along[1] - y * along[0], lever, atol=1e-15)
@@ -99,7 +99,10 @@ def test_a_surface_says_where_a_place_is_nearest_and_what_it_is_not() -> None:
     )
     assert PLANE.coordinate_plus_turns_nearest_to_middle(7.0, 0.0) == 7.0
     assert (
-        DRUM.reason_why_not_on_surface(DRUM) is None
-        and PLANE.reason_why_not_on_surface(PLANE) is None
+        DRUM.reason_why_surface_is_not_required_one(DRUM) is None
+        and PLANE.reason_why_surface_is_not_required_one(PLANE) is None
     )
-    assert PLANE.reason_why_not_on_surface(DRUM) == "its shoes press on a plane, not on a drum"
+    assert (
+        PLANE.reason_why_surface_is_not_required_one(DRUM)
+        == "its shoes press on a plane, not on a drum"
+    )

@@ -98,7 +98,7 @@ def test_draws_follow_their_distribution(name):
 def test_quantiles_are_those_of_scipy(name):
     given, law = LAWS[name]
     u = np.linspace(1e-6, 1 - 1e-6, 101)
-    inverse = sweep_file._inverse_cumulative_function(
+    inverse = sweep_file._make_inverse_cumulative_function(
         "", sweep_file.DISTRIBUTIONS[name].model_validate({"distribution": name} | given), "", [0.3]
     )
     np.testing.assert_allclose(inverse(u), law.ppf(u), rtol=1e-13)
@@ -110,7 +110,7 @@ def test_quantiles_are_those_of_scipy(name):
 def test_a_normal_distribution_is_cut_in_its_tails_too(ends):
     u = np.linspace(1e-6, 1 - 1e-6, 101)
     np.testing.assert_allclose(
-        sweep_file._inverse_truncated_standard_normal(u, *ends),
+        sweep_file._inverse_of_cumulative_truncated_standard_normal(u, *ends),
         stats.truncnorm(*ends).ppf(u),
         rtol=1e-9,
         atol=1e-15,

@@ -10,8 +10,8 @@ from drumlin.fem.error_control.estimate import (
     QUANTITIES,
     relative_differences_of_responses_on_two_levels,
 )
-from drumlin.fem.error_control.first_level import kind_of_contact
-from drumlin.fem.solve import solve, solve_first_level_of_brake
+from drumlin.fem.error_control.first_level import text_that_identifies_kind_of_contact
+from drumlin.fem.solve import solve, solve_brake_on_first_level_without_error_estimate
 from drumlin.sweeps import cases as case_solving
 from drumlin.sweeps import certificate as certifying
 from drumlin.sweeps.cases import (
@@ -22,7 +22,7 @@ from drumlin.sweeps.cases import (
 )
 from drumlin.sweeps.certificate import FIRST_LEVEL, Certificate
 from drumlin.sweeps.file import sweep_from_file_data
-from drumlin.sweeps.sample import solve_all_cases_with_sample
+from drumlin.sweeps.sample import solve_sample_cases_and_then_all_others
 
 BRAKE = str(STUDY / "brake.toml")
 STUDIES = ROOT / "studies"
@@ -87,7 +87,7 @@ def test_sample_has_every_value_of_an_inner_key_and_the_extremes_of_all():
 def test_rows_say_who_certifies_them_and_go_on_from_a_journal(tmp_path):
     made = sweep({"friction": over(0.25, 0.35, 6)}, certify=3)
     told = []
-    rows = solve_all_cases_with_sample(
+    rows = solve_sample_cases_and_then_all_others(
         made.cases, made.sample, done=lambda *at: told.append(at)
     ).rows
     assert told[-1] == (6, 6)
@@ -103,8 +103,8 @@ def test_rows_say_who_certifies_them_and_go_on_from_a_journal(tmp_path):
         assert 0 < moved < row["error_torque"] < 1e-2
         assert own["error_pressure"] < row["error_pressure"] < 0.1
     with Journal(tmp_path / "kept") as journal:
-        solve_all_cases_with_sample(made.cases[:5], made.sample[:2], journal=journal)
-        again = solve_all_cases_with_sample(made.cases, made.sample, journal=journal)
+        solve_sample_cases_and_then_all_others(made.cases[:5], made.sample[:2], journal=journal)
+        again = solve_sample_cases_and_then_all_others(made.cases, made.sample, journal=journal)
         assert again.rows == rows
         assert all(key in journal for key in journal_keys_of_cases(again.cases))
 
@@ -143,8 +143,11 @@ def test_sample_without_enough_errors_certifies_no_case(monkeypatch, answer, fai
 
     monkeypatch.setattr(case_solving, "solve_case_without_raising", answer_without_solving)
     lines = []
-    solve_all_cases_with_sample(made.cases, made.sample, say=lines.append)
-    assert len(certificates) == 14 and len(set(map(Certificate.journal_data, certificates))) == 1
+    solve_sample_cases_and_then_all_others(made.cases, made.sample, say=lines.append)
+    assert (
+        len(certificates) == 14
+        and len(set(map(Certificate.text_that_identifies_cases_in_journal, certificates))) == 1
+    )
     assert certificates[0].kinds == (() if said else ("a kind",))
     assert len(lines) == bool(said) and said in "".join(lines)
 
@@ -155,11 +158,19 @@ def test_options_that_are_off_go_with_a_sample():
 
 
 def test_tables_and_words_make_kinds_but_numbers_do_not(monkeypatch):
-    monkeypatch.setattr(certifying, "kind_of_contact", lambda brake, response: "same")
+    monkeypatch.setattr(
+        certifying, "text_that_identifies_kind_of_contact", lambda brake, response: "same"
+    )
     changes = [{"a": value, "b": 0.1 * i} for i, value in enumerate(["x", "y", [[1.0]], [[2.0]]])]
-    kinds = {certifying._kind_of_case(None, change, None) for change in [*changes, *changes]}
+    kinds = {
+        certifying._text_that_identifies_kind_of_case(None, change, None)
+        for change in [*changes, *changes]
+    }
     assert len(kinds) == 4
-    assert len({certifying._kind_of_case(None, {"b": b}, None) for b in (1, 2.0)}) == 1
+    assert (
+        len({certifying._text_that_identifies_kind_of_case(None, {"b": b}, None) for b in (1, 2.0)})
+        == 1
+    )
 
 
 def test_case_of_a_kind_that_the_sample_has_not_certifies_itself(brake):
@@ -170,7 +181,12 @@ def test_case_of_a_kind_that_the_sample_has_not_certifies_itself(brake):
     assert row == own | {"certified": "itself"}
     # Its contact has ends that have lifted off, which the contact of the brake itself has not.
     brakes = brake, vary(brake, case.changes)
-    kinds = [kind_of_contact(b, solve_first_level_of_brake(b)) for b in brakes]
+    kinds = [
+        text_that_identifies_kind_of_contact(
+            b, solve_brake_on_first_level_without_error_estimate(b)
+        )
+        for b in brakes
+    ]
     assert "corner" in kinds[0] and kinds[0] != kinds[1]
 
 
@@ -229,14 +245,14 @@ SWEEPS = {
 def test_no_case_is_further_from_its_own_last_level_than_its_sample_says(name):
     file, keys, certify, seed = SWEEPS[name]
     made = sweep(keys, brake=file, certify=certify, seed=seed)
-    rows = solve_all_cases_with_sample(made.cases, made.sample).rows
+    rows = solve_sample_cases_and_then_all_others(made.cases, made.sample).rows
     by_sample = 0
     for row, case in zip(rows, made.cases, strict=True):
         if row["certified"] == "itself":
             continue
         by_sample += 1
         one = vary(case.brake, case.changes)
-        first, last = solve_first_level_of_brake(one), solve(one)
+        first, last = solve_brake_on_first_level_without_error_estimate(one), solve(one)
         assert row["torque"] == first.effect
         steps = relative_differences_of_responses_on_two_levels(one, first, last).steps
         moved = steps[1:].reshape(-1, len(QUANTITIES)).max(axis=0)

@@ -15,7 +15,7 @@ from drumlin.door import solve
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import (
     PeakPlace,
-    length_of_edge_zone_without_peak,
+    length_of_edge_zone_left_out_of_peak_search,
     place_of_peak_pressure,
 )
 from picking import picked
@@ -137,7 +137,7 @@ def test_where_the_pressure_peaks(root, brake):
     for i, shoe in enumerate(solve(brake, elements=40).shoes):
         place, zone = (
             place_of_peak_pressure(brake, i, shoe),
-            length_of_edge_zone_without_peak(brake.shoes[i], brake.drum.radius),
+            length_of_edge_zone_left_out_of_peak_search(brake.shoes[i], brake.drum.radius),
         )
         # The zone is half of 8 mm at R = 150 mm.
         assert zone == pytest.approx(4 / 150, rel=1e-12)

@@ -12,9 +12,9 @@ from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.tolerances import (
     ManufacturingTolerance,
     cases_with_random_deviations,
+    draw_random_deviations_in_all_samples,
     mean_and_percentiles_of_sample,
     one_result_of_all_cases,
-    random_deviations_of_brakes_in_all_samples,
     sobol_indices_of_tolerances,
     truncated_normal_distribution,
     uniform_distribution,
@@ -42,7 +42,7 @@ def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
     agree.
     """
     n = 128
-    deviates = random_deviations_of_brakes_in_all_samples(TOLERANCES, n, seed=3)
+    deviates = draw_random_deviations_in_all_samples(TOLERANCES, n, seed=3)
     torque = one_result_of_all_cases(
         sweep.solve_all_cases_of_sweep(
             cases_with_random_deviations(brake, TOLERANCES, deviates, "sine")
@@ -74,7 +74,7 @@ def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
 def test_shares_of_a_product_with_interaction():
     """f = x (1 + y) of two even deviates on (-1, 1): first 3/4 and 0, total 1 and 1/4."""
     tolerances = [ManufacturingTolerance(name, uniform_distribution(-1, 1), {}) for name in "xy"]
-    deviates = random_deviations_of_brakes_in_all_samples(tolerances, 1024, seed=1)
+    deviates = draw_random_deviations_in_all_samples(tolerances, 1024, seed=1)
     found = sobol_indices_of_tolerances(
         tolerances, deviates[..., 0] * (1 + deviates[..., 1]), seed=2
     )
@@ -91,16 +91,16 @@ def test_draws_are_what_saltelli_asks_for():
         ManufacturingTolerance("a", truncated_normal_distribution(2.0), {}),
         ManufacturingTolerance("b", uniform_distribution(3, 5), {}),
     ]
-    x = random_deviations_of_brakes_in_all_samples(tolerances, 64, seed=1)
+    x = draw_random_deviations_in_all_samples(tolerances, 64, seed=1)
     assert x.shape == (4, 64, 2)
     assert (x[2, :, 0] == x[1, :, 0]).all() and (x[2, :, 1] == x[0, :, 1]).all()
     assert (x[3, :, 0] == x[0, :, 0]).all() and (x[3, :, 1] == x[1, :, 1]).all()
     assert np.abs(x[..., 0]).max() <= 2 and x[..., 1].min() >= 3 and x[..., 1].max() <= 5
-    assert (random_deviations_of_brakes_in_all_samples(tolerances, 64, seed=1) == x).all() and (
-        random_deviations_of_brakes_in_all_samples(tolerances, 64, seed=2) != x
+    assert (draw_random_deviations_in_all_samples(tolerances, 64, seed=1) == x).all() and (
+        draw_random_deviations_in_all_samples(tolerances, 64, seed=2) != x
     ).any()
     with pytest.raises(BadInput, match="power of 2"):
-        random_deviations_of_brakes_in_all_samples(tolerances, 48, seed=1)
+        draw_random_deviations_in_all_samples(tolerances, 48, seed=1)
 
 
 def test_deviates_add_up_on_the_keys_that_they_share(brake):
@@ -134,7 +134,7 @@ def test_shares_need_an_answer_of_every_case(brake):
         cases_with_random_deviations(
             brake,
             tolerances,
-            random_deviations_of_brakes_in_all_samples(tolerances, 8, seed=1),
+            draw_random_deviations_in_all_samples(tolerances, 8, seed=1),
             "sine",
         )
     )

@@ -18,11 +18,11 @@ from drumlin.verification.triangles import (
     contact,
     lagrange,
     levels,
-    solve_on_triangle_level_sequence,
+    solve_brake_on_sequence_of_triangle_meshes,
 )
 from drumlin.verification.triangles.equations import ContactEquations
 from drumlin.verification.triangles.face import (
-    gauss_rule_on_curved_edges,
+    gauss_points_lengths_and_shape_functions_on_curved_edges,
     node_numbers_along_edges,
     triangle_body_with_nodes_and_stiffness,
 )
@@ -96,7 +96,7 @@ def test_shape_functions_are_lagranges_and_carry_all_polynomials(degree):
     nodes = lagrange.nodes_of_reference_triangle(degree)
     assert len(nodes) == (degree + 1) * (degree + 2) // 2
     assert nodes.sum(axis=1) == pytest.approx(1.0, abs=1e-14)
-    value, slopes, weights = lagrange.triangle_shape_functions(degree)
+    value, slopes, weights = lagrange.triangle_shape_functions_gradients_and_weights(degree)
     assert value.sum(axis=0) == pytest.approx(1.0, abs=1e-12)
     assert slopes.sum(axis=0) == pytest.approx(0.0, abs=1e-10)
     # Int x^a y^b over the triangle = a! b! / (a + b + 2)!
@@ -133,7 +133,7 @@ def test_ring_under_even_pressure_is_lames():
     nodes, kept = body.nodes, body.surface
     tri, edge = mesh.indices_of_triangle_edges_on_friction_surface
     edges = node_numbers_along_edges(nodes, tri, edge, 4)
-    psi, x, ds = gauss_rule_on_curved_edges(nodes.xy[edges], 4)
+    psi, x, ds = gauss_points_lengths_and_shape_functions_on_curved_edges(nodes.xy[edges], 4)
     loads = np.zeros_like(nodes.xy)
     outwards = x / np.hypot(x[..., 0], x[..., 1])[..., None]
     np.add.at(loads, edges, width * p * np.einsum("aq,kqc,kq->kac", psi, outwards, ds))
@@ -216,7 +216,7 @@ def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():
     A shoe presses with its end; another answer, with the whole lining, has 3.5 times its torque.
     """
     brake = draw_random_brake(5820)
-    *_, (found,) = solve_on_triangle_level_sequence(brake, SMALL[:1])
+    *_, (found,) = solve_brake_on_sequence_of_triangle_meshes(brake, SMALL[:1])
     assert found.torque == pytest.approx(solve(brake, tolerance=1e-3).torque, rel=1e-3)
     (other,) = levels.solve_brake_on_one_triangle_mesh(brake, levels.CONTACT_FINDING_LEVEL)
     assert other.torque > 3 * found.torque
@@ -227,7 +227,9 @@ def test_a_small_contact_is_hertzs():
 
     a^2 = 4 P'/(pi E (1/r - 1/R)) in plane stress against a rigid drum; a/t = 0.03.
     """
-    *_, (found,) = solve_on_triangle_level_sequence(pressed_circle(math.radians(0.5)), SMALL)
+    *_, (found,) = solve_brake_on_sequence_of_triangle_meshes(
+        pressed_circle(math.radians(0.5)), SMALL
+    )
     R, r, E = 0.15, 0.1455, 3e8
     load = found.normal_force / 0.04
     a = math.sqrt(4 * load / (math.pi * E * (1 / r - 1 / R)))
@@ -242,7 +244,7 @@ def test_a_small_contact_is_hertzs():
 def test_moments_and_forces_of_a_solution_are_in_equilibrium(brake):
     mild = vary(brake, {"shoe.lining.clearance": 5e-5})
     for shoe, found in zip(
-        mild.shoes, solve_on_triangle_level_sequence(mild, SMALL[:1])[-1], strict=True
+        mild.shoes, solve_brake_on_sequence_of_triangle_meshes(mild, SMALL[:1])[-1], strict=True
     ):
         half = 0.5 * np.diff(found.theta[:: found.order])[:, None]
         gauss, weights = np.polynomial.legendre.leggauss(8)
@@ -288,7 +290,7 @@ CASES = {
 def test_the_finite_elements_agree(case, brake):
     """Torque, reactions and p of two codes that share no mesh, no element and no contact."""
     changed = vary(brake, CASES[case])
-    theirs = solve_on_triangle_level_sequence(changed, SMALL)[-1]
+    theirs = solve_brake_on_sequence_of_triangle_meshes(changed, SMALL)[-1]
     mine = solve(changed, tolerance=1e-3)
     for a, b in zip(mine.shoes, theirs, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=5e-5)

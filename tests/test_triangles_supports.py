@@ -19,7 +19,7 @@ from drumlin.verification.reference import (
 from drumlin.verification.triangles import (
     TriangleLevel,
     solve_brake_on_one_triangle_mesh,
-    solve_on_triangle_level_sequence,
+    solve_brake_on_sequence_of_triangle_meshes,
 )
 from drumlin.verification.triangles.solution import ShoeSolution
 from drumlin_studies.stated_true import relative_pressure_error_of_shoe
@@ -31,7 +31,7 @@ SMALL = (TriangleLevel(4, 10, 1.0, 1.0),)
 
 def by_triangles(brake: Brake) -> list[ShoeSolution]:
     """The solutions of all shoes of a brake on one mesh of triangles."""
-    return solve_on_triangle_level_sequence(brake, SMALL)[-1]
+    return solve_brake_on_sequence_of_triangle_meshes(brake, SMALL)[-1]
 
 
 def forces(shoes) -> dict[str, float]:

@@ -19,7 +19,7 @@ from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import (
     LiningWithoutEndZones,
     gauss_lobatto_points,
-    length_of_edge_zone_without_pressure_errors,
+    length_of_edge_zone_left_out_of_pressure_errors,
     planar_cross_product,
 )
 from drumlin_studies.fuzzing.endings import describe_fault_of_run, run_input_in_this_process
@@ -146,7 +146,8 @@ def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():
     for inner, zone in ((0.01, 0.0), (1.0, 0.1)):
         shoe = _pressing([1.0, 1.0] + [inner] * 18 + [1.0, 1.0])
         assert (
-            length_of_edge_zone_without_pressure_errors(shoe.theta, shoe.pressure, 1, 0.1) == zone
+            length_of_edge_zone_left_out_of_pressure_errors(shoe.theta, shoe.pressure, 1, 0.1)
+            == zone
         )
     spiked, even = _pressing([1000] + [1e-3] * 1000), _pressing([999] + [1e-3] * 1000)
     # The distance is not that of the rest of the lining, which is 0.

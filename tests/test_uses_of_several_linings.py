@@ -19,7 +19,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.foundation.post import (
     _fractions_of_sectors_beyond_stations,
-    places_of_beam_stations,
+    places_of_beam_stations_and_indices_under_linings,
     trapezoidal_rule_weights,
 )
 from drumlin.lining_wear.linings import (
@@ -44,7 +44,7 @@ from drumlin.verification.reference_file import (
     reference_values_as_json_data,
     write_reference_file,
 )
-from drumlin.verification.triangles.levels import solve_on_triangle_level_sequence
+from drumlin.verification.triangles.levels import solve_brake_on_sequence_of_triangle_meshes
 from posts import upright
 from several_linings import APART, BODY, brake_with, lining
 
@@ -170,7 +170,7 @@ def test_a_lining_that_stands_far_off_is_none() -> None:
 def test_a_station_has_all_of_a_lining_beyond_it_and_none_before_it() -> None:
     """The sectors beyond a station have together the length of lining beyond it, also at ends."""
     linings = [np.array([0.4, 1.3]), np.array([1.7, 2.6])]
-    x, stations = places_of_beam_stations(3.0, linings, 40)
+    x, stations = places_of_beam_stations_and_indices_under_linings(3.0, linings, 40)
     angles = [x[own] ** 1.5 for own in stations]
     beyond = _fractions_of_sectors_beyond_stations(x, np.concatenate(stations), angles)
     sectors = np.concatenate(list(map(trapezoidal_rule_weights, angles)))
@@ -272,7 +272,7 @@ def test_triangles_agree_on_an_elastic_ring_under_several_linings() -> None:
     brake = make_drum_brake_from_data(data)
     response = drumlin.solve(brake, model_error=False)
     rigid = drumlin.solve(THREE, model_error=False)
-    (true,) = solve_on_triangle_level_sequence(brake, triangles.TRIANGLE_LEVELS[:2])[-1]
+    (true,) = solve_brake_on_sequence_of_triangle_meshes(brake, triangles.TRIANGLE_LEVELS[:2])[-1]
     (shoe,) = response.shoes
     assert response.error is not None
     assert abs(shoe.torque / true.torque - 1) < response.error["torque"] < 2e-5

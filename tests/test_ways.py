@@ -5,12 +5,12 @@ from itertools import chain, product
 import pytest
 
 from conftest import partly
-from drumlin.studies import import_study
+from drumlin.studies import import_study_and_find_its_folder
 from drumlin_studies import consistency_refused
 from drumlin_studies.consistency import Check, counts_of_comparison_outcomes_by_check
 from picking import having, picked
 
-WAYS = import_study("stability")[0].ways.PATH_CHECKS
+WAYS = import_study_and_find_its_folder("stability")[0].ways.PATH_CHECKS
 # Seeds of brakes on which nothing was mended, nor shown by the study.
 FIRST_SEED = 300_000
 # Number of brakes that the fast test takes.

@@ -13,10 +13,10 @@ from drumlin.lining_wear.archard import (
     WearLaw,
     WearState,
     _mask_of_true_with_true_neighbours,
-    amplitude_of_node_to_node_pressure_ripple,
     distance_after_which_values_stay_small,
     interpolate_wear_state_at_distance,
     join_contact_problems_of_lining_groups,
+    relative_amplitude_of_node_to_node_pressure_ripple,
     wear_linings_by_explicit_euler,
     wear_linings_in_given_steps,
     wear_linings_over_sliding_distance,
@@ -114,14 +114,14 @@ def test_a_held_torque_is_held_and_the_force_follows_from_moments():
 
 def test_the_ripple_sees_an_alternation_and_nothing_smooth():
     smooth = 1 + np.sin(3 * np.linspace(0, 1, 101))
-    assert amplitude_of_node_to_node_pressure_ripple(smooth) < 1e-6
+    assert relative_amplitude_of_node_to_node_pressure_ripple(smooth) < 1e-6
     alternating = smooth + 0.01 * (-1.0) ** np.arange(101)
-    assert amplitude_of_node_to_node_pressure_ripple(alternating) == pytest.approx(
+    assert relative_amplitude_of_node_to_node_pressure_ripple(alternating) == pytest.approx(
         0.01 / np.sqrt(np.mean(smooth[5:-5] ** 2)), rel=0.02
     )
     every_second = np.where(np.arange(101) % 2, 2.0, 0.0)
-    assert amplitude_of_node_to_node_pressure_ripple(every_second) > 0.5
-    assert math.isnan(amplitude_of_node_to_node_pressure_ripple(np.zeros(20)))
+    assert relative_amplitude_of_node_to_node_pressure_ripple(every_second) > 0.5
+    assert math.isnan(relative_amplitude_of_node_to_node_pressure_ripple(np.zeros(20)))
 
 
 def test_explicit_steps_on_nodal_pressures_break_into_a_checkerboard_and_implicit_ones_do_not():
@@ -130,7 +130,7 @@ def test_explicit_steps_on_nodal_pressures_break_into_a_checkerboard_and_implici
     size = 2.1 * UNIT
     bad = wear_linings_by_explicit_euler([interface], LAW, size, 60)[-1]
     good = wear_linings_in_given_steps([interface], LAW, size * np.arange(1, 61))[-1]
-    assert amplitude_of_node_to_node_pressure_ripple(good.pressure) < 1e-4
+    assert relative_amplitude_of_node_to_node_pressure_ripple(good.pressure) < 1e-4
     assert np.abs(bad.pressure - good.pressure).max() > 0.5 * good.pressure.max()
 
 
@@ -342,9 +342,9 @@ def test_margins_are_taken_off_on_both_sides():
     p = np.where(np.arange(40) < 20, 0.0, 1.0) * (1 + 0.1 * (-1.0) ** np.arange(40))
     # The rates are 1.1 and 0.9 in turn from node 20 on. The node before might be one of a
     # checkerboard, so that nodes 24 to 34 count.
-    assert amplitude_of_node_to_node_pressure_ripple(p) == pytest.approx(
+    assert relative_amplitude_of_node_to_node_pressure_ripple(p) == pytest.approx(
         0.1 / math.sqrt((6 * 1.1**2 + 5 * 0.9**2) / 11), rel=1e-9
     )
     assert math.isnan(
-        amplitude_of_node_to_node_pressure_ripple(np.where(np.arange(40) < 8, 1.0, 0.0))
+        relative_amplitude_of_node_to_node_pressure_ripple(np.where(np.arange(40) < 8, 1.0, 0.0))
     )

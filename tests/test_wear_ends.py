@@ -23,8 +23,8 @@ from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     brake_with_worn_linings,
-    final_pressure_and_torque_by_rigid_shoe_law,
     final_pressure_and_torque_of_wear_on_mesh,
+    final_wear_pressure_and_torque_by_rigid_shoe_law,
     relative_differences_from_end_of_wear,
     report_lines_of_wear_run,
     wear_brake_linings_until_worn_in,
@@ -178,7 +178,7 @@ def test_wear_without_a_distance_ends_where_its_mesh_ends_and_says_how_far_that_
     setup = wear_setup_by_finite_elements(make_prepared_model(brake, elements=20), brake)
     states, goal, own = (
         wear_brake_linings_until_worn_in(setup),
-        final_pressure_and_torque_by_rigid_shoe_law(setup),
+        final_wear_pressure_and_torque_by_rigid_shoe_law(setup),
         final_pressure_and_torque_of_wear_on_mesh(setup),
     )
     assert math.isfinite(states[-1].s) and len(states) < 200

@@ -62,7 +62,7 @@ def test_the_errors_that_were_observed_are_stated(kept):
             ratios = [
                 factor * row.estimate / row.true
                 for row in kept
-                if row.part == part and row.quantity in names and row.is_usable
+                if row.part == part and row.quantity in names and row.is_row_usable_for_fit
             ]
             assert len(ratios) > 9
             assert sum(ratio < 1 for ratio in ratios) <= max(2, (1 - WIDTH_QUANTILE) * len(ratios))
@@ -99,7 +99,7 @@ def test_where_degrees_are_more_exact_than_the_truth_their_errors_are_not_fitted
     """Degrees 5 to 7 agree to 1e-5 of the torque, and the truth is 2e-4 away from all of them."""
     own = ("width", "built", 3105, "torque")
     rows = [row for row in kept if (row.part, row.kind, row.seed, row.quantity) == own]
-    assert [row.degree for row in rows if row.is_usable] == [2]
+    assert [row.degree for row in rows if row.is_row_usable_for_fit] == [2]
 
 
 def test_the_file_that_the_code_reads_was_written_by_the_command(kept):

@@ -10,8 +10,8 @@ from drumlin.fem.width.columns import (
     column_layers_of_shoe,
     condense_columns_of_any_shape,
     condense_mirror_symmetric_columns,
-    unknown_numbers_along_node_row,
-    unknown_numbers_along_symmetric_half_row,
+    indices_of_unknowns_along_node_row,
+    indices_of_unknowns_along_symmetric_half_row,
 )
 from drumlin.fem.width.functions import WidthFunctions, integrals_of_function_products_over_width
 from drumlin.fem.width.integrals import (
@@ -102,14 +102,14 @@ def test_a_column_by_its_symmetries_is_that_of_its_nodes(p, q, contact, back):
         == half.left
         == len(
             stack.unknowns_on_left_or_right_side_of_column(
-                unknown_numbers_along_symmetric_half_row(p, 0).left
+                indices_of_unknowns_along_symmetric_half_row(p, 0).left
             )
         )
     )
     assert whole.K.shape == half.K.shape
     # The sides of a half are measured along their own radius, the contact's inside as its middle.
     turn = np.eye(len(whole.K))
-    row = unknown_numbers_along_node_row(p)
+    row = indices_of_unknowns_along_node_row(p)
     kept = [
         *stack.unknowns_on_left_or_right_side_of_column(row.left),
         *stack.unknowns_of_contact_nodes(row),
@@ -157,7 +157,7 @@ def test_motions_that_strain_nothing_need_no_force(p, q):
             even[0] = motion(xy)
             return even, np.zeros(len(stack.odd))
 
-        u = unknown_values(stack, unknown_numbers_along_node_row(p), places, field, p)
+        u = unknown_values(stack, indices_of_unknowns_along_node_row(p), places, field, p)
         scale = np.abs(whole.K).max() * np.abs(u).max()
         np.testing.assert_allclose(whole.K @ u, 0, atol=1e-12 * scale)
 
@@ -198,7 +198,7 @@ def test_the_patch_test_holds_with_a_width(p, q):
         return even, odd
 
     u = unknown_values(
-        stack, unknown_numbers_along_node_row(p), lambda r, n: points[:, r, n], field, p
+        stack, indices_of_unknowns_along_node_row(p), lambda r, n: points[:, r, n], field, p
     )
     unit = [cross_section_integrals_of_any_shape(own, LameConstants(0.0, 1.0), p) for own in xy]
     area = sum(float(own.across.sum()) / 2 for own in unit)

@@ -10,13 +10,13 @@ import drumlin as package
 from command_line import drumlin
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import (
-    distance_of_plane_stress_from_width_solution,
     estimate_error_of_plane_stress,
+    relative_distance_of_plane_stress_from_width_solution,
 )
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.sweeps.cases import results_of_response_by_name
@@ -29,12 +29,12 @@ LINE = "error of plane stress itself: "
 def true_error(brake, degree=4):
     """The error of plane stress on a section of the first level, whose own error cancels."""
     start = solve(brake)
-    points = singular_points_of_all_linings(brake, start)
+    points = singular_points_of_each_shoe_shape(brake, start)
     plane = solve_prepared_model(make_prepared_model(brake, LEVELS[0], points), brake, start=start)
     wide = solve_prepared_model(
         prepare_model_with_shoe_widths(brake, LEVELS[0], degree, points), brake, start=start
     )
-    return distance_of_plane_stress_from_width_solution(brake, plane, wide).brake
+    return relative_distance_of_plane_stress_from_width_solution(brake, plane, wide).brake
 
 
 def line_of(done):
@@ -151,7 +151,7 @@ def test_a_shoe_that_loses_its_contact_has_no_error(brake):
     from dataclasses import replace
 
     lost = replace(shoe, pressure=np.zeros_like(shoe.pressure), contact_arcs=())
-    found = distance_of_plane_stress_from_width_solution(
+    found = relative_distance_of_plane_stress_from_width_solution(
         brake, plane, replace(plane, shoes=(lost, plane.shoes[1]))
     )
     assert found.unknown == "shoe 'right' loses its contact with its width"

@@ -10,7 +10,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_model_with_shoe_widths
 from drumlin.response.face import pressure_on_face_of_lining
-from drumlin.response.response import length_of_edge_zone_without_peak
+from drumlin.response.response import length_of_edge_zone_left_out_of_peak_search
 from wide_shoes import HELD
 
 
@@ -42,7 +42,7 @@ def test_written_pressures_tell_those_of_the_nodes(degree):
         prepare_model_with_shoe_widths(brake, LEVELS[0], degree).bodies[0]
     )
     p = np.random.default_rng(1).standard_normal(len(face.nodes))
-    written = face.pressure_over_arc_and_width(p)
+    written = face.pressure_distribution_over_arc_and_width(p)
     np.testing.assert_allclose(face.nodal_pressures_from_pressures_of_file(written), p, atol=1e-10)
     _, mean = face.angles_and_mean_pressures(p)
     own = written.pressure @ written.widths / written.widths.sum()
@@ -53,7 +53,7 @@ def test_written_pressures_tell_those_of_the_nodes(degree):
 def test_the_peak_is_the_largest_pressure_away_from_the_ends(solved):
     brake, _, response = solved
     face, shoe = pressure_on_face_of_lining(brake, response, 0), response.shoes[0]
-    zone = length_of_edge_zone_without_peak(brake.shoes[0], brake.scale_factor)
+    zone = length_of_edge_zone_left_out_of_peak_search(brake.shoes[0], brake.scale_factor)
     theta = np.linspace(shoe.theta[0] + zone, shoe.theta[-1] - zone, 4001)
     dense = np.array(
         [replace(shoe, pressure=column).pressure_at(theta) for column in face.pressure.T]

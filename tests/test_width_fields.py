@@ -13,7 +13,7 @@ from drumlin.fem import solid as solid_shoes
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.analysis.solid_fields import (
     displacements_and_stresses_in_shoe_part,
-    recover_stresses_in_all_solid_shoes,
+    recover_stresses_in_half_of_each_solid_shoe,
 )
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.division import divide_shoe_into_hp_elements
@@ -25,7 +25,7 @@ from drumlin.fem.width.functions import (
 )
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.fem.width.recovery import WidthUnknowns
-from drumlin.response.response import length_of_edge_zone_without_peak
+from drumlin.response.response import length_of_edge_zone_left_out_of_peak_search
 from wide_shoes import HELD
 
 PUT_AT = ([0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2])
@@ -47,7 +47,7 @@ def pressed_nodes_away_from_ends(brake, index, fields, answer):
         middle = 0.5 * (answer.theta[0] + answer.theta[-1])
         theta = np.arctan2(fields.points[:, 1], fields.points[:, 0])
         theta = middle + (theta - middle + np.pi) % (2 * np.pi) - np.pi
-    zone = 2 * length_of_edge_zone_without_peak(shoe, brake.scale_factor)
+    zone = 2 * length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor)
     inside = np.zeros(len(theta), dtype=bool)
     for start, end in answer.contact_arcs:
         low, high = max(start, answer.theta[0] + zone), min(end, answer.theta[-1] - zone)
@@ -64,7 +64,7 @@ def test_stresses_on_the_face_are_pressure_and_friction(kind):
     # Beside a web of 15 mm under a lining of 40 mm degree 2 is 3 % off.
     within = 0.05 if kind == "narrow body in a grip" else 5e-3
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        fields = recover_stresses_in_all_solid_shoes(scene, brake, response)[i]
+        fields = recover_stresses_in_half_of_each_solid_shoe(scene, brake, response)[i]
         on = pressed_nodes_away_from_ends(brake, i, fields, answer)
         assert len(on) > 20
         # On a plane the normal is y, on a drum it is the radius.
@@ -96,7 +96,7 @@ def test_the_stress_of_known_strains_is_exact(name):
     even[:, 0] = (slope @ unknowns.grid.doflocs).T
     # u_x = bend z^2, and u_z = across z; the first odd function is z over half the width.
     half = functions.breaks[-1]
-    z = functions.node_distances_across_part(half)
+    z = functions.node_distances_across_half_width_of_part(half)
     even[:, :, 0] += matrix_from_node_values_to_function_factors(functions, half) @ (bend * z**2)
     odd[:, 0] = across * half
     u = np.hstack([even.reshape(unknowns.grid.N, -1), odd]).ravel()
@@ -117,7 +117,7 @@ def test_the_face_moves_to_the_drum(kind):
     scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 2)
     response = solve_prepared_model(scene, brake)
     for i, shoe in enumerate(brake.shoes):
-        fields = recover_stresses_in_all_solid_shoes(scene, brake, response)[i]
+        fields = recover_stresses_in_half_of_each_solid_shoe(scene, brake, response)[i]
         on = fields.pressure > 0.01 * fields.pressure.max()
         x, y = fields.points[on, :2].T
         normal = np.array([0 * x, 1 + 0 * y] if shoe.flat else np.array([x, y]) / np.hypot(x, y))
@@ -138,7 +138,9 @@ def test_at_degree_zero_stresses_are_those_of_plane_stress():
     flat = stress_and_displacement_fields_of_shoe(
         plane, brake, solve_prepared_model(plane, brake), 0
     )
-    solid = recover_stresses_in_all_solid_shoes(wide, brake, solve_prepared_model(wide, brake))[0]
+    solid = recover_stresses_in_half_of_each_solid_shoe(
+        wide, brake, solve_prepared_model(wide, brake)
+    )[0]
     middle = solid.points[:, 2] == 0
     # Both have the same nodes, in the order of the parts.
     np.testing.assert_allclose(solid.points[middle, :2], flat.points, atol=1e-12)
@@ -156,9 +158,9 @@ def test_at_degree_zero_stresses_are_those_of_plane_stress():
 def test_cells_fill_the_half_shoe_once():
     brake = HELD["T-section"]()
     scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 1)
-    fields = recover_stresses_in_all_solid_shoes(scene, brake, solve_prepared_model(scene, brake))[
-        1
-    ]
+    fields = recover_stresses_in_half_of_each_solid_shoe(
+        scene, brake, solve_prepared_model(scene, brake)
+    )[1]
     corners = fields.points[fields.cells]
     # The sum of six tetrahedra around the diagonal from corner 0 to corner 6.
     ring, volume = (1, 2, 3, 7, 4, 5, 1), np.zeros(len(corners))

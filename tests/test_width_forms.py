@@ -16,7 +16,7 @@ from drumlin.fem.width.columns import (
     BackEdge,
     column_layers_of_shoe,
     condense_columns_of_any_shape,
-    unknown_numbers_along_node_row,
+    indices_of_unknowns_along_node_row,
 )
 from drumlin.fem.width.functions import WidthFunctions, integrals_of_function_products_over_width
 from drumlin.fem.width.integrals import LameConstants, cross_section_integrals_of_any_shape
@@ -55,7 +55,7 @@ def test_a_ring_under_outer_pressure_moves_as_lame_says(q):
         radial = size / E * ((1 - nu) * at + (1 + nu) * a**2 / at)
         return radial * (math.sin(angle) if unknown.along % 2 else math.cos(angle))
 
-    row = unknown_numbers_along_node_row(p)
+    row = indices_of_unknowns_along_node_row(p)
     left = stack.unknowns_on_left_or_right_side_of_column(row.left)
     right = stack.unknowns_on_left_or_right_side_of_column(row.right)
     # The unknowns of the contact stand node by node, x and y of a function together.
@@ -105,7 +105,7 @@ def test_a_sphere_presses_as_hertz_says(nu):
     functions = WidthFunctions((0.0, a / 2, a, 2 * a, height), 4)
     body = condense_and_couple_shoe_with_width(shoe, brake.size, division, functions, False, {})
     face, coupling = contact_face_of_solid_shoe(body), body.coupling
-    half = body.condensed.nodal_forces_over_cholesky_factor(coupling.N.T)
+    half = body.condensed.inverse_cholesky_factor_times_nodal_forces(coupling.N.T)
     x = face.xy[0]
     z = np.tile(face.node_distances_from_mid_plane, len(face.line.nodes))
     r = np.hypot(x, z)

@@ -80,7 +80,7 @@ def test_they_are_continuous(degree):
 def test_in_a_narrower_part_the_functions_of_wider_ones_vanish(degree):
     functions = WidthFunctions(BREAKS, degree)
     for half in BREAKS[1:]:
-        even, odd = functions.numbers_of_even_and_odd_functions(half)
+        even, odd = functions.counts_of_even_and_odd_functions_on_part(half)
         inside = np.linspace(0, half, 40)
         for own, count in (
             (functions.even_functions_across_width, even),
@@ -96,9 +96,9 @@ def test_in_a_narrower_part_the_functions_of_wider_ones_vanish(degree):
 def test_face_nodes_tell_the_functions_and_part_one(degree, half):
     functions = functions_of_breaks(degree)
     own = functions.even_functions_across_width[
-        : functions.numbers_of_even_and_odd_functions(half)[0]
+        : functions.counts_of_even_and_odd_functions_on_part(half)[0]
     ]
-    nodes = functions.node_distances_across_part(half)
+    nodes = functions.node_distances_across_half_width_of_part(half)
     assert len(nodes) == len(own) and (nodes >= 0).all() and (nodes <= half).all()
     nodal = np.linalg.inv(functions.function_values_and_slopes(own, nodes)[0])
     z = np.linspace(0, half, 30)

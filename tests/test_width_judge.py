@@ -10,8 +10,8 @@ from drumlin_studies.width_error import (
     LEAST_JUDGED,
     WidthErrorRow,
     plane_stress_errors_or_reason,
-    table_lines_of_error_left_after_correction,
     table_lines_of_error_ratios,
+    table_lines_of_remaining_error_after_correction,
 )
 from sections import t_section
 
@@ -37,7 +37,7 @@ def test_the_table_counts_errors_that_matter():
 
 def test_the_table_of_corrected_answers_counts_errors_that_matter():
     rows = [row(1, 1e-2, 1.0, 0.1), row(3, 1e-2, 1.0, 0.9), row(3, 1e-4, 1.0, 9.0)]
-    _, torque, *_ = table_lines_of_error_left_after_correction(rows)
+    _, torque, *_ = table_lines_of_remaining_error_after_correction(rows)
     name, brakes, share, half, *_, most, within, halved = torque.split()
     assert [name, brakes, half, most] == ["torque", "2", "0.50", "0.90"]
     assert 0.1 < float(share) < 0.9

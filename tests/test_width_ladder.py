@@ -13,18 +13,18 @@ from drumlin.brake.file import vary
 from drumlin.fem import solid
 from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
+from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.ladder import (
     SOLID_FACTORS,
     ErrorFactors,
     coarsest_cross_section_mesh_within_tolerance,
     hp_elements_to_compare_width_degrees,
-    refine_cross_section_up_to_tolerance,
+    refine_cross_section_mesh_until_tolerance_is_met,
     smallest_width_degree_within_tolerance,
     solve_brake_with_widths_to_tolerance,
     solve_cross_section_mesh_with_width_degree,
@@ -38,10 +38,10 @@ from drumlin_studies.solid_error import (
     functions_across_width_graded_to_sides,
     main,
     read_solid_error_rows,
-    reference_solution_of_solve,
-    response_plus_step,
+    reference_solution_for_solid_solve,
+    response_plus_difference_of_two_others,
     response_with_width_functions_graded_to_sides,
-    row_of_solid_errors,
+    row_of_stated_and_true_errors_of_random_solid_brake,
     table_lines_of_brakes_within_tolerance,
     table_lines_of_stated_over_true_quantiles,
     table_lines_of_stated_plane_stress_errors,
@@ -56,7 +56,7 @@ GRADED = WidthFunctions((0.0, 17e-3, 20e-3), 4)
 def truth(brake):
     """The answer of the main brake on the second level, with functions graded to the side."""
     start = solve(brake)
-    points = singular_points_of_all_linings(brake, start)
+    points = singular_points_of_each_shoe_shape(brake, start)
     scene = prepare_model_with_shoe_widths(brake, LEVELS[1], lambda shoe: GRADED, points)
     return solve_prepared_model(scene, brake, start=start)
 
@@ -64,7 +64,7 @@ def truth(brake):
 @pytest.mark.parametrize("tolerance", [2e-2, 5e-3, 2e-3])
 def test_stated_errors_are_above_the_true_ones_and_below_the_tolerance(brake, truth, tolerance):
     found = solve_brake_with_widths_to_tolerance(brake, Tolerance(tolerance, tolerance))
-    true = distance_of_plane_stress_from_width_solution(brake, found, truth).brake
+    true = relative_distance_of_plane_stress_from_width_solution(brake, found, truth).brake
     assert found.error["pressure"] < tolerance
     assert found.error["torque"] < tolerance
     # Two parts of the error of the torque may cancel, so that only p tells errors far too large.
@@ -89,7 +89,7 @@ def test_with_several_widths_stated_errors_are_above_the_true_ones(brake, kind, 
     drawn = t_section(brake) if kind == "T" else DRAWN[kind](seed)
     found = solve_brake_with_widths_to_tolerance(drawn, Tolerance(2e-2, 2e-2), must=False)
     truth = response_with_width_functions_graded_to_sides(drawn, LEVELS[1])
-    for name, error in distance_of_plane_stress_from_width_solution(
+    for name, error in relative_distance_of_plane_stress_from_width_solution(
         drawn, found, truth
     ).brake.items():
         assert error < found.error[name], name
@@ -100,8 +100,8 @@ def test_beside_a_web_the_width_has_its_part_in_the_error():
     brake, level = DRAWN["free"](2000), LEVELS[0]
     plane = solve(brake)
     section = hp_elements_to_compare_width_degrees(brake, plane)
-    points = singular_points_of_all_linings(
-        brake, plane, error=level.pressure_error_by_column_ratio
+    points = singular_points_of_each_shoe_shape(
+        brake, plane, error=level.pressure_error_due_to_column_size_ratio
     )
 
     def on_level(across):
@@ -114,7 +114,7 @@ def test_beside_a_web_the_width_has_its_part_in_the_error():
         found = smallest_width_degree_within_tolerance(
             brake, plane, section, Tolerance(allowed, allowed)
         )
-        true = distance_of_plane_stress_from_width_solution(
+        true = relative_distance_of_plane_stress_from_width_solution(
             brake, on_level(found.degree), truth
         ).brake
         assert true["torque"] < found.error.torque
@@ -159,7 +159,7 @@ def test_divisions_follow_the_contact_that_the_width_has_found():
         for level in LEVELS[:2]
     )
     # With elements for the contact of plane stress the two levels differ by 3.7 %.
-    moved = distance_of_plane_stress_from_width_solution(brake, first, second).brake
+    moved = relative_distance_of_plane_stress_from_width_solution(brake, first, second).brake
     assert moved["pressure"] < 5e-3
 
 
@@ -167,21 +167,23 @@ def test_divisions_follow_the_contact_that_the_width_has_found():
 def test_the_error_of_the_section_beside_a_web_covers_that_of_a_higher_degree():
     brake, loose = DRAWN["built"](3111), Tolerance(0.1, 0.1)
     plane, answer = solve(brake), partial(solve_prepared_model, penalty=PENALTY)
-    climb = refine_cross_section_up_to_tolerance(brake, loose, answer, Cache(), LEVELS[:2], plane)
+    climb = refine_cross_section_mesh_until_tolerance_is_met(
+        brake, loose, answer, Cache(), LEVELS[:2], plane
+    )
     factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
     section = coarsest_cross_section_mesh_within_tolerance(brake, climb, loose, factors)
     first, second = (
         solve_cross_section_mesh_with_width_degree(brake, level, 3, plane).response
         for level in LEVELS[:2]
     )
-    moved = distance_of_plane_stress_from_width_solution(brake, first, second).brake
+    moved = relative_distance_of_plane_stress_from_width_solution(brake, first, second).brake
     assert section.level == LEVELS[0]
     assert moved["pressure"] < section.error.largest_pressure_error < 2 * moved["pressure"]
 
 
 def test_without_options_solid_shoes_state_their_errors(brake, truth):
     found = solid.solve(brake)
-    true = distance_of_plane_stress_from_width_solution(brake, found, truth).brake
+    true = relative_distance_of_plane_stress_from_width_solution(brake, found, truth).brake
     for name, error in true.items():
         assert error < found.error[name] < 1e-2, name
 
@@ -238,7 +240,7 @@ def test_the_table_of_plane_stress_counts_good_and_poor_errors():
 
 
 def test_a_brake_that_takes_too_long_is_given_up_and_kept(tmp_path, monkeypatch):
-    row = row_of_solid_errors("built", 3100, 1e-2, seconds=0.2)
+    row = row_of_stated_and_true_errors_of_random_solid_brake("built", 3100, 1e-2, seconds=0.2)
     assert row.title
     assert not row.stated
     assert row.reason == f"{GIVEN_UP} 0.2 s of processor time"
@@ -258,13 +260,13 @@ def test_a_sum_of_responses_is_the_sum_of_pressures_and_forces(brake):
             brake, solve_prepared_model, levels=LEVELS[:2]
         )
     )
-    found = response_plus_step(first, first, second)
-    true = distance_of_plane_stress_from_width_solution(brake, found, second).brake
-    apart = distance_of_plane_stress_from_width_solution(brake, first, second).brake
+    found = response_plus_difference_of_two_others(first, first, second)
+    true = relative_distance_of_plane_stress_from_width_solution(brake, found, second).brake
+    apart = relative_distance_of_plane_stress_from_width_solution(brake, first, second).brake
     for name, error in true.items():
         assert error < 1e-9, name
         assert apart[name] > 1e-6, name
-    there = response_plus_step(second, second, first)
+    there = response_plus_difference_of_two_others(second, second, first)
     theta = np.linspace(first.shoes[0].theta[0], first.shoes[0].theta[-1], 101)
     assert there.shoes[0].pressure_at(theta) == pytest.approx(
         first.shoes[0].pressure_at(theta), abs=1e-8 * first.shoes[0].peak_pressure
@@ -276,10 +278,10 @@ def test_the_truth_of_a_solve_agrees_with_a_direct_one_within_its_uncertainty():
     brake = DRAWN["free"](510004)
     found = solve_brake_with_widths_to_tolerance(brake, Tolerance(1e-2, 1e-2), must=False)
     assert found.shoes[0].order == LEVELS[0].degree
-    reference = reference_solution_of_solve(brake, found)
+    reference = reference_solution_for_solid_solve(brake, found)
     direct = response_with_width_functions_graded_to_sides(brake, LEVELS[1])
-    far = distance_of_plane_stress_from_width_solution(brake, found, direct).brake
-    for name, error in distance_of_plane_stress_from_width_solution(
+    far = relative_distance_of_plane_stress_from_width_solution(brake, found, direct).brake
+    for name, error in relative_distance_of_plane_stress_from_width_solution(
         brake, reference.truth, direct
     ).brake.items():
         assert error < 0.5 * far[name], name

@@ -7,7 +7,7 @@ from conftest import partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.width.error import WIDTH_LEVEL
@@ -103,7 +103,7 @@ def test_as_the_width_goes_to_zero_the_difference_falls_in_proportion(brake):
 
 @pytest.mark.slow
 def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(brake):
-    points = singular_points_of_all_linings(brake, plane(brake, LEVELS[1]))
+    points = singular_points_of_each_shoe_shape(brake, plane(brake, LEVELS[1]))
     functions = WidthFunctions((0.0, 17e-3, 20e-3), 4)
     mine = wide(brake, lambda shoe: functions, LEVELS[1], points)
     # 448.7310 N m is the limit of quadratic hexahedra, 80 of them along each lining, which an

@@ -26,8 +26,8 @@ from drumlin.fem.width.columns import (
     column_layers_of_shoe,
     condensation_plan_of_column,
     displacements_inside_elements,
-    unknown_names_of_element_column,
-    unknown_numbers_along_node_row,
+    indices_of_unknowns_along_node_row,
+    unknowns_of_element_column_by_role_in_condensation,
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
@@ -147,10 +147,10 @@ def test_the_patch_test_holds_inside_a_column(p, q):
     lame, halves = LameConstants(1.3, 0.7), (1.1, 1.1)
     functions = WidthFunctions((0.0, 0.4, 1.1), q)
     stack = column_layers_of_shoe(functions, halves, p, contact=False, back=BackEdge.FREE)
-    along = unknown_numbers_along_node_row(p)
+    along = indices_of_unknowns_along_node_row(p)
     plan, names = (
         condensation_plan_of_column(stack, along),
-        unknown_names_of_element_column(stack, along),
+        unknowns_of_element_column_by_role_in_condensation(stack, along),
     )
     x, y = np.meshgrid(np.linspace(0, 2, p + 1), np.linspace(0, 1, 2 * p + 1))
     points = np.array([x + 0.1 * np.sin(3 * y) * (x + 1), y + 0.2 * (1 - y) * np.cos(2 * x)])
@@ -213,7 +213,7 @@ def test_loads_on_the_end_of_a_t_section_are_even_over_the_width_of_table_and_we
         division, unknowns.grid.doflocs[:, nodes], np.zeros(1)
     )
     half = functions.breaks[-1]
-    z = functions.node_distances_across_part(half)
+    z = functions.node_distances_across_half_width_of_part(half)
     factors = matrix_from_node_values_to_function_factors(functions, half) @ z**2
     web = shoe.body.thickness
     share = 3e-3 / (3e-3 + web)

@@ -5,7 +5,7 @@ import numpy as np
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.interface import (
     ContactLine,
-    function_for_drum_normals_and_tangents,
+    function_that_returns_drum_normals_and_tangents,
     weak_coupling_of_contact_line,
 )
 from drumlin.lining_wear.archard import (
@@ -29,7 +29,7 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
     coupling = weak_coupling_of_contact_line(
         ContactLine(np.arange(len(phi)), xy, phi, pieces),
         WIDTH,
-        function_for_drum_normals_and_tangents(1),
+        function_that_returns_drum_normals_and_tangents(1),
     )
     turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
     approach = coupling.N @ turned

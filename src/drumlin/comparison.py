@@ -17,7 +17,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 
 from drumlin.base.errors import NoAnswer
-from drumlin.base.files import spreadsheet_cell_without_formula
+from drumlin.base.files import spreadsheet_cell_safe_from_being_run_as_formula
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
@@ -320,7 +320,7 @@ def table_as_csv_text(table: Sequence[dict[str, Any]]) -> str:
     writer = csv.DictWriter(text, keys, lineterminator="\n")
     writer.writeheader()
     writer.writerows(
-        {key: spreadsheet_cell_without_formula(value) for key, value in row.items()}
+        {key: spreadsheet_cell_safe_from_being_run_as_formula(value) for key, value in row.items()}
         for row in table
     )
     return text.getvalue()
@@ -353,13 +353,15 @@ class Comparison(Generic[BrakeKind]):
 
     def __repr__(self) -> str:
         """The comparison as a table of text."""
-        return "\n".join([self.case, *text_lines_of_aligned_columns(self._shown_cells())])
+        return "\n".join(
+            [self.case, *text_lines_of_aligned_columns(self._cells_of_displayed_table())]
+        )
 
     def _repr_html_(self) -> str:
         """The comparison as an HTML table, which notebooks display."""
-        return html_table_with_caption(self.case, self._shown_cells())
+        return html_table_with_caption(self.case, self._cells_of_displayed_table())
 
-    def _shown_cells(self) -> list[tuple[str, ...]]:
+    def _cells_of_displayed_table(self) -> list[tuple[str, ...]]:
         """The cells of the table as it is shown: headings, and the rows of the whole brake.
 
         Columns without a value are left out.

@@ -53,7 +53,7 @@ Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
 
-def _errors_name_arguments(
+def _make_public_function_that_rewords_errors(
     function: Callable[Arguments, Result],
 ) -> Callable[Arguments, Result]:
     """Make a public function whose errors name its arguments, not options of the command line.
@@ -63,15 +63,17 @@ def _errors_name_arguments(
     """
 
     @wraps(function)
-    def public_function(*arguments: Arguments.args, **options: Arguments.kwargs) -> Result:
+    def function_that_rewords_errors(
+        *arguments: Arguments.args, **options: Arguments.kwargs
+    ) -> Result:
         """Call the function, and reword its errors."""
         try:
             return function(*arguments, **options)
         except DrumlinError as error:
-            error.name_arguments_in_place_of_options()
+            error.replace_options_by_python_arguments_in_message()
             raise
 
-    return public_function
+    return function_that_rewords_errors
 
 
 class _Source(NamedTuple):
@@ -91,14 +93,14 @@ class _Source(NamedTuple):
     command: str
 
 
-def _brake_or_brake_of_file(brake: BrakeOrPath) -> Brake:
+def _brake_itself_or_read_from_file(brake: BrakeOrPath) -> Brake:
     """The brake itself; for the path of a brake file, the brake of this file.
 
     Raises BadInput for anything else.
     """
-    from drumlin.brake.plane_brake import brake_or_brake_of_file
+    from drumlin.brake.plane_brake import brake_itself_or_read_from_file
 
-    return brake_or_brake_of_file(brake)
+    return brake_itself_or_read_from_file(brake)
 
 
 def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _Source:
@@ -130,12 +132,16 @@ def _value_of_function_option_in_si(option: str, value: float | str, unit: str) 
     `value` is a number, which is in SI units already, or a text with a unit. `option` is the name
     of the option in an error message.
     """
-    from drumlin.brake.units import command_option_text_in_si
+    from drumlin.brake.units import number_in_si_from_command_option_text
 
-    return command_option_text_in_si(option, value, unit) if isinstance(value, str) else value
+    return (
+        number_in_si_from_command_option_text(option, value, unit)
+        if isinstance(value, str)
+        else value
+    )
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def solve(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -195,7 +201,7 @@ def solve(
     >>> round(drumlin.solve(brake).torque), round(drumlin.solve(brake, "sine").torque)
     (448, 435)
     """
-    from drumlin.brake.friction import reason_against_pressure_dependent_friction
+    from drumlin.brake.friction import reason_if_friction_depends_on_pressure
     from drumlin.brake.plausibility import notes_on_implausible_brake_values
     from drumlin.laws.rigid import (
         response_with_note_on_ignored_keys,
@@ -203,7 +209,7 @@ def solve(
     )
     from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
 
-    whole = _brake_or_brake_of_file(brake)
+    whole = _brake_itself_or_read_from_file(brake)
     options = _solver_options_given_by_user(
         elements=elements,
         kind=kind,
@@ -238,7 +244,7 @@ def solve(
             raise
         raise NoAnswer("; ".join((str(error), *notes))) from error
     response = response_with_note_on_ignored_keys(whole, response)
-    unknown = reason_against_pressure_dependent_friction(whole, "the distance from self-locking")
+    unknown = reason_if_friction_depends_on_pressure(whole, "the distance from self-locking")
     if unknown is not None:
         return replace(response, notes=(*response.notes, f"note: {unknown}", *notes))
     locking = response.self_locking or self_locking_by_rigid_shoe_law(whole)
@@ -246,7 +252,7 @@ def solve(
     return replace(response, notes=notes, self_locking=locking)
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def compare(
     brake: BrakeOrPath,
     case: str = "",
@@ -303,10 +309,10 @@ def compare(
         finite_width=finite_width,
         solid=solid,
     )
-    return side_by_side(_brake_or_brake_of_file(brake), case, repeats, models, **options)
+    return side_by_side(_brake_itself_or_read_from_file(brake), case, repeats, models, **options)
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def size(
     brake: BrakeOrPath,
     key: str,
@@ -373,7 +379,7 @@ def size(
     from drumlin.models import check_options_belong_to_model
     from drumlin.sizing import LARGEST, Question, size_brake
 
-    whole = _brake_or_brake_of_file(brake)
+    whole = _brake_itself_or_read_from_file(brake)
     given = _solver_options_given_by_user(
         elements=elements,
         kind=kind,
@@ -405,7 +411,7 @@ def size(
     return size_brake(question, lambda sized: solve(sized, model, **given))
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def sweep(
     brake: BrakeOrPath,
     vary: Mapping[str, object] | None = None,
@@ -463,7 +469,7 @@ def sweep(
     ([435.0, 659.0], 'solved')
     """
     from drumlin.sweeps.file import read_sweep_from_toml_file, sweep_from_file_data
-    from drumlin.sweeps.python_values import data_of_sweep_in_python
+    from drumlin.sweeps.python_values import sweep_file_data_from_python_values
     from drumlin.sweeps.run import solve_sweep_in_memory
     from drumlin.sweeps.sweep_table import function_that_prints_progress
 
@@ -478,8 +484,8 @@ def sweep(
                 )
         prepared, folder = read_sweep_from_toml_file(Path(brake)), Path(brake).parent
     else:
-        whole, folder = _brake_or_brake_of_file(brake), Path()
-        data = data_of_sweep_in_python(whole, vary, model, **given)
+        whole, folder = _brake_itself_or_read_from_file(brake), Path()
+        data = sweep_file_data_from_python_values(whole, vary, model, **given)
         prepared = sweep_from_file_data(data, folder.resolve(), brake=whole)
     done = function_that_prints_progress() if progress is True else progress
     return solve_sweep_in_memory(
@@ -487,7 +493,7 @@ def sweep(
     )
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def wear(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -550,7 +556,7 @@ def wear(
     """
     from drumlin.lining_wear import linings, whole_brake
 
-    worn = _brake_or_brake_of_file(brake)
+    worn = _brake_itself_or_read_from_file(brake)
     # Guided shoes are another brake, whose shoes are supported by guides.
     worn = linings.brake_with_shoes_on_guides(worn) if guided else worn
     worn.check_shoes_can_be_meshed()
@@ -616,21 +622,24 @@ class HoldingRun(NamedTuple):
         """Two lines of text: the largest moment that is held, and when the brake slips."""
         surface = self.brake.surface
 
-        def text_of_way(state: Hold) -> str:
+        def rotation_or_sliding_distance_as_text(state: Hold) -> str:
             """The rotation of a state, on a plane the sliding distance, as text with its unit."""
             return f"{surface.moved} {state.rotation * surface.shown:.4g} {surface.shown_unit}"
 
         held = max(self.states, key=lambda state: abs(state.torque))
         last = self.states[-1]
-        slips = f"no full slip: at {text_of_way(last)}, {100 * last.sticking:.0f} % still stick"
+        slips = (
+            f"no full slip: at {rotation_or_sliding_distance_as_text(last)}, "
+            f"{100 * last.sticking:.0f} % still stick"
+        )
         if last.sticking == 0:
             first = next(state for state in self.states if state.sticking == 0)
-            slips = f"the whole contact slips from {text_of_way(first)} on"
+            slips = f"the whole contact slips from {rotation_or_sliding_distance_as_text(first)} on"
         moment = f"{abs(held.torque):.6g} {surface.effect_unit}"
-        return [f"holds up to {moment}, at {text_of_way(held)}", slips]
+        return [f"holds up to {moment}, at {rotation_or_sliding_distance_as_text(held)}", slips]
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def hold(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -680,7 +689,7 @@ def hold(
     from drumlin.fem.analysis import holding
     from drumlin.fem.analysis.prepared import prepared_model_for_analysis
 
-    held = _brake_or_brake_of_file(brake)
+    held = _brake_itself_or_read_from_file(brake)
     held.check_shoes_can_be_meshed()
     if not 1 <= steps <= MOST_STEPS:
         raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
@@ -699,13 +708,13 @@ def hold(
         end = holding.find_drum_rotation_of_full_slip(scene, held, **stiffness)
     # The state at rest comes first: there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
-    states = holding.states_of_holding_brake_at_rotations(
+    states = holding.turn_holding_brake_and_return_states_at_rotations(
         scene, held, rotations, say=say, **stiffness
     )
     return HoldingRun(held, tuple(states))
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def sensitivity(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -751,7 +760,7 @@ def sensitivity(
         _solver_options_given_by_user(elements=elements, kind=kind),
         _solver_options_given_by_user(penalty=penalty),
     )
-    whole = _brake_or_brake_of_file(brake)
+    whole = _brake_itself_or_read_from_file(brake)
     whole.check_shoes_can_be_meshed()
     return slopes(prepared_model_for_analysis(whole, model, **on_mesh), whole, **stiffness)
 
@@ -772,7 +781,7 @@ class LockingLimit(NamedTuple):
     bounded: bool
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def self_locking(
     brake: BrakeOrPath,
     *,
@@ -817,7 +826,7 @@ def self_locking(
 
     on_mesh = _solver_options_given_by_user(elements=elements, kind=kind)
     require_positive_penalty(penalty)
-    whole = _brake_or_brake_of_file(brake)
+    whole = _brake_itself_or_read_from_file(brake)
     whole.check_shoes_can_be_meshed()
     # `self_locking_friction_of_shoe_groups` returns indices of shoes, the user gets their names.
     found = self_locking_friction_of_shoe_groups(
@@ -834,7 +843,7 @@ def self_locking(
     )
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference:
     """Compute reference values of a brake with uncertainties; this takes minutes.
 
@@ -912,7 +921,7 @@ class CheckResult(NamedTuple):
         return text_lines_on_errors_of_pressure_table(self.verdicts, self.tolerance, self.surface)
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def check(
     brake: BrakeOrPath,
     result: Path | str,
@@ -977,7 +986,7 @@ def check(
     return CheckResult(tuple(verdicts), tolerance, name, source.brake.surface)
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def fields(
     brake: BrakeOrPath,
     output: Path | str | None = None,
@@ -1015,7 +1024,10 @@ def fields(
     >>> right.stress.shape[1], bool(right.von_mises.max() > 0)
     (3, True)
     """
-    from drumlin.base.files import check_output_files_are_writable, require_name_of_fields_file
+    from drumlin.base.files import (
+        check_output_files_are_writable,
+        require_fields_file_name_ends_in_vtu,
+    )
     from drumlin.fem.analysis.fields import (
         stress_and_displacement_fields_of_shoes_and_ring,
         write_fields_to_vtu_file,
@@ -1025,13 +1037,13 @@ def fields(
 
     # A wrong path is refused before the brake is solved.
     path = None if output is None else Path(output)
-    require_name_of_fields_file(path, "output")
+    require_fields_file_name_ends_in_vtu(path, "output")
     check_output_files_are_writable(path)
     on_mesh, stiffness = (
         _solver_options_given_by_user(elements=elements, kind=kind),
         _solver_options_given_by_user(penalty=penalty),
     )
-    solved = _brake_or_brake_of_file(brake)
+    solved = _brake_itself_or_read_from_file(brake)
     solved.check_shoes_can_be_meshed()
     scene = prepared_model_with_finest_elements(solved, **on_mesh)
     found = stress_and_displacement_fields_of_shoes_and_ring(
@@ -1042,7 +1054,7 @@ def fields(
     return tuple(found)
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def law(name: str, assumes: str = "") -> Callable[[Shape], Shape]:
     """Register a pressure law of your own by a decorator; `solve` and `compare` then know it.
 
@@ -1075,21 +1087,24 @@ def law(name: str, assumes: str = "") -> Callable[[Shape], Shape]:
     >>> round(drumlin.solve(drumlin.example("double_shoe"), "my_sine").torque, 2)
     435.22
     """
-    from drumlin.models import register_law_of_shape, require_name_for_law_of_user
+    from drumlin.models import (
+        register_law_with_pressure_shape,
+        require_allowed_name_for_law_of_user,
+    )
 
     # A decorator that forgets the name, `@drumlin.law`, is refused at once.
-    require_name_for_law_of_user(name)
+    require_allowed_name_for_law_of_user(name)
 
-    def register(shape: Shape) -> Shape:
+    def register_law_and_return_its_shape(shape: Shape) -> Shape:
         """Register the law with the shape of its pressure, and return the function unchanged."""
         words = assumes or (shape.__doc__ or "a law of the user").strip().partition("\n")[0]
-        register_law_of_shape(name, words, shape)
+        register_law_with_pressure_shape(name, words, shape)
         return shape
 
-    return register
+    return register_law_and_return_its_shape
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def write_brake(brake: BrakeOrPath, output: Path | str) -> None:
     """Write a brake file with units, from which exactly this brake is read again.
 
@@ -1119,10 +1134,10 @@ def write_brake(brake: BrakeOrPath, output: Path | str) -> None:
     from drumlin.base.files import write_new_text_file
     from drumlin.brake.writing import brake_file_text
 
-    write_new_text_file(Path(output), brake_file_text(_brake_or_brake_of_file(brake)))
+    write_new_text_file(Path(output), brake_file_text(_brake_itself_or_read_from_file(brake)))
 
 
-@_errors_name_arguments
+@_make_public_function_that_rewords_errors
 def example(name: str) -> Brake:
     """Read an example brake by its name; `drumlin init` lists the names.
 

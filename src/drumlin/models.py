@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
-from drumlin.base.files import require_name_of_fields_file
+from drumlin.base.files import require_fields_file_name_ends_in_vtu
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.brake import Brake
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
-from drumlin.laws.own import Shape, make_law_of_shape
+from drumlin.laws.own import Shape, make_law_from_pressure_shape
 from drumlin.laws.pressure_friction import (
-    reason_if_law_has_uneven_pressure,
+    reason_why_law_cannot_take_pressure_dependent_friction,
     solve_brake_by_law_of_even_pressure,
 )
 from drumlin.response.response import Response
@@ -49,7 +49,7 @@ def _solve_by_finite_elements(
     With `worn_in` the linings are worn until their pressure no longer changes. `fields` is the name
     of a .vtu file for the displacements and stresses inside the shoes and the ring.
     """
-    require_name_of_fields_file(fields)
+    require_fields_file_name_ends_in_vtu(fields)
     if worn_in:
         from drumlin.lining_wear.worn_in import solve_worn_in_brake as by_worn_in
 
@@ -58,14 +58,14 @@ def _solve_by_finite_elements(
 
     if fields is None:
         return by_elements(brake, **options)
-    from drumlin.fem.analysis.fields import write_fields_of_solved_model
+    from drumlin.fem.analysis.fields import write_fields_of_solved_model_to_vtu_file
 
     return by_elements(
-        brake, use_model=partial(write_fields_of_solved_model, fields, brake), **options
+        brake, use_model=partial(write_fields_of_solved_model_to_vtu_file, fields, brake), **options
     )
 
 
-def _reason_why_not_finite_elements(brake: Brake) -> str | None:
+def _reason_why_finite_elements_do_not_apply(brake: Brake) -> str | None:
     """Why the finite elements do not apply to a brake; None if they apply."""
     from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled
 
@@ -79,7 +79,7 @@ def _solve_by_foundation_model(brake: Brake, **options: Any) -> Response:
     return on_springs(brake, **options)
 
 
-def _reason_why_not_foundation_model(brake: Brake) -> str | None:
+def _reason_why_foundation_model_does_not_apply(brake: Brake) -> str | None:
     """Why the foundation model does not apply to a brake; None if it applies."""
     from drumlin.foundation import reason_against_foundation_model
 
@@ -93,7 +93,7 @@ def _solve_brake_with_shoes_in_three_dimensions(brake: Brake, **options: Any) ->
     return solid.solve(brake, **options)
 
 
-def _reason_why_not_solid_shoes(brake: Brake) -> str | None:
+def _reason_why_solid_shoe_model_does_not_apply(brake: Brake) -> str | None:
     """Why the model of solid shoes does not apply to a brake; None if it applies."""
     from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 
@@ -126,7 +126,7 @@ SHORT_SHOE_LAWS: Mapping[str, ShortShoeLaw] = {
 """The law of the short shoe for each kind of surface, "drum" or "plane"."""
 
 
-def _reason_why_not_short_shoe_law(brake: Brake) -> str | None:
+def _reason_why_short_shoe_law_does_not_apply(brake: Brake) -> str | None:
     """Why the law of the short shoe does not apply to a brake; None if it applies."""
     return SHORT_SHOE_LAWS[brake.surface.word].why_not(brake)
 
@@ -165,7 +165,7 @@ def _make_model_of_closed_form_law(
         """Why the law does not apply to a brake, its friction or its materials; else None."""
         return (
             why_not(brake)
-            or reason_if_law_has_uneven_pressure(name, brake)
+            or reason_why_law_cannot_take_pressure_dependent_friction(name, brake)
             or reason_if_any_part_is_orthotropic(brake, "a closed-form law")
         )
 
@@ -179,21 +179,24 @@ MODELS: dict[str, Model] = {
         Model(
             "fem",
             "2D plane stress, unilateral contact, full-slip Coulomb friction",
-            _reason_why_not_finite_elements,
+            _reason_why_finite_elements_do_not_apply,
             _solve_by_finite_elements,
         ),
         _make_model_of_hinged_law("sine"),
         Model(
             "foundation",
             "beam on springs against an elastic ring",
-            _reason_why_not_foundation_model,
+            _reason_why_foundation_model_does_not_apply,
             _solve_by_foundation_model,
         ),
         _make_model_of_hinged_law("cosine"),
         _make_model_of_hinged_law("block"),
         _make_model_of_hinged_law("uniform"),
         _make_model_of_closed_form_law(
-            "short", LAWS["short"].assumes, _reason_why_not_short_shoe_law, _solve_by_short_shoe_law
+            "short",
+            LAWS["short"].assumes,
+            _reason_why_short_shoe_law_does_not_apply,
+            _solve_by_short_shoe_law,
         ),
         _make_model_of_closed_form_law(
             "pivoted",
@@ -210,13 +213,13 @@ MODELS: dict[str, Model] = {
         _make_model_of_closed_form_law(
             "rigid",
             rigid.RIGID_ASSUMES,
-            naming.reason_why_no_law_is_named_rigid,
+            naming.reason_why_brake_has_no_law_named_rigid,
             rigid.solve_brake_by_rigid_shoe_law,
         ),
         Model(
             "solid",
             "solid shoes of finite width, contact and friction as fem",
-            _reason_why_not_solid_shoes,
+            _reason_why_solid_shoe_model_does_not_apply,
             _solve_brake_with_shoes_in_three_dimensions,
             by_name=True,
         ),
@@ -224,14 +227,14 @@ MODELS: dict[str, Model] = {
 }
 """All models by name, in the order in which comparisons show them.
 
-`register_law_of_shape` adds the laws of the user.
+`register_law_with_pressure_shape` adds the laws of the user.
 """
 
 BUILT_IN_MODELS = frozenset(MODELS)
 """Names of the models that drumlin has by itself, which no law of the user may take."""
 
 
-def require_name_for_law_of_user(name: object) -> None:
+def require_allowed_name_for_law_of_user(name: object) -> None:
     """Raise BadInput for a name that is no word, or that a model of drumlin has."""
     if not isinstance(name, str) or not name.isidentifier() or name in BUILT_IN_MODELS:
         raise BadInput(
@@ -240,7 +243,7 @@ def require_name_for_law_of_user(name: object) -> None:
         )
 
 
-def register_law_of_shape(name: str, assumes: str, shape: Shape) -> None:
+def register_law_with_pressure_shape(name: str, assumes: str, shape: Shape) -> None:
     """Add a law of the user to MODELS, or replace an earlier law of the user with this name.
 
     Parameters
@@ -254,8 +257,8 @@ def register_law_of_shape(name: str, assumes: str, shape: Shape) -> None:
     BadInput
         for a name that is no word, or that a model of drumlin has
     """
-    require_name_for_law_of_user(name)
-    law = make_law_of_shape(name, assumes, shape)
+    require_allowed_name_for_law_of_user(name)
+    law = make_law_from_pressure_shape(name, assumes, shape)
     MODELS[name] = _make_model_of_closed_form_law(
         name,
         assumes,

@@ -325,14 +325,14 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
     name = "peak_pressure" if question.torque is None else "torque"
     wanted = question.peak_pressure if question.torque is None else question.torque
     if not isinstance(wanted, str) and wanted is not None:
-        near = _find_wanted_value_near_value_of_file(question, name, wanted)
+        near = _find_trial_with_wanted_value_near_file_value(question, name, wanted)
         if near is not None and _is_peak_pressure_allowed(question, near):
             return _sizing_result_of_found_value(question, near, (), answer)
     trials = _solve_first_trial_values(question)
     if question.torque == LARGEST:
-        found, remark = _value_with_largest_torque(question, trials)
+        found, remark = _trial_with_largest_torque_and_what_bounds_it(question, trials)
         return _sizing_result_of_found_value(question, found, (), answer, remark)
-    roots = _values_with_wanted_quantity(question, trials, name)
+    roots = _find_all_trials_with_wanted_quantity(question, trials, name)
     allowed = [root for root in roots if _is_peak_pressure_allowed(question, root)]
     if not allowed:
         raise NoAnswer(_text_on_peak_pressure_above_limit(question, trials, roots[0]))
@@ -372,13 +372,16 @@ def _solve_first_trial_values(question: Question) -> list[Trial]:
     if all(trial.failure for trial in trials):
         nearest = min(trials, key=lambda trial: abs(trial.value - question.value_of_file))
         raise NoAnswer(
-            f"{_first_refusal_words(question)}, because no value of the range has an answer; "
+            f"{_first_words_of_refusal_text(question)}, because no value of the range has an "
+            "answer; "
             f"{question.key} = {question.text(nearest.value)}: {nearest.failure}"
         )
     return trials
 
 
-def _values_with_wanted_quantity(question: Question, trials: list[Trial], name: str) -> list[Trial]:
+def _find_all_trials_with_wanted_quantity(
+    question: Question, trials: list[Trial], name: str
+) -> list[Trial]:
     """The trials at which the wanted quantity has its wanted value.
 
     The value is sought between the first trials, then near the borders beyond which the brake has
@@ -404,13 +407,13 @@ def _values_with_wanted_quantity(question: Question, trials: list[Trial], name: 
     )
     for search in searches:
         search()
-        roots = list(_find_wanted_values_between_trials(question, trials, name, wanted))
+        roots = list(_find_trials_that_cross_wanted_value(question, trials, name, wanted))
         if roots:
             return roots
     raise NoAnswer(_text_on_value_out_of_reach(question, trials, name, wanted))
 
 
-def _find_wanted_values_between_trials(
+def _find_trials_that_cross_wanted_value(
     question: Question, trials: Sequence[Trial], name: str, wanted: float
 ) -> Iterator[Trial]:
     """Yield the trials at which a quantity crosses a wanted value."""
@@ -418,7 +421,9 @@ def _find_wanted_values_between_trials(
         off = [getattr(trial, name) - wanted for trial in (before, after)]
         # A trial that has the value exactly ends one interval and begins the next one.
         if off[0] == 0 or off[0] * off[1] < 0:
-            yield _find_wanted_value_between_two_trials(question, [before, after], name, wanted)
+            yield _find_trial_with_wanted_value_between_two_trials(
+                question, [before, after], name, wanted
+            )
     if trials and getattr(trials[-1], name) == wanted:
         yield trials[-1]
 
@@ -430,7 +435,7 @@ def _quantity_minus_wanted_value(trial: Trial, name: str, wanted: float) -> floa
     return 0.0 if abs(off) <= close else off
 
 
-def _find_wanted_value_between_two_trials(
+def _find_trial_with_wanted_value_between_two_trials(
     question: Question, known: list[Trial], name: str, wanted: float
 ) -> Trial:
     """The trial at which a quantity has a wanted value, between two trials that enclose it.
@@ -477,7 +482,8 @@ def _solve_trial_or_raise_no_answer(question: Question, value: float) -> Trial:
     trial = question.solve_trial_at_key_value(value)
     if trial.failure:
         raise NoAnswer(
-            f"{_first_refusal_words(question)}, because {question.key} = {question.text(value)} "
+            f"{_first_words_of_refusal_text(question)}, because {question.key} = "
+            f"{question.text(value)} "
             f"has no answer: {trial.failure}"
         )
     return trial
@@ -514,7 +520,7 @@ def _nearer_of_two_almost_equal_trials(
     unit = question.brake.surface.effect_unit if name == "torque" else "Pa"
     from_to = [quantity_with_usual_unit(getattr(trial, name), unit) for trial in ends]
     raise NoAnswer(
-        f"{_first_refusal_words(question)}, because the {what} jumps from {from_to[0]} to "
+        f"{_first_words_of_refusal_text(question)}, because the {what} jumps from {from_to[0]} to "
         f"{from_to[1]} "
         f"at {question.text(near.value)}"
     )
@@ -546,7 +552,7 @@ def _key_value_by_rational_interpolation(
     return float(x0 + step) if np.isfinite(step) else None
 
 
-def _find_wanted_value_near_value_of_file(
+def _find_trial_with_wanted_value_near_file_value(
     question: Question, name: str, wanted: float
 ) -> Trial | None:
     """The trial at which a quantity has a wanted value, sought from the value of the file on.
@@ -567,7 +573,7 @@ def _find_wanted_value_near_value_of_file(
     if not known:
         return None
     with suppress(NoAnswer):
-        return _find_wanted_value_between_two_trials(question, known, name, wanted)
+        return _find_trial_with_wanted_value_between_two_trials(question, known, name, wanted)
     return None
 
 
@@ -580,7 +586,7 @@ def _solve_trials_until_wanted_value_is_enclosed(
     """
     known, (low, high) = [first], question.ends
     slope = _exact_torque_slope_at_key_value(question, first.value, name)
-    value: float | None = _next_value_after_first_trial(first, name, wanted, slope)
+    value: float | None = _key_value_to_try_after_first_trial(first, name, wanted, slope)
     for _ in range(NEAR_TRIALS):
         if _is_wanted_value_enclosed(known, name, wanted):
             return known
@@ -605,7 +611,7 @@ def _is_wanted_value_enclosed(known: Sequence[Trial], name: str, wanted: float) 
     return min(off) <= 0 <= max(off)
 
 
-def _next_value_after_first_trial(
+def _key_value_to_try_after_first_trial(
     trial: Trial, name: str, wanted: float, slope: float | None
 ) -> float:
     """The value of the key after the first trial: by its slope, or in proportion to the quantity.
@@ -700,7 +706,9 @@ def _trial_with_extreme_quantity_between(
     return max(solved or seen, key=lambda trial: sign * getattr(trial, name))
 
 
-def _value_with_largest_torque(question: Question, trials: list[Trial]) -> tuple[Trial, str]:
+def _trial_with_largest_torque_and_what_bounds_it(
+    question: Question, trials: list[Trial]
+) -> tuple[Trial, str]:
     """The trial of the largest torque with an allowed peak pressure, and what bounds it.
 
     Raises NoAnswer if the peak pressure is above its limit in the whole range.
@@ -708,7 +716,9 @@ def _value_with_largest_torque(question: Question, trials: list[Trial]) -> tuple
     _add_trials_where_answers_end(question, trials)
     limit, bounded = question.peak_pressure, []
     if limit is not None:
-        bounded = list(_find_wanted_values_between_trials(question, trials, "peak_pressure", limit))
+        bounded = list(
+            _find_trials_that_cross_wanted_value(question, trials, "peak_pressure", limit)
+        )
     solved = [trial for trial in trials if not trial.failure]
     allowed = [trial for trial in solved if _is_peak_pressure_allowed(question, trial)] + bounded
     if not allowed:
@@ -760,7 +770,7 @@ def _sizing_result_of_found_value(
     name = "peak_pressure" if by_pressure else "torque"
     slope = None
     if not remark or by_pressure:
-        slope = _quantity_slope_at_trial(question, found, name)
+        slope = _derivative_of_quantity_by_key_at_trial(question, found, name)
     return Sizing(
         key=question.key,
         unit=question.unit,
@@ -778,7 +788,9 @@ def _sizing_result_of_found_value(
     )
 
 
-def _quantity_slope_at_trial(question: Question, found: Trial, name: str) -> float | None:
+def _derivative_of_quantity_by_key_at_trial(
+    question: Question, found: Trial, name: str
+) -> float | None:
     """The derivative of a quantity by the key: exact where that is known, else by differences.
 
     It is None if no neighbouring value of the key has an answer.
@@ -825,7 +837,7 @@ def _errors_of_found_key_value(
 # The functions below write the messages of NoAnswer.
 
 
-def _first_refusal_words(question: Question) -> str:
+def _first_words_of_refusal_text(question: Question) -> str:
     """The words with which a refusal begins: what is wanted, and the range that was searched."""
     wanted = []
     if question.torque is not None:
@@ -853,7 +865,7 @@ def _text_on_value_out_of_reach(
     unit = "Pa" if name == "peak_pressure" else question.brake.surface.effect_unit
     reached = quantity_with_usual_unit(getattr(best, name), unit)
     text = (
-        f"{_first_refusal_words(question)}, because the {extreme} {what} is {reached}, "
+        f"{_first_words_of_refusal_text(question)}, because the {extreme} {what} is {reached}, "
         f"at {question.text(best.value)}"
     )
     at = trials.index(best)
@@ -872,11 +884,12 @@ def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], 
     """
     peak = quantity_with_usual_unit(root.peak_pressure, "Pa")
     text = (
-        f"{_first_refusal_words(question)}, because {question.key} = {question.text(root.value)}, "
+        f"{_first_words_of_refusal_text(question)}, because {question.key} = "
+        f"{question.text(root.value)}, "
         f"which gives this torque, gives a peak pressure of {peak}"
     )
     try:
-        best, _ = _value_with_largest_torque(question, trials)
+        best, _ = _trial_with_largest_torque_and_what_bounds_it(question, trials)
     except NoAnswer:
         return text
     return (

@@ -158,7 +158,7 @@ def _add_files_of_example(texts: dict[str, str], target: str, text: str, base: P
     """
     names = {path.resolve(): name for name, path in paths_of_example_brakes().items()}
 
-    def line_with_name_beside(line: re.Match[str]) -> str:
+    def line_with_file_name_without_folder(line: re.Match[str]) -> str:
         """The line `mesh = ...` or `brake = ...` with the name of the file in the same folder."""
         source = (base / line[2]).resolve()
         name = f"{names[source]}.toml" if line[1] == "brake" else source.name
@@ -173,28 +173,28 @@ def _add_files_of_example(texts: dict[str, str], target: str, text: str, base: P
         texts[schema[1]] = source.read_text(encoding="utf-8")
         text = f"#:schema {schema[1]}\n{text[schema.end() :]}"
     if target.endswith(".toml"):
-        texts[target] = _PATH_LINE.sub(line_with_name_beside, text)
+        texts[target] = _PATH_LINE.sub(line_with_file_name_without_folder, text)
 
 
-def paths_of_own_studies() -> dict[str, Path]:
+def paths_of_drumlin_studies() -> dict[str, Path]:
     """The paths study.py of drumlin's own studies by their names."""
     files = sorted((REPOSITORY / "studies").glob("*/study.py"))
     return {file.parent.name: file for file in files}
 
 
-def first_lines_of_own_studies() -> dict[str, str]:
+def docstring_first_lines_of_drumlin_studies() -> dict[str, str]:
     """The first line of the docstring of each of drumlin's own studies, by name.
 
     The studies are read and not run.
     """
     found = {}
-    for name, file in paths_of_own_studies().items():
+    for name, file in paths_of_drumlin_studies().items():
         text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
         found[name] = text.partition("\n")[0]
     return found
 
 
-def import_study(name: str) -> tuple[ModuleType, Path]:
+def import_study_and_find_its_folder(name: str) -> tuple[ModuleType, Path]:
     """Import a study; returns its module and the folder that has the folder studies/.
 
     `name` is the name of one of drumlin's own studies, or a path such as ./studies/NAME or
@@ -202,7 +202,7 @@ def import_study(name: str) -> tuple[ModuleType, Path]:
     run. Raises BadInput, which lists drumlin's own studies, if there is no such study.
     """
     # A name without a folder never runs code that happens to lie in the current folder.
-    own = paths_of_own_studies()
+    own = paths_of_drumlin_studies()
     file = own.get(name)
     if file is None and len(Path(name).parts) > 1:
         # Symbolic links are not resolved: studies/ must be a folder of the path as it was given.
@@ -246,7 +246,7 @@ def run_study_and_write_report(
     say : function that is called with each line about the progress
     """
     _require_packages_of_study(name)
-    module, root = import_study(name)
+    module, root = import_study_and_find_its_folder(name)
     # A study without a journal computes everything again each time.
     folder = folder or Path("reports") / module.__name__.split(".")[1]
     if "journal" not in inspect.signature(module.study).parameters:

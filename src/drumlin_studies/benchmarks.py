@@ -167,7 +167,7 @@ def count_unknowns_of_default_solve(brake: Brake) -> int:
     return sum(counted.values())
 
 
-def unknown_and_iteration_counts_of_default_solves() -> dict[str, float]:
+def counts_of_unknowns_and_iterations_of_default_solves() -> dict[str, float]:
     """Numbers of unknowns and of active-set iterations of default solves, by name.
 
     These numbers do not depend on the machine.
@@ -221,7 +221,7 @@ def measure_all_benchmarks(repeats: int = USUAL_REPEATS) -> Benchmark:
     """
     figures = {
         **solve_times_over_fixed_calculation(repeats),
-        **unknown_and_iteration_counts_of_default_solves(),
+        **counts_of_unknowns_and_iterations_of_default_solves(),
         **command_times_over_import_time(repeats),
     }
     # More than four digits of a time would be random.

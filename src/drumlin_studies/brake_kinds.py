@@ -135,7 +135,7 @@ def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -
     brake, new = found.brake, found.new
     size = new.effect
 
-    def largest_pressure_error_of_law_over_shoes(by: Response) -> float:
+    def largest_pressure_error_of_law_on_any_shoe(by: Response) -> float:
         """Largest relative L2 distance, of all shoes, from the pressure by `by` to the law's."""
         # A shoe without contact has no pressure to which a distance could be relative.
         pairs = zip(found.law.shoes, by.shoes, strict=True)
@@ -158,8 +158,8 @@ def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -
         "mu_lock": limit,
         "new": relative_error_of_number(found.law.effect, size),
         "worn": relative_error_of_number(found.law.effect, found.worn.effect),
-        "p": largest_pressure_error_of_law_over_shoes(new),
-        "p_worn": largest_pressure_error_of_law_over_shoes(found.worn),
+        "p": largest_pressure_error_of_law_on_any_shoe(new),
+        "p_worn": largest_pressure_error_of_law_on_any_shoe(found.worn),
         "peak_worn": max(shoe.peak_pressure for shoe in found.worn.shoes),
         "balance": max(new.balance.force, new.balance.moment),
     }

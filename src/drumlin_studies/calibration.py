@@ -26,7 +26,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import errors_with_singular_points_included
+from drumlin.fem.error_control.adapt import errors_with_singular_points_and_text_on_short_contacts
 from drumlin.fem.error_control.estimate import (
     QUANTITIES,
     Errors,
@@ -116,7 +116,7 @@ class LevelRecord(NamedTuple):
     unsure: Mapping[str, float]
 
 
-def draw_random_calibration_brake(seed: int) -> tuple[str, Brake]:
+def draw_random_calibration_brake_and_name_of_kind(seed: int) -> tuple[str, Brake]:
     """The name of a kind of brakes, and the random brake of this kind, that a seed gives.
 
     Consecutive seeds go through all kinds. Seeds from FIRST_CORNER on give brakes that press on the
@@ -139,7 +139,7 @@ def true_and_estimated_errors_of_random_brake(seed: int) -> dict[str, Any]:
     """
     kind = ""
     try:
-        kind, brake = draw_random_calibration_brake(seed)
+        kind, brake = draw_random_calibration_brake_and_name_of_kind(seed)
         truth = (
             solve_brake_on_corner_or_kink_by_fine_triangles
             if seed >= FIRST_CORNER
@@ -182,7 +182,9 @@ def true_errors_and_estimates_on_each_mesh(
     for _, raw in found:
         response = response_with_power_laws_at_corners(brake, raw)
         if before is not None:
-            unknown, _ = errors_with_singular_points_included(nothing, brake, response)
+            unknown, _ = errors_with_singular_points_and_text_on_short_contacts(
+                nothing, brake, response
+            )
             true = {
                 name: math.nan if unknown.brake[name] > 0 else value
                 for name, value in true_errors_of_response(

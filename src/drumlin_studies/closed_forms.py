@@ -228,7 +228,9 @@ def capstan_tension_ratio(mu: float, angle: float) -> float:
     return math.exp(mu * angle)
 
 
-def sine_shoe_locking_friction(R: float, a: float, phi_1: float, phi_2: float) -> float:
+def locking_friction_of_hinged_shoe_with_sine_pressure(
+    R: float, a: float, phi_1: float, phi_2: float
+) -> float:
     """Coefficient of friction at which a rigid hinged shoe with a lining of springs locks itself.
 
     At this friction the moment of the pressure p ~ sin phi about the hinge equals the moment of

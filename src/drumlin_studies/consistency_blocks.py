@@ -170,7 +170,7 @@ def solve_with_stated_and_true_errors(brake: Brake) -> StatedAndTrue:
     return StatedAndTrue(response, true, true_errors_of_response(brake, response.shoes, true.shoes))
 
 
-def rows_of_stated_and_true_errors_of_block_linings(seed: int) -> list[Check]:
+def rows_comparing_stated_with_true_errors_of_block_linings(seed: int) -> list[Check]:
     """Compare the errors that drumlin states with true errors, for the random brake of a seed.
 
     Returns a row for each quantity. The allowed error is the stated error plus the uncertainty of

@@ -15,7 +15,7 @@ from drumlin.fem.analysis.holding import (
     LARGEST_TORQUE_DIFFERENCE,
     Hold,
     find_drum_rotation_of_full_slip,
-    states_of_holding_brake_at_rotations,
+    turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
@@ -98,7 +98,7 @@ def _holding_state_after_rotation(
 ) -> Hold | None:
     """The holding state of the brake after a rotation of the drum [rad], or None without one."""
     try:
-        return states_of_holding_brake_at_rotations(
+        return turn_holding_brake_and_return_states_at_rotations(
             scene, brake, np.linspace(0.0, rotation, HOLD_STEPS + 1)
         )[-1]
     except NoAnswer:

@@ -38,12 +38,12 @@ def rows_comparing_default_solve_with_meshes(seed: int) -> list[Check]:
     disagree with each other.
     """
     brake = draw_random_brake_for_refusal_check(seed)
-    found = _brake_response_or_refusal_message(brake, None)
+    found = _solve_brake_or_return_refusal_message(brake, None)
     refused = isinstance(found, str)
     if not refused and seed // 2 % BRAKES_PER_MESH_CHECK:
         return []
     # If the three meshes agree on the contact force, the brake has an equilibrium.
-    on_meshes = [_brake_response_or_refusal_message(brake, elements) for elements in MESH_SIZES]
+    on_meshes = [_solve_brake_or_return_refusal_message(brake, elements) for elements in MESH_SIZES]
     forces = [
         sum_of_normal_forces_of_shoes(mesh) for mesh in on_meshes if not isinstance(mesh, str)
     ]
@@ -94,7 +94,7 @@ def relative_spread_of_values(values: list[float]) -> float:
     return (max(values) - min(values)) / values[-1]
 
 
-def _brake_response_or_refusal_message(brake: Brake, elements: int | None) -> Response | str:
+def _solve_brake_or_return_refusal_message(brake: Brake, elements: int | None) -> Response | str:
     """Solve a brake; returns the response, or the error message as text if it is refused.
 
     `elements` is the number of elements along a lining, or None for the default solve.

@@ -306,7 +306,7 @@ def _sensitivities_of_torque_to_shoe_support(
         yield Slope(f"{what} along {axis}", float(value[way]), changes, brake.size)
 
 
-def largest_difference_from_central_slopes(
+def largest_relative_difference_from_central_differences(
     brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision
 ) -> float | None:
     """The largest relative difference between a printed derivative and three central differences.
@@ -364,7 +364,7 @@ SLOPE_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
 """The kinds of random brakes, in the order in which consecutive seeds draw them."""
 
 
-def draw_random_brake_with_friction(seed: int) -> tuple[str, Brake]:
+def draw_random_brake_with_friction_and_name_of_kind(seed: int) -> tuple[str, Brake]:
     """The name of a kind of brakes, and the random brake with friction, that a seed gives.
 
     In half of the brakes the shoe's body and the ring have a bending stiffness given by number.
@@ -403,7 +403,7 @@ def rows_comparing_torque_slopes_of_random_brake(
     The seed gives the brake. Returns a row for each derivative. At most `most` derivatives are
     compared, or all if it is None.
     """
-    kind, brake = draw_random_brake_with_friction(seed)
+    kind, brake = draw_random_brake_with_friction_and_name_of_kind(seed)
     on_hp_elements = bool(seed // len(SLOPE_KINDS) // 2 % 2)
     divided = DivisionForSlopes(None if on_hp_elements else SLOPE_MESH_ELEMENTS, Cache())
     name = f"{kind} {seed}, {'columns' if on_hp_elements else 'mesh'}"
@@ -424,7 +424,7 @@ def rows_comparing_torque_slopes_of_random_brake(
         table = [table[k] for k in np.random.default_rng(seed).permutation(len(table))[:most]]
     rows = []
     for slope in table:
-        apart = largest_difference_from_central_slopes(brake, slope, divided, base)
+        apart = largest_relative_difference_from_central_differences(brake, slope, divided, base)
         if apart is not None:
             rows.append(Check("slopes", name, slope.what, apart, ALLOWED_SLOPE_DIFFERENCE))
     return rows

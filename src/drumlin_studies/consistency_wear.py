@@ -28,8 +28,8 @@ from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     WEAR_SETTLED,
     brake_with_worn_linings,
-    final_pressure_and_torque_by_rigid_shoe_law,
-    largest_pressure_difference_of_linings,
+    final_wear_pressure_and_torque_by_rigid_shoe_law,
+    largest_relative_pressure_difference_of_linings,
     wear_brake_linings_until_worn_in,
 )
 from drumlin.lining_wear.worn_in import brake_with_worn_in_clearances
@@ -142,17 +142,17 @@ def _rows_comparing_unworn_linings_with_solve(name: str, brake: Brake) -> list[C
             solve_brake_to_tolerance(brake, DEFAULT_TOLERANCE, EXACT_CONTACT, must=False).response,
         )
 
-    def torque_and_pressure_at_start() -> _TorqueAndPressure:
+    def torque_and_pressure_of_first_wear_state() -> _TorqueAndPressure:
         """Torque and pressure of the first state of a wear run."""
         return _torque_and_pressure_of_wear_state(
             wear_linings_in_given_steps(setup.interfaces, WearLaw(DEFAULT_WEAR_COEFFICIENT), [])[0]
         )
 
-    return _torque_and_pressure_comparison_rows(
+    return _rows_comparing_torque_and_pressure_by_two_paths(
         name,
         "wear's start = solve",
         setup,
-        (torque_and_pressure_at_start, torque_and_pressure_by_solve),
+        (torque_and_pressure_of_first_wear_state, torque_and_pressure_by_solve),
     )
 
 
@@ -167,17 +167,17 @@ def _rows_comparing_worn_linings_with_solve(name: str, brake: Brake) -> list[Che
     try:
         states = wear_brake_linings_until_worn_in(setup)
     except NoAnswer as error:
-        return _torque_and_pressure_comparison_rows(
+        return _rows_comparing_torque_and_pressure_by_two_paths(
             name,
             "wear's end = worn in",
             setup,
             (partial(_raise_error_of_refused_path, error), worn_in),
         )
     ends = partial(_torque_and_pressure_of_wear_state, states[-1]), worn_in
-    rows = _torque_and_pressure_comparison_rows(
+    rows = _rows_comparing_torque_and_pressure_by_two_paths(
         name, "wear's end = worn in", setup, ends, END_REACHED, END_REACHED
     )
-    rows += _torque_and_pressure_comparison_rows(
+    rows += _rows_comparing_torque_and_pressure_by_two_paths(
         name,
         "worn in = law",
         setup,
@@ -194,7 +194,7 @@ def _rows_comparing_worn_linings_with_solve(name: str, brake: Brake) -> list[Che
         _torque_and_pressure_of_worn_brake, setup, scene, brake_with_worn_linings(setup, middle)
     )
     middles = partial(_torque_and_pressure_of_wear_state, middle), solved
-    rows += _torque_and_pressure_comparison_rows(
+    rows += _rows_comparing_torque_and_pressure_by_two_paths(
         name, "wear's middle = solve of the worn linings", setup, middles
     )
     backward = wear_setup_by_finite_elements(scene, brake.brake_with_reversed_motion())
@@ -214,7 +214,7 @@ def _torque_and_pressure_of_worn_in_brake(
 
 def _torque_and_pressure_by_rigid_law(setup: WearSetup) -> _TorqueAndPressure:
     """Torque and pressure of the rigid-shoe law on the mesh of the setup, the limit of wear."""
-    goal = final_pressure_and_torque_by_rigid_shoe_law(setup)
+    goal = final_wear_pressure_and_torque_by_rigid_shoe_law(setup)
     return _TorqueAndPressure(goal.torque, goal.pressure)
 
 
@@ -252,7 +252,7 @@ def _rows_comparing_wear_and_solve_after_reversal(
         scene,
         brake_with_worn_linings(backward, forward),
     )
-    return _torque_and_pressure_comparison_rows(
+    return _rows_comparing_torque_and_pressure_by_two_paths(
         name,
         "turned back = solve of the worn linings",
         backward,
@@ -289,7 +289,7 @@ def _torque_and_pressure_of_response(setup: WearSetup, response: Response) -> _T
     return _TorqueAndPressure(response.torque, np.concatenate(by_lining), said)
 
 
-def _torque_and_pressure_comparison_rows(
+def _rows_comparing_torque_and_pressure_by_two_paths(
     brake: str,
     check: str,
     setup: WearSetup,
@@ -326,7 +326,9 @@ def _torque_and_pressure_comparison_rows(
         return [Check(check, brake, "answer", math.inf, 0.0, said, refused=both)]
     first, second = answers
     said = first.said or second.said
-    difference = largest_pressure_difference_of_linings(setup, first.pressure, second.pressure)
+    difference = largest_relative_pressure_difference_of_linings(
+        setup, first.pressure, second.pressure
+    )
     rows = [Check(check, brake, "pressure", difference, pressure, said)]
     # Two zero torques, without friction, agree and have no relative difference.
     if second.torque == 0:

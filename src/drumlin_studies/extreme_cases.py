@@ -192,7 +192,7 @@ class KnobCase:
         ]
         return rows if side > 0 else [(math.pi - a, gap) for a, gap in reversed(rows)]
 
-    def function_to_mesh_shoe_with_aspect_ratio(self) -> Callable[[Shoe, float], Any] | None:
+    def function_that_meshes_shoe_with_aspect_ratio(self) -> Callable[[Shoe, float], Any] | None:
         """The function that meshes a shoe with the aspect ratio of the case; None without one."""
         return None if self.aspect is None else partial(_shoe_mesh_of_aspect_ratio, self)
 

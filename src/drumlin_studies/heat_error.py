@@ -103,7 +103,9 @@ def _draw_random_temperature_rises_of_part(
     return found
 
 
-def rows_of_drawn_brake(draw: Callable[[int], Brake], seed: int) -> list[dict[str, Any]]:
+def rows_of_stated_and_true_errors_of_drawn_brake(
+    draw: Callable[[int], Brake], seed: int
+) -> list[dict[str, Any]]:
     """The rows of stated and true errors of one brake, one for each judged tolerance.
 
     `draw` is a function that draws the brake of a seed, and may raise BadInput.
@@ -137,14 +139,16 @@ def _text_on_outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
     return f"{row['outcome']} ({name} {known[name]:.2g})"
 
 
-def judge_brakes_of_seeds(draw: Callable[[int], Brake], first: int, last: int) -> None:
+def judge_brakes_of_seeds_and_print_summary(
+    draw: Callable[[int], Brake], first: int, last: int
+) -> None:
     """Judge the brakes with the seeds from `first` to below `last`, and print the summary.
 
     `draw` is a function that draws the brake of a seed, and may raise BadInput.
     """
     rows: list[dict[str, Any]] = []
     for seed in range(first, last):
-        own = rows_of_drawn_brake(draw, seed)
+        own = rows_of_stated_and_true_errors_of_drawn_brake(draw, seed)
         rows += own
         sys.stdout.write(f"{seed}: {', '.join(map(_text_on_outcome_and_smallest_ratio, own))}\n")
         sys.stdout.flush()
@@ -154,4 +158,6 @@ def judge_brakes_of_seeds(draw: Callable[[int], Brake], first: int, last: int) -
 
 
 if __name__ == "__main__":
-    judge_brakes_of_seeds(draw_random_brake_with_heated_parts, *map(int, sys.argv[1:3]))
+    judge_brakes_of_seeds_and_print_summary(
+        draw_random_brake_with_heated_parts, *map(int, sys.argv[1:3])
+    )

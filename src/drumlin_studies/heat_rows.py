@@ -9,7 +9,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.heat import brake_with_heat_only_in_given_parts
 from drumlin.response.norms import relative_error_of_number
 from drumlin.response.response import Response
-from drumlin.verification.triangles.levels import solve_on_triangle_level_sequence
+from drumlin.verification.triangles.levels import solve_brake_on_sequence_of_triangle_meshes
 
 HEATED_PARTS: Mapping[str, tuple[str, ...]] = {
     "cold": (),
@@ -21,7 +21,7 @@ HEATED_PARTS: Mapping[str, tuple[str, ...]] = {
 """The parts that are heated in each state of a brake, by the name of the state."""
 
 
-def responses_with_heat_in_each_part(
+def responses_with_heat_only_in_some_parts(
     brake: Brake, solve: Callable[[Brake], Response]
 ) -> dict[str, Response]:
     """The responses of a hot brake of which only some parts are hot, by the keys of HEATED_PARTS.
@@ -39,7 +39,7 @@ def responses_with_heat_in_each_part(
     }
 
 
-def rows_of_changes_by_heat(responses: Mapping[str, Response]) -> list[dict[str, Any]]:
+def rows_of_changes_due_to_heat(responses: Mapping[str, Response]) -> list[dict[str, Any]]:
     """A row for each state of HEATED_PARTS: torque, peak pressure, contact, changes by the heat."""
     cold = responses["cold"]
     rows = []
@@ -55,12 +55,12 @@ def rows_of_changes_by_heat(responses: Mapping[str, Response]) -> list[dict[str,
             "peak_change": relative_error_of_number(peak, cold_peak),
         }
         for shoe in response.shoes:
-            row[f"contact {shoe.name}"] = _contact_length_of_shoe(shoe.contact_arcs)
+            row[f"contact {shoe.name}"] = _sum_of_contact_arc_lengths(shoe.contact_arcs)
         rows.append(row)
     return rows
 
 
-def _contact_length_of_shoe(arcs: Iterable[tuple[float, float]]) -> float:
+def _sum_of_contact_arc_lengths(arcs: Iterable[tuple[float, float]]) -> float:
     """The sum of the lengths of contact arcs [rad], each with its first and its last angle."""
     return float(sum(end - start for start, end in arcs))
 
@@ -71,7 +71,7 @@ def relative_distances_from_triangle_solution(brake: Brake, response: Response) 
     "reaction" is the distance of the hinge reaction, the largest of all shoes. The triangles share
     neither mesh nor assembly with the finite elements of the response.
     """
-    shoes = solve_on_triangle_level_sequence(brake)[-1]
+    shoes = solve_brake_on_sequence_of_triangle_meshes(brake)[-1]
     torque = sum(shoe.torque for shoe in shoes)
     reactions = []
     for mine, theirs in zip(response.shoes, shoes, strict=True):

@@ -33,7 +33,7 @@ def is_value_within_case_tolerance(case: KnownAnswer, value: float) -> bool:
     return abs(value - case.expected) <= case.tolerance * abs(case.expected)
 
 
-def row_of_computed_and_known_answer(case: KnownAnswer) -> dict[str, Any]:
+def run_known_answer_case_and_return_row(case: KnownAnswer) -> dict[str, Any]:
     """Run a case; returns a row of a table with the expected value and drumlin's value."""
     value = case.found()
     return {

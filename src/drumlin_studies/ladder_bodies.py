@@ -21,7 +21,7 @@ from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
-    function_for_drum_normals_and_tangents,
+    function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
     weak_coupling_of_contact_line,
 )
@@ -183,7 +183,7 @@ def _edge_displacements_of_lame_ring() -> EdgeDisplacements:
     line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], 0.0)
     # The nodal forces of the uniform pressure on the inner edge.
     force = weak_coupling_of_contact_line(
-        line, 1.0, function_for_drum_normals_and_tangents(1)
+        line, 1.0, function_that_returns_drum_normals_and_tangents(1)
     ).N.T @ np.full(len(line.nodes), 60e6)
     f = np.zeros((basis.N, 2))
     f[line.nodes] = force.reshape(-1, 2)

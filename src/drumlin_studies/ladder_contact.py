@@ -97,7 +97,7 @@ class PeakAndWidth(NamedTuple):
 
 
 @cache
-def _peak_pressure_and_width_of_cylinder() -> PeakAndWidth:
+def _peak_pressure_and_contact_width_of_cylinder() -> PeakAndWidth:
     """Contact of a steel cylinder of radius 50 mm on aluminium under 35 kN for 1 mm of length.
 
     The benchmark is in plane strain, which equals plane stress with E/(1 - nu^2) and nu/(1 - nu).
@@ -123,7 +123,7 @@ def _peak_pressure_and_width_of_cylinder() -> PeakAndWidth:
     return PeakAndWidth(float(p.max() * 1e-6), math.sqrt(-top / slope) * scale * 1e3)
 
 
-def _punch_pressure_over_closed_form() -> float:
+def _mean_punch_pressure_over_closed_form() -> float:
     """Mean pressure under the middle half of a rigid flat punch, relative to the closed form."""
     pair = BodyPair.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 24), None, motions="x"
@@ -370,7 +370,7 @@ CONTACT_CASES = (
         expected=3585.37,
         tolerance=1e-2,
         tier=DISCRETISATION_TIER,
-        found=lambda: _peak_pressure_and_width_of_cylinder().peak,
+        found=lambda: _peak_pressure_and_contact_width_of_cylinder().peak,
     ),
     KnownAnswer(
         family="cylinder on a block",
@@ -380,7 +380,7 @@ CONTACT_CASES = (
         expected=6.21,
         tolerance=1e-2,
         tier=DISCRETISATION_TIER,
-        found=lambda: _peak_pressure_and_width_of_cylinder().half_width,
+        found=lambda: _peak_pressure_and_contact_width_of_cylinder().half_width,
     ),
     KnownAnswer(
         family="rigid flat punch",
@@ -390,7 +390,7 @@ CONTACT_CASES = (
         expected=1.0,
         tolerance=2e-2,
         tier=DISCRETISATION_TIER,
-        found=_punch_pressure_over_closed_form,
+        found=_mean_punch_pressure_over_closed_form,
     ),
     *(
         KnownAnswer(

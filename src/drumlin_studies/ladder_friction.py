@@ -26,7 +26,7 @@ from drumlin.fem.substructure.interface import (
     ContactLine,
     Coupling,
     Directions,
-    function_for_drum_normals_and_tangents,
+    function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
     weak_coupling_of_contact_line,
 )
@@ -112,7 +112,7 @@ def _energy_dissipated_in_slip_loop() -> float:
     return dissipated
 
 
-def _constant_normal_and_tangent(normal: Floats, tangent: Floats) -> Directions:
+def _make_function_of_constant_normal_and_tangent(normal: Floats, tangent: Floats) -> Directions:
     """A function that returns the same normal and tangent at all points of a plane contact.
 
     `normal` and `tangent` are unit vectors (2,).
@@ -137,7 +137,7 @@ def _push_over_weight_on_wedge() -> float:
     # A straight contact line of two quadratic edges.
     line = ContactLine(np.arange(5), up[:, None] * x, x, np.array([[0, 2], [1, 3], [2, 4]]))
     coupling = weak_coupling_of_contact_line(
-        line, 1.0, _constant_normal_and_tangent(np.array([up[1], -up[0]]), -up)
+        line, 1.0, _make_function_of_constant_normal_and_tangent(np.array([up[1], -up[0]]), -up)
     )
     # Forces on the block under a uniform pressure: the push and the weight balance them.
     p = np.full(5, 7.0)
@@ -300,7 +300,7 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
         mesh,
         LADDER_STEEL,
         np.concatenate([2 * at, 2 * at + 1]),
-        function_for_drum_normals_and_tangents(-1),
+        function_that_returns_drum_normals_and_tangents(-1),
         wrap / 2,
     )
     N, T = belt.coupling.N, belt.coupling.T
@@ -342,7 +342,7 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
         lambda d, x: d > 1 - 1e-9,
     )
     top = nodal_basis_of_mesh(mesh).get_dofs(mesh.boundaries["support"]).flatten()
-    directions = _constant_normal_and_tangent(np.array([s, -c]), np.array([c, s]))
+    directions = _make_function_of_constant_normal_and_tangent(np.array([s, -c]), np.array([c, s]))
     held = np.concatenate([2 * top, 2 * top + 1])
     strip = FlexibleBody.elastic_body_of_mesh(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
     N, M = strip.coupling.N, strip.coupling.M
@@ -448,7 +448,7 @@ def _plate_with_plane_of_symmetry() -> _SymmetricPlate:
         mesh,
         Material(E=130e9, nu=0.2),
         np.concatenate([2 * left, [2 * corner + 1]]),
-        _constant_normal_and_tangent(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
+        _make_function_of_constant_normal_and_tangent(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
         math.pi / 4,
     )
     return _SymmetricPlate(plate, left)
@@ -528,7 +528,7 @@ WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * SPRING_STIFFNESS)
 """Sliding distance 1/(k K) [m] over which the deviation from the sine law falls to 1/e."""
 
 
-def _wear_problem_of_winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
+def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
     """A hinged rigid shoe with an unevenly worn lining of springs (Winkler foundation).
 
     Returns its wear problem, and the angles (n,) [rad] of the lining's nodes.
@@ -538,7 +538,7 @@ def _wear_problem_of_winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
     coupling = weak_coupling_of_contact_line(
         ContactLine(np.arange(49), xy, phi, np.arange(0, 48, 2) + np.arange(3)[:, None]),
         SPRING_WIDTH,
-        function_for_drum_normals_and_tangents(1),
+        function_that_returns_drum_normals_and_tangents(1),
     )
     # Displacements of the nodes per unit rotation of the shoe about its pin.
     turned = np.column_stack([-xy[1], xy[0] - SPRING_PIN]).ravel()
@@ -565,8 +565,8 @@ def _locking_friction_of_winkler_shoe() -> float:
     """Coefficient of friction at which the shoe with a lining of springs locks itself."""
     # The equations are linear in friction: two problems give the equations at any friction.
     still, unit = (
-        _wear_problem_of_winkler_shoe(0.0)[0].problem,
-        _wear_problem_of_winkler_shoe(-1.0)[0].problem,
+        _wear_problem_and_node_angles_of_winkler_shoe(0.0)[0].problem,
+        _wear_problem_and_node_angles_of_winkler_shoe(-1.0)[0].problem,
     )
     return self_locking.find_largest_friction_with_equilibrium(
         self_locking.FrictionDependentProblem.linear_function_of_friction_from_two_problems(
@@ -576,13 +576,13 @@ def _locking_friction_of_winkler_shoe() -> float:
 
 
 @cache
-def _wear_states_of_winkler_shoe() -> tuple[list[WearState], Floats]:
+def _wear_states_and_sine_pressure_of_winkler_shoe() -> tuple[list[WearState], Floats]:
     """Wear the shoe with a lining of springs over a sliding distance of 2/(k K).
 
     Returns the states of the wear run, and the pressure (n,) of the sine law under an actuating
     moment of 1 N m.
     """
-    interface, phi = _wear_problem_of_winkler_shoe(SPRING_MU)
+    interface, phi = _wear_problem_and_node_angles_of_winkler_shoe(SPRING_MU)
     states = wear_linings_over_sliding_distance(
         [interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4
     )
@@ -595,7 +595,7 @@ def _remaining_deviation_from_sine_law() -> float:
 
     It is divided by the deviation of the new lining's pressure.
     """
-    states, law = _wear_states_of_winkler_shoe()
+    states, law = _wear_states_and_sine_pressure_of_winkler_shoe()
     first = states[0].pressure - SPRING_MOMENT * law
     last = states[-1].pressure - SPRING_MOMENT * law
     return float(first @ last / (first @ first))
@@ -603,8 +603,8 @@ def _remaining_deviation_from_sine_law() -> float:
 
 def _worn_volume_over_archard_volume() -> float:
     """Worn volume, divided by k times the integral of the normal force over the distance."""
-    states, _ = _wear_states_of_winkler_shoe()
-    area = _wear_problem_of_winkler_shoe(SPRING_MU)[0].area
+    states, _ = _wear_states_and_sine_pressure_of_winkler_shoe()
+    area = _wear_problem_and_node_angles_of_winkler_shoe(SPRING_MU)[0].area
     worn_volume = area @ (states[-1].depth - states[0].depth)
     return float(worn_volume / (SPRING_WEAR.coefficient * states[-1].pressed))
 
@@ -731,7 +731,9 @@ FRICTION_CASES = (
         shows="limit of friction",
         source="moments of p ~ sin about the hinge",
         quantity="mu_lock",
-        expected=closed_forms.sine_shoe_locking_friction(SPRING_RADIUS, SPRING_PIN, *SPRING_ARC),
+        expected=closed_forms.locking_friction_of_hinged_shoe_with_sine_pressure(
+            SPRING_RADIUS, SPRING_PIN, *SPRING_ARC
+        ),
         tolerance=1e-5,
         tier=DISCRETISATION_TIER,
         found=_locking_friction_of_winkler_shoe,

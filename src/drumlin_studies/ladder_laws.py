@@ -14,11 +14,14 @@ from drumlin.laws.shapes import (
     LAWS,
     pivot_radius_for_cosine_pressure,
     ratio_of_equivalent_friction,
-    short_shoe_moments_over_torque,
+    short_shoe_pressure_and_friction_moments_over_torque,
 )
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
-from drumlin.response.merit import brake_scaled_to_peak_pressure, torque_sensitivity_by_differences
+from drumlin.response.merit import (
+    brake_scaled_to_peak_pressure,
+    torque_sensitivity_to_friction_by_differences,
+)
 from drumlin.response.response import Response
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import PRINTED_DIGITS_TIER, ROUND_OFF_TIER, KnownAnswer
@@ -282,7 +285,7 @@ SHORT_SHOE: dict[str, Any] = {
 
 def _friction_sensitivity_by_differences() -> float:
     """Relative change of a short shoe's torque per relative change of friction, by differences."""
-    return torque_sensitivity_by_differences(
+    return torque_sensitivity_to_friction_by_differences(
         brake_with_one_hinged_shoe(**SHORT_SHOE, moment=50.0), MODELS["short"].solve
     )
 
@@ -294,7 +297,9 @@ def _friction_sensitivity_by_formula() -> float:
     divided by the torque.
     """
     m, n = 0.25 * sin(radians(75)) / (0.3 * 0.2), 1 - 0.25 * cos(radians(75)) / 0.2
-    assert np.allclose(short_shoe_moments_over_torque(0.3, radians(75), 0.2, 0.25), (m, n))
+    assert np.allclose(
+        short_shoe_pressure_and_friction_moments_over_torque(0.3, radians(75), 0.2, 0.25), (m, n)
+    )
     return m / (m - n)
 
 

@@ -40,7 +40,7 @@ from drumlin_studies.calibration import (
     FIRST_SEED,
     FITTED_BRAKES,
     LevelRecord,
-    draw_random_calibration_brake,
+    draw_random_calibration_brake_and_name_of_kind,
     fit_safety_factors,
     true_errors_and_estimates_on_each_mesh,
 )
@@ -68,22 +68,24 @@ class LevelsOfRule(NamedTuple):
     seconds: list[float]
 
 
-def solve_far_finer_solution(seed: int) -> Truth | None:
+def far_finer_solution_of_random_brake_or_none(seed: int) -> Truth | None:
     """The far finer solution of the random brake of a seed, or None if it has no equilibrium."""
     try:
-        return solve_brake_by_finer_hp_meshes(draw_random_calibration_brake(seed)[1])
+        return solve_brake_by_finer_hp_meshes(
+            draw_random_calibration_brake_and_name_of_kind(seed)[1]
+        )
     except NoAnswer:
         return None
 
 
-def solve_brake_with_level_rule(
+def solve_random_brake_with_level_rule(
     seed: int, truth: Truth | None, rule: LevelRule
 ) -> LevelsOfRule | None:
     """Solve the random brake of a seed on meshes by a refinement rule; returns errors and times.
 
     Returns None if the brake has no equilibrium, or if `truth`, the far finer solution, is None.
     """
-    brake = draw_random_calibration_brake(seed)[1]
+    brake = draw_random_calibration_brake_and_name_of_kind(seed)[1]
     if truth is None:
         return None
     # Only the solves are timed, not the comparison with the finer solution.
@@ -193,10 +195,10 @@ def main(words: Sequence[str]) -> int:
         {" ".join(words): refinement_rule_with_changed_numbers(words)} if words else {}
     )
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
-        truths = list(pool.map(solve_far_finer_solution, seeds))
+        truths = list(pool.map(far_finer_solution_of_random_brake_or_none, seeds))
         for name, rule in rules.items():
             print(f"{name}: {rule}", flush=True)  # noqa: T201
-            found = pool.map(solve_brake_with_level_rule, seeds, truths, [rule] * len(seeds))
+            found = pool.map(solve_random_brake_with_level_rule, seeds, truths, [rule] * len(seeds))
             answered = [brake for brake in found if brake is not None]
             print(report_text_on_refinement_rule(answered), flush=True)  # noqa: T201
     return 0

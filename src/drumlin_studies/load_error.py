@@ -21,7 +21,10 @@ import numpy as np
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.door import example
-from drumlin_studies.heat_error import draw_random_brake_with_heated_parts, judge_brakes_of_seeds
+from drumlin_studies.heat_error import (
+    draw_random_brake_with_heated_parts,
+    judge_brakes_of_seeds_and_print_summary,
+)
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 
@@ -35,7 +38,7 @@ LOAD_SHARES = (0.02, 0.2)
 """Smallest and largest spring pull and centrifugal force, relative to the largest actuation."""
 
 
-def draw_loaded_brake(seed: int) -> Brake:
+def draw_random_brake_with_loads_and_lining_friction(seed: int) -> Brake:
     """Draw the random brake of a seed, with some of the features that this module judges.
 
     Raises BadInput if a feature is not modelled for the brake.
@@ -47,12 +50,12 @@ def draw_loaded_brake(seed: int) -> Brake:
         brake = draw_random_brake_with_heated_parts(seed)
     else:
         brake = draw_random_brake(seed) if seed % 2 else draw_random_brake_of_support_kind(seed)
-    changes = _draw_friction_of_linings(rng, brake)
+    changes = _draw_friction_data_of_linings(rng, brake)
     push = max(shoe.largest_force_of_any_load for shoe in brake.shoes)
     if rng.random() < FEATURE_SHARE:
         changes["spring"] = [_draw_spring_data(rng, brake, push)]
     if rng.random() < FEATURE_SHARE and not brake.surface.is_plane_and_not_drum:
-        changes |= _draw_centrifugal_load(rng, brake, push)
+        changes |= _draw_shoe_masses_and_angular_speed(rng, brake, push)
     return vary(brake, changes)
 
 
@@ -72,7 +75,7 @@ def _draw_duo_servo_brake(rng: np.random.Generator) -> Brake:
     )
 
 
-def _draw_friction_of_linings(rng: np.random.Generator, brake: Brake) -> dict[str, Any]:
+def _draw_friction_data_of_linings(rng: np.random.Generator, brake: Brake) -> dict[str, Any]:
     """Draw a friction table over the pressure for the brake, and friction of the first lining."""
     changes: dict[str, Any] = {}
     if brake.friction == 0:
@@ -107,7 +110,9 @@ def _draw_spring_data(rng: np.random.Generator, brake: Brake, push: float) -> di
     }
 
 
-def _draw_centrifugal_load(rng: np.random.Generator, brake: Brake, push: float) -> dict[str, Any]:
+def _draw_shoe_masses_and_angular_speed(
+    rng: np.random.Generator, brake: Brake, push: float
+) -> dict[str, Any]:
     """Draw a mass for each shoe, and the angular speed of the shoes.
 
     At this speed the centrifugal force of a shoe is a random fraction of the force `push` [N].
@@ -123,4 +128,6 @@ def _draw_centrifugal_load(rng: np.random.Generator, brake: Brake, push: float) 
 
 
 if __name__ == "__main__":
-    judge_brakes_of_seeds(draw_loaded_brake, *map(int, sys.argv[1:3]))
+    judge_brakes_of_seeds_and_print_summary(
+        draw_random_brake_with_loads_and_lining_friction, *map(int, sys.argv[1:3])
+    )

@@ -59,7 +59,7 @@ class CostOfSolve(NamedTuple):
     stated: float | None = None
 
 
-def write_mesh_of_main_example(path: Path, size: float) -> tuple[Brake, Brake]:
+def write_mesh_and_return_brakes_of_main_example(path: Path, size: float) -> tuple[Brake, Brake]:
     """Mesh the first shoe of the main example, and write the mesh file at `path`.
 
     Returns the brake with only this shoe, and the same brake with the mesh file as its shoe. `size`
@@ -110,7 +110,9 @@ def main(words: Sequence[str]) -> int:
     """Print the table of costs; the first of the `words` is the size of the elements [mm]."""
     size = float(words[0]) if words else SIZE
     with tempfile.TemporaryDirectory() as folder:
-        brake, filed = write_mesh_of_main_example(Path(folder) / "shoe.msh", 1e-3 * size)
+        brake, filed = write_mesh_and_return_brakes_of_main_example(
+            Path(folder) / "shoe.msh", 1e-3 * size
+        )
         print("way                     seconds  error of p  stated  error of the torque")  # noqa: T201
         for row in costs_of_solves_on_mesh_file(brake, filed):
             stated = "none" if row.stated is None else f"{100 * row.stated:.2g} %"

@@ -102,7 +102,7 @@ class JudgedMesh(NamedTuple):
     true: Mapping[str, float]
 
 
-def draw_random_shoe(rng: np.random.Generator) -> Brake:
+def draw_random_brake_with_one_shoe(rng: np.random.Generator) -> Brake:
     """Draw a brake with one hinged shoe, whose body reaches a little beyond its lining."""
     R = float(rng.choice([0.1, 0.15, 0.2]))
     side = str(rng.choice(["internal", "internal", "external"]))
@@ -163,7 +163,9 @@ def write_gmsh_mesh_of_shoe(brake: Brake, form: MeshForm, size: float, path: Pat
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.option.setNumber("Mesh.RecombineAll", form.recombined)
         gmsh.option.setNumber("Mesh.SecondOrderLinear", form.straight)
-        _draw_outline_of_shoe(gmsh.model, brake, size * (FINER_AT_ENDS if form.graded else 1.0))
+        _add_shoe_outline_to_gmsh_model(
+            gmsh.model, brake, size * (FINER_AT_ENDS if form.graded else 1.0)
+        )
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(form.order)
         tags, xyz, _ = gmsh.model.mesh.getNodes()
@@ -175,7 +177,7 @@ def write_gmsh_mesh_of_shoe(brake: Brake, form: MeshForm, size: float, path: Pat
         gmsh.finalize()
 
 
-def _draw_outline_of_shoe(model: Any, brake: Brake, size_at_ends: float) -> None:
+def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: float) -> None:
     """Draw lining and body of a shoe in Gmsh's `model`, with the groups that drumlin needs.
 
     `size_at_ends` is the largest size [m] of elements at the ends of the contact.
@@ -241,7 +243,9 @@ def _draw_outline_of_shoe(model: Any, brake: Brake, size_at_ends: float) -> None
         model.setPhysicalName(1, model.addPhysicalGroup(1, [line]), name)
 
 
-def draw_random_mesh_form(rng: np.random.Generator, form: MeshForm) -> tuple[float, MeshForm]:
+def draw_random_mesh_fineness_and_form(
+    rng: np.random.Generator, form: MeshForm
+) -> tuple[float, MeshForm]:
     """Draw the size, decimals and grading of a mesh by chance.
 
     Returns the drum's radius divided by the size of the elements, and the form with the drawn
@@ -256,9 +260,9 @@ def draw_random_mesh_form(rng: np.random.Generator, form: MeshForm) -> tuple[flo
 def judge_mesh_of_random_shoe(seed: int) -> JudgedMesh | str:
     """The stated and true errors of the mesh of a seed, or the reason why there are none."""
     rng = np.random.default_rng([seed, 3])
-    size, form = draw_random_mesh_form(rng, FORMS[seed % len(FORMS)])
+    size, form = draw_random_mesh_fineness_and_form(rng, FORMS[seed % len(FORMS)])
     try:
-        brake = draw_random_shoe(rng)
+        brake = draw_random_brake_with_one_shoe(rng)
         known = solve(brake, tolerance=FINE)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "shoe.msh"

@@ -13,8 +13,8 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import (
-    changes_that_grind_linings_to_radius,
-    changes_that_move_lining_circles,
+    new_lining_circle_offsets_by_key,
+    new_lining_radii_by_key,
     solve_brake_at_angular_drum_positions,
 )
 from drumlin.brake.file import vary
@@ -45,7 +45,7 @@ the shoes [K].
 """
 
 
-def table_rows_of_changes_by_each_misfit_alone(
+def table_rows_of_changes_due_to_each_misfit_alone(
     brake: Brake, law: Response, solve: Callable[[Brake], Response]
 ) -> list[dict[str, Any]]:
     """A row for each single misfit, with the changes of torque and peak pressure that it causes.
@@ -104,12 +104,12 @@ def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any
 
     return {
         "fits": {},
-        "linings 50 µm larger in radius": changes_that_grind_linings_to_radius(brake, 50e-6),
-        "linings 50 µm smaller in radius": changes_that_grind_linings_to_radius(brake, -50e-6),
-        "linings moved 50 µm along the pin's radius, outwards": changes_that_move_lining_circles(
+        "linings 50 µm larger in radius": new_lining_radii_by_key(brake, 50e-6),
+        "linings 50 µm smaller in radius": new_lining_radii_by_key(brake, -50e-6),
+        "linings moved 50 µm along the pin's radius, outwards": new_lining_circle_offsets_by_key(
             brake, 50e-6
         ),
-        "linings moved 50 µm along the pin's radius, inwards": changes_that_move_lining_circles(
+        "linings moved 50 µm along the pin's radius, inwards": new_lining_circle_offsets_by_key(
             brake, -50e-6
         ),
         "taper: 50 µm thinner away from the pin": {"shoe.lining.misfit.taper": 50e-6},
@@ -129,7 +129,7 @@ def fraction_of_linings_in_contact(brake: Brake, response: Response) -> float:
     return arcs / sum(shoe.lining.end - shoe.lining.start for shoe in brake.shoes)
 
 
-def torques_over_turn_of_lobed_drum(
+def torques_at_angles_of_lobed_drum(
     brake: Brake, solve: Callable[[Brake], Response], amplitude: float, angles: Sequence[float]
 ) -> dict[str, Floats]:
     """Torque of a brake at several angles of its out-of-round drum, for each entry of LOBES.
@@ -163,7 +163,7 @@ def torque_ranges_over_mean_torque(torques: Mapping[str, Floats]) -> dict[str, f
     return {name: float(np.ptp(torque) / np.mean(torque)) for name, torque in torques.items()}
 
 
-def maps_of_deviation_from_law(
+def maps_of_relative_deviation_from_law(
     rows: Sequence[Row], brake: Brake, law: Response, shape: tuple[int, int]
 ) -> dict[str, Floats]:
     """Maps of the relative differences of torque and peak pressure from their values by the law.
@@ -201,7 +201,7 @@ class DrawnBrakes:
     rows : mapping
         The rows of the brakes by state: "new" and "worn in" were solved by finite elements, "law"
         by the sine law. The first 2 n rows of each state are the two independent samples A and B of
-        `tolerances.random_deviations_of_brakes_in_all_samples`.
+        `tolerances.draw_random_deviations_in_all_samples`.
     n : int
         Number of brakes in each of the two samples.
     """
@@ -229,7 +229,7 @@ class DrawnBrakes:
         ) / self.values_of_quantity_for_random_brakes("law", "torque")
         return ratio
 
-    def percentiles_of_law_torque_error(self, state: str) -> tuple[float, float]:
+    def percentiles_5_and_95_of_law_torque_error(self, state: str) -> tuple[float, float]:
         """5th and 95th percentile of the relative error of the torque by the sine law.
 
         state : "new" or "worn in", the state of the linings of the random brakes.

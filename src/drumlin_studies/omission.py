@@ -167,8 +167,9 @@ def names_of_omissions_possible_for_brake(brake: Brake) -> list[str]:
 def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
     """The brake without those parts of "ring", "shoe" and "backing" that are in `names`.
 
-    The other names of OMISSIONS change no brake file; `prepared_model_without_neglected_parts`
-    takes them into account. Raises BadInput if a name is not in OMISSIONS.
+    The other names of OMISSIONS change no brake file;
+    `prepared_model_and_brake_without_neglected_parts` takes them into account. Raises BadInput if a
+    name is not in OMISSIONS.
     """
     names = set(names)
     if unknown := sorted(names - set(OMISSIONS)):
@@ -186,7 +187,7 @@ def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
     return left.model_copy(update={"shoes": tuple(shoes)})
 
 
-def prepared_model_without_neglected_parts(
+def prepared_model_and_brake_without_neglected_parts(
     brake: Brake, names: Iterable[str], make: Make = make_prepared_model
 ) -> tuple[PreparedModel, Brake]:
     """The prepared model of a brake without some parts, and the simpler brake itself.
@@ -293,5 +294,5 @@ def predict_response_change_by_omitting_parts(
     sketch = sketch or make_function_that_prepares_surrogates()
     whole = respond(sketch(brake), brake)
     return relative_change_from_whole_to_simpler_brake(
-        respond(*prepared_model_without_neglected_parts(brake, names, sketch)), whole
+        respond(*prepared_model_and_brake_without_neglected_parts(brake, names, sketch)), whole
     )

@@ -33,7 +33,7 @@ from drumlin_studies.omission import (
     names_of_omissions_possible_for_brake,
     predict_response_change_by_omitting_parts,
     prepare_model_with_straight_element_edges,
-    prepared_model_without_neglected_parts,
+    prepared_model_and_brake_without_neglected_parts,
     relative_change_from_whole_to_simpler_brake,
 )
 from drumlin_studies.reduced import make_function_that_prepares_surrogates
@@ -259,7 +259,9 @@ def _functions_that_solve_whole_and_simpler_brake(
     )
     return WholeAndSimple(
         lambda: solve_prepared_model(whole(brake), brake),
-        lambda: solve_prepared_model(*prepared_model_without_neglected_parts(brake, names, make)),
+        lambda: solve_prepared_model(
+            *prepared_model_and_brake_without_neglected_parts(brake, names, make)
+        ),
     )
 
 
@@ -338,7 +340,7 @@ def _predict_change_with_straight_edges(
     whole = solve_prepared_model(sketch(brake), brake)
     # The other omissions are predicted on a surrogate. The mean gap between the chords of the
     # elements and the arc of the drum is added to the surrogate as a clearance.
-    scene, simple = prepared_model_without_neglected_parts(
+    scene, simple = prepared_model_and_brake_without_neglected_parts(
         brake, set(names) - {"curvature"}, sketch
     )
     rest = solve_prepared_model(scene, simple)
@@ -354,7 +356,7 @@ def _predict_change_with_straight_edges(
     for shoe, answer in zip(brake.shoes, rest.shoes, strict=True):
         size = _root_mean_square_of_pressure(answer.theta, answer.pressure)
         waves.append(
-            rms_pressure_waves_by_straight_edges(brake, shoe, elements) / size if size else 0.0
+            rms_pressure_waves_due_to_straight_edges(brake, shoe, elements) / size if size else 0.0
         )
     return found._replace(pressure=math.hypot(found.pressure, max(waves)))
 
@@ -379,12 +381,12 @@ def _shoe_with_clearance_like_straight_edge_gap(brake: Brake, shoe: Shoe, elemen
     # In a mirrored frame the shoe's own angles fall as the brake's angles theta grow.
     middle = np.sort(shoe.frame.theta((angles[:-1] + angles[1:]) / 2))
     height = height[:: shoe.frame.sense]
-    gap = shoe.sign * 2 / 3 * height + shoe.lining.clearance_at_surface_coordinates(middle)
+    gap = shoe.sign * 2 / 3 * height + shoe.lining.clearances_at_surface_coordinates(middle)
     table = tuple(zip(middle.tolist(), gap.tolist(), strict=True))
     return shoe.model_copy(update={"lining": shoe.lining.model_copy(update={"clearance": table})})
 
 
-def rms_pressure_waves_by_straight_edges(brake: Brake, shoe: Shoe, elements: int) -> float:
+def rms_pressure_waves_due_to_straight_edges(brake: Brake, shoe: Shoe, elements: int) -> float:
     """Root mean square over the lining of the pressure waves [Pa] by straight element edges.
 
     A straight edge is a chord of length h with the sagitta s = R (1 - cos(dphi/2)). It leaves the

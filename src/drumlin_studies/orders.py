@@ -17,7 +17,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.comparison import Convergence
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -116,7 +116,7 @@ def error_rows_of_hp_levels(brake: Brake, refinement: Refinement = LEVEL_REFEREN
     floor an error is known to within 50 %.
     """
     reference = solve_brake_for_reference_values(brake, refinement)
-    true, places = reference.value, singular_points_of_all_linings(brake, reference.value)
+    true, places = reference.value, singular_points_of_each_shoe_shape(brake, reference.value)
     floor = 2 * largest_pressure_distance_of_shoes(reference.before, true)
     rows = []
     for level in (COARSE_LEVEL, *LEVELS):
@@ -239,7 +239,7 @@ def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
     return rows
 
 
-def rows_of_sine_law_and_rigid_shoes(brake: Brake, elements: int) -> list[Row]:
+def rows_comparing_sine_law_with_rigid_shoe_solves(brake: Brake, elements: int) -> list[Row]:
     """Rows that compare the sine law with finite elements on nearly rigid shoes with thin linings.
 
     A row has the torques of a shoe [N m], the last row the torques of the whole brake. `spread` is

@@ -94,7 +94,9 @@ def solve_time_rows_by_varied_quantity(rows: Sequence[Row]) -> list[Row]:
     return table
 
 
-def relative_torque_change_by_penalty(rows: Sequence[Row]) -> dict[str, list[tuple[float, float]]]:
+def relative_torque_changes_due_to_penalty(
+    rows: Sequence[Row],
+) -> dict[str, list[tuple[float, float]]]:
     """The relative change of the torque that a finite penalty causes.
 
     The result has a list of pairs (penalty factor, change) for each of two brakes: one with its

@@ -39,7 +39,7 @@ from drumlin.response.response import (
     PressureOverWidth,
     Response,
     ShoeResponse,
-    length_of_edge_zone_without_peak,
+    length_of_edge_zone_left_out_of_peak_search,
 )
 from drumlin_studies.tables import values_of_key_in_rows
 from drumlin_studies.uncertainty import (
@@ -146,7 +146,9 @@ def plane_stress_error_rows_of_shoes(three: SolidAndPlane, case: str = "") -> li
     for i, (true, plane, other) in enumerate(
         zip(three.solid.shoes, three.plane.shoes, three.corrected.shoes, strict=True)
     ):
-        zone = length_of_edge_zone_without_peak(three.brake.shoes[i], three.brake.scale_factor)
+        zone = length_of_edge_zone_left_out_of_peak_search(
+            three.brake.shoes[i], three.brake.scale_factor
+        )
         row: dict[str, Any] = {
             "case": case,
             "shoe": true.name,
@@ -451,7 +453,7 @@ def _largest_torque_and_pressure_error(
     torque, pressure = 0.0, 0.0
     for found, true, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True):
         torque = max(torque, abs(relative_error_of_number(found.torque, true.torque)))
-        zone = length_of_edge_zone_without_peak(shoe, brake.scale_factor)
+        zone = length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor)
         pressure = max(pressure, abs(relative_distance_of_pressures(found, true, zone)))
     return torque, pressure
 
@@ -530,7 +532,9 @@ def wear_solid_linings(
             shoes.append(
                 _response_with_worn_lining_pressure(line, first, surface.forward, pressure)
             )
-        zone = length_of_edge_zone_without_peak(brake.shoes[surface.shoe], brake.scale_factor)
+        zone = length_of_edge_zone_left_out_of_peak_search(
+            brake.shoes[surface.shoe], brake.scale_factor
+        )
         by_law = law.shoes[surface.shoe]
         all_uneven.append(
             tuple(relative_pressure_deviation_across_width(shoe, zone) for shoe in shoes)
@@ -560,7 +564,7 @@ def _response_with_worn_lining_pressure(
     """
     assert isinstance(line, WidthFace)
     _, mean = line.angles_and_mean_pressures(p)
-    face = line.pressure_over_arc_and_width(p)
+    face = line.pressure_distribution_over_arc_and_width(p)
     surface = face._replace(pressure=face.pressure[forward])
     return replace(first, pressure=mean[forward], surface=surface)
 

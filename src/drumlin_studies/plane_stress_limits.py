@@ -14,7 +14,7 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
+from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.ladder import (
     has_shoe_with_parts_of_different_widths,
     solve_cross_section_mesh_with_width_degree,
@@ -53,7 +53,7 @@ def lining_width_over_thickness(brake: Brake) -> float:
     return lining.width / lining.thickness
 
 
-def brake_with_width_over_thickness(brake: Brake, ratio: float) -> Brake:
+def brake_with_lining_width_over_thickness(brake: Brake, ratio: float) -> Brake:
     """The brake whose linings are `ratio` times as wide as thick.
 
     The width of the bodies changes in the same proportion.
@@ -62,18 +62,18 @@ def brake_with_width_over_thickness(brake: Brake, ratio: float) -> Brake:
     width = ratio * shoe.lining.thickness
     changes = {"shoe.lining.width": width}
     if shoe.body is not None:
-        changes["shoe.body.width"] = width * web_over_lining_width(brake)
+        changes["shoe.body.width"] = width * web_width_over_lining_width(brake)
     return vary(brake, changes)
 
 
-def web_over_lining_width(brake: Brake) -> float:
+def web_width_over_lining_width(brake: Brake) -> float:
     """The width of the first web divided by the width of its lining."""
     shoe = brake.shoes[0]
     assert shoe.body is not None and shoe.body.width is not None
     return shoe.body.width / shoe.lining.width
 
 
-def brake_with_web_over_lining_width(brake: Brake, ratio: float) -> Brake:
+def brake_with_web_width_over_lining_width(brake: Brake, ratio: float) -> Brake:
     """The brake whose webs are `ratio` times as wide as their linings."""
     return vary(brake, {"shoe.body.width": ratio * brake.shoes[0].lining.width})
 
@@ -82,11 +82,11 @@ def overhang_over_table_thickness(brake: Brake) -> float:
     """The distance from the web's side to the lining's side, divided by the table's thickness."""
     shoe = brake.shoes[0]
     assert shoe.backing is not None
-    overhang = (1 - web_over_lining_width(brake)) * shoe.lining.width / 2
+    overhang = (1 - web_width_over_lining_width(brake)) * shoe.lining.width / 2
     return overhang / shoe.backing.thickness
 
 
-def brake_with_overhang_over_table(brake: Brake, ratio: float) -> Brake:
+def brake_with_overhang_over_table_thickness(brake: Brake, ratio: float) -> Brake:
     """The brake whose linings overhang their webs by `ratio` times the thickness of the table."""
     shoe = brake.shoes[0]
     assert shoe.backing is not None
@@ -106,20 +106,20 @@ VARIATIONS = (
         "lining width / thickness",
         (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0),
         lining_width_over_thickness,
-        brake_with_width_over_thickness,
+        brake_with_lining_width_over_thickness,
     ),
     Variation(
         "web width / lining width",
         (0.08, 0.125, 0.2, 0.3, 0.45, 0.7, 1.0),
-        web_over_lining_width,
-        brake_with_web_over_lining_width,
+        web_width_over_lining_width,
+        brake_with_web_width_over_lining_width,
         needs_web=True,
     ),
     Variation(
         "overhang / table thickness",
         (1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 14.0),
         overhang_over_table_thickness,
-        brake_with_overhang_over_table,
+        brake_with_overhang_over_table_thickness,
         needs_web=True,
     ),
     Variation(
@@ -144,7 +144,7 @@ VARIATIONS = (
 """The quantities of the figure, each varied alone."""
 
 
-def error_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:
+def errors_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:
     """The relative errors of plane stress on a brake, by the keys of LIMIT_QUANTITIES.
 
     Raises
@@ -158,7 +158,7 @@ def error_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:
     wide = solve_cross_section_mesh_with_width_degree(
         brake, LEVELS[0], LIMIT_DEGREE, plane
     ).response
-    found = distance_of_plane_stress_from_width_solution(brake, plane, wide).brake
+    found = relative_distance_of_plane_stress_from_width_solution(brake, plane, wide).brake
     return {name: found[name] for name in LIMIT_QUANTITIES}
 
 
@@ -185,7 +185,7 @@ def rows_of_plane_stress_limits(
             say(f"{variation.name}: {name}")
             for value in variation.values[::every]:
                 try:
-                    errors = error_of_plane_stress_by_width_model(variation.changed(brake, value))
+                    errors = errors_of_plane_stress_by_width_model(variation.changed(brake, value))
                 except DrumlinError:
                     continue
                 rows.append({"varied": variation.name, "brake": name, "value": value, **errors})
@@ -207,7 +207,7 @@ class LimitRange(NamedTuple):
     high: float | None
 
 
-def ranges_within_limits(rows: Sequence[Mapping[str, Any]]) -> list[LimitRange]:
+def parameter_ranges_within_error_limits(rows: Sequence[Mapping[str, Any]]) -> list[LimitRange]:
     """The ranges of the varied quantities in which plane stress is within each of LIMITS."""
     groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for row in rows:

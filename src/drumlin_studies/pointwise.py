@@ -32,16 +32,16 @@ from drumlin.fem.preparation.bodies import (
     penalty_stiffness_of_contact_per_area,
 )
 from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, mesh_and_assemble_shoe
-from drumlin.fem.preparation.scene import Seconds, add_elapsed_time
+from drumlin.fem.preparation.scene import Seconds, add_elapsed_time_of_block_to_phase
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.interface import (
     edge_quadrature_points,
-    function_for_drum_normals_and_tangents,
+    function_that_returns_drum_normals_and_tangents,
 )
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
-    relative_sums_of_forces_and_moments,
+    relative_magnitudes_of_force_and_moment_sums,
 )
 from drumlin.response.response import (
     Balance,
@@ -173,7 +173,7 @@ def _solve_one_shoe_by_penalty(
     per_newton = parts.load_matrix_columns_by_load_name.column_factors_of_one_named_load(
         ACTUATION, unit
     )
-    with add_elapsed_time(seconds, "contact"):
+    with add_elapsed_time_of_block_to_phase(seconds, "contact"):
         A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
         points = _quadrature_points_of_shoe_friction_face(parts, brake, shoe, drag)
         # Displacements of all unknowns while the shoe turns as a rigid body about its pin by 1 rad.
@@ -197,7 +197,9 @@ def _solve_one_shoe_by_penalty(
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
     given = (force * per_newton)[:2]
-    balance = _balance_of_forces_and_moments(parts, shoe, contact, reaction, given, force * moment)
+    balance = _relative_imbalance_of_forces_and_moments(
+        parts, shoe, contact, reaction, given, force * moment
+    )
     # Friction assists the actuation if its work in a rotation about the pin has the sign of the
     # actuation's moment.
     assists = _work_of_friction_in_shoe_motion(points, p, turned) * moment > 0
@@ -223,7 +225,7 @@ def _work_of_friction_in_shoe_motion(points: _ContactPoints, p: Floats, motion: 
     return float((points.weight * p) @ ((points.pushing + points.closing) @ motion))
 
 
-def _balance_of_forces_and_moments(
+def _relative_imbalance_of_forces_and_moments(
     parts: AssembledShoe,
     shoe: Shoe,
     contact: Floats,
@@ -247,7 +249,7 @@ def _balance_of_forces_and_moments(
         Moment of the actuation about the pin [N m].
     """
     pin = shoe.pin_position_in_shoe_frame
-    return relative_sums_of_forces_and_moments(
+    return relative_magnitudes_of_force_and_moment_sums(
         [contact.sum(axis=0), reaction, given],
         [
             float(planar_cross_product(parts.line.xy.T, contact).sum()),
@@ -269,7 +271,7 @@ def _quadrature_points_of_shoe_friction_face(
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.interpolation_degree_along_contact_line + 1)
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces], at, weights)
-    normal, tangent = function_for_drum_normals_and_tangents(shoe.sign)(x)
+    normal, tangent = function_that_returns_drum_normals_and_tangents(shoe.sign)(x)
     radius = np.hypot(*x)
     phi = shoe.surface_coordinates_of_points_in_shoe_frame(x, brake.size)
     unknowns = parts.constraints.matrix.shape[1]

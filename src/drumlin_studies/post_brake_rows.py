@@ -21,7 +21,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.comparison import solve_and_time_model as timed
 from drumlin.fem.analysis.deflection import (
-    inward_displacement_of_ring_surface,
+    angles_and_inward_displacements_of_ring_surface,
     stations_and_deflections_of_beam,
 )
 from drumlin.fem.model import solve_prepared_model
@@ -174,7 +174,9 @@ def brake_with_other_lining_radius(brake: Brake, larger: float) -> Brake:
     )
 
 
-def rows_of_post_brake_clearances(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
+def rows_of_post_brake_results_by_clearance(
+    brake: Brake, scene: PreparedModel
+) -> list[dict[str, Any]]:
     """A row for each clearance, model and shoe: torque, peak pressure, figures of merit, contact.
 
     The linings fit, have another radius, are displaced, or are worn in.
@@ -263,7 +265,7 @@ def torque_differences_from_sine_law_at_lining_radii(
     return found
 
 
-def figures_of_merit_over_friction_coefficient(
+def figures_of_merit_at_friction_coefficients(
     brake: Brake, scene: PreparedModel, friction: Floats
 ) -> Merits:
     """Figures of merit of each shoe and model over the coefficient of friction.
@@ -362,7 +364,7 @@ def dimensionless_stiffnesses_of_beam_and_ring(brake: Brake) -> tuple[float, flo
     return k * R**4 / shoe.body.plates["shoe"].bending_stiffness, k * R**4 / ring.EI
 
 
-def torque_error_maps_of_models(
+def torque_error_maps_of_models_and_groups_of_brake(
     brake: Brake, points: int, elements: int
 ) -> tuple[list[list[ErrorMap]], list[tuple[float, float]]]:
     """Maps of the torque's error over the dimensionless groups of beam and ring, by model.
@@ -386,7 +388,7 @@ def torque_error_maps_of_models(
     rows, places = [], []
     for said, layers in (("soft lining", soft_lining), ("wooden block", {})):
         varied = vary(brake, layers)
-        error = _torque_errors_over_stiffness_groups(varied, x, y, elements)
+        error = _torque_errors_at_dimensionless_stiffness_groups(varied, x, y, elements)
         maps = []
         for name in MAPPED_MODELS:
             maps.append(ErrorMap(f"{MODEL_NAMES[name]}, {said}", x, y, error[name]))
@@ -395,7 +397,7 @@ def torque_error_maps_of_models(
     return rows, places
 
 
-def _torque_errors_over_stiffness_groups(
+def _torque_errors_at_dimensionless_stiffness_groups(
     brake: Brake, x: Floats, y: Floats, elements: int
 ) -> dict[str, Floats]:
     """Relative errors (m, n) of the torque by each of POST_MODELS, over two dimensionless groups.
@@ -534,7 +536,9 @@ def drum_rim_displacement_curves_by_model(
     lifted = foundation.ring_displacement_under_each_shoe(
         brake, responses["lifted"], turn, ALL_LIFTS
     ).sum(axis=0)
-    theta, z = inward_displacement_of_ring_surface(scene, brake, solve_prepared_model(scene, brake))
+    theta, z = angles_and_inward_displacements_of_ring_surface(
+        scene, brake, solve_prepared_model(scene, brake)
+    )
     # The first point of the curve by finite elements is repeated at its end, to close the curve.
     fem = np.append(theta, theta[0]), np.append(z, z[0])
     own = {shoe.name: (turn, z) for shoe, z in zip(brake.shoes, printed, strict=True)}

@@ -178,7 +178,7 @@ def _draw_arc_shoe_data(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -
             "width": width,
             "material": _draw_material_data(rng, *ranges.modulus),
         },
-        "actuation": _draw_line_of_actuation_force(rng, R, far, hand, inside=inside),
+        "actuation": _draw_point_and_direction_of_actuation_force(rng, R, far, hand, inside=inside),
     }
     if ranges.backing:
         shoe["backing"] = {
@@ -218,7 +218,7 @@ def _draw_section_data_of_arc_body(
     }
 
 
-def _draw_line_of_actuation_force(
+def _draw_point_and_direction_of_actuation_force(
     rng: np.random.Generator, R: float, far: float, hand: int, *, inside: bool
 ) -> dict[str, Any]:
     """The direction and the point of a random actuation force at the far end of an arc shoe.
@@ -257,7 +257,7 @@ def _draw_actuation_force(rng: np.random.Generator, shoe: dict[str, Any], R: flo
     return float(f"{pressure * R * (lining['end'] - lining['start']) * lining['width'] / 3:.4g}")
 
 
-def _mean_lining_compression_by_force(shoe: dict[str, Any], R: float) -> float:
+def _mean_lining_compression_due_to_force(shoe: dict[str, Any], R: float) -> float:
     """The mean compression [m] of a lining of thickness t by the actuation force F: F t/(E area).
 
     shoe : data of the shoe; R : radius of the drum [m].
@@ -284,7 +284,7 @@ class _RandomBeamAxis(NamedTuple):
     hand: int
     distance: float
 
-    def point_at_distance_along(self, along: float) -> dict[str, float]:
+    def point_on_beam_axis_at_distance(self, along: float) -> dict[str, float]:
         """The point of the axis at a distance [m] from its point nearest to the drum's centre."""
         c, s = math.cos(self.turn), math.sin(self.turn)
         x = self.distance * c - self.hand * along * s
@@ -316,7 +316,7 @@ def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[st
     shoe: dict[str, Any] = {
         "name": "shoe",
         "side": "external",
-        "hinge": axis.point_at_distance_along(-to_hinge),
+        "hinge": axis.point_on_beam_axis_at_distance(-to_hinge),
         "lining": {
             "start": start,
             "end": end,
@@ -333,7 +333,7 @@ def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[st
         },
         "actuation": {
             "direction": turn + math.pi + u(-0.4, 0.4),
-            "point": axis.point_at_distance_along(to_actuation),
+            "point": axis.point_on_beam_axis_at_distance(to_actuation),
         },
     }
     shoe["actuation"]["force"] = _draw_actuation_force(rng, shoe, R)
@@ -390,32 +390,32 @@ def _draw_drum_radius(rng: np.random.Generator) -> float:
     return _draw_number_between_powers_of_ten(rng, -1.7, 0.45)
 
 
-def _draw_brake_with_elastic_arc_shoe(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_data_of_brake_with_elastic_arc_shoe(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one hinged shoe whose elastic body is an arc along the drum."""
     R = _draw_drum_radius(rng)
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ShoeOnArc())]}
 
 
-def _draw_brake_with_backed_shoe(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_data_of_brake_with_backed_shoe(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one shoe that has a backing and an elastic body along the drum."""
     R = _draw_drum_radius(rng)
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ShoeOnArc(backing=True))]}
 
 
-def _draw_brake_with_rigid_shoe(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_data_of_brake_with_rigid_shoe(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one rigid shoe; half of the shoes have a backing."""
     R = _draw_drum_radius(rng)
     ranges = ShoeOnArc(body=False, backing=rng.random() < 0.5)
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ranges)]}
 
 
-def _draw_brake_with_straight_beam(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_data_of_brake_with_straight_beam(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one post, a straight beam with a block."""
     R = _draw_drum_radius(rng)
     return {"drum": {"radius": R}, "shoe": [_draw_straight_beam_shoe_data(rng, R)]}
 
 
-def _draw_brake_with_beams_on_elastic_ring(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_data_of_brake_with_beams_on_elastic_ring(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one post, or two opposite posts, on an elastic drum ring."""
     R = _draw_drum_radius(rng)
     shoe = _draw_straight_beam_shoe_data(rng, R)
@@ -427,7 +427,7 @@ def _draw_brake_with_beams_on_elastic_ring(rng: np.random.Generator) -> dict[str
     }
 
 
-def _draw_brake_with_shoe_on_elastic_ring(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_data_of_brake_with_shoe_on_elastic_ring(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one elastic shoe along an elastic drum ring."""
     R = _draw_drum_radius(rng)
     shoe = _draw_arc_shoe_data(rng, R, ShoeOnArc())
@@ -437,7 +437,7 @@ def _draw_brake_with_shoe_on_elastic_ring(rng: np.random.Generator) -> dict[str,
     }
 
 
-def _draw_brake_with_two_shoes_on_elastic_ring(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_data_of_brake_with_two_shoes_on_elastic_ring(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with two shoes on an elastic drum ring.
 
     The shoes share their hinge and are mirror images of each other.
@@ -456,7 +456,7 @@ def _draw_shoe_data_sometimes_with_backing(rng: np.random.Generator, R: float) -
     return _draw_arc_shoe_data(rng, R, ShoeOnArc(backing=rng.random() < 0.3))
 
 
-def _draw_brake_with_lining_misfit(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_data_of_brake_with_lining_misfit(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake whose lining does not fit the drum.
 
     The lining has one of: a clearance, a table of clearances, a taper, another radius, or blocks of
@@ -469,7 +469,7 @@ def _draw_brake_with_lining_misfit(rng: np.random.Generator) -> dict[str, Any]:
         if on_post
         else _draw_shoe_data_sometimes_with_backing(rng, R)
     )
-    lining, size = shoe["lining"], _mean_lining_compression_by_force(shoe, R)
+    lining, size = shoe["lining"], _mean_lining_compression_due_to_force(shoe, R)
     how = rng.integers(5)
     if how == 0:
         lining["clearance"] = size * u(0.0, 2.0)
@@ -489,11 +489,11 @@ def _draw_brake_with_lining_misfit(rng: np.random.Generator) -> dict[str, Any]:
     return {"drum": {"radius": R}, "shoe": [shoe]}
 
 
-def _draw_brake_with_drum_out_of_round(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_data_of_brake_with_drum_out_of_round(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake whose drum is out of round, with one to three lobes of random orders."""
     R, u = _draw_drum_radius(rng), rng.uniform
     shoe = _draw_shoe_data_sometimes_with_backing(rng, R)
-    size = _mean_lining_compression_by_force(shoe, R)
+    size = _mean_lining_compression_due_to_force(shoe, R)
     lobes = []
     for _ in range(int(rng.integers(1, 4))):
         lobe = {
@@ -505,7 +505,7 @@ def _draw_brake_with_drum_out_of_round(rng: np.random.Generator) -> dict[str, An
     return {"drum": {"radius": R, "out_of_round": lobes, "angle": float(u(0, 6))}, "shoe": [shoe]}
 
 
-def _draw_brake_with_short_contact(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_data_of_brake_with_short_contact(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with a short contact: 0.5 to 8 degrees by Hertz's formula.
 
     The lining has another radius than the drum.
@@ -524,7 +524,7 @@ def _draw_brake_with_short_contact(rng: np.random.Generator) -> dict[str, Any]:
     return {"drum": {"radius": R}, "shoe": [shoe]}
 
 
-def _draw_brake_with_extreme_dimensions(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_data_of_brake_with_extreme_dimensions(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake whose shoe is drawn from very wide ranges.
 
     Stiffnesses, thicknesses and arcs may be extremely small or large.
@@ -542,17 +542,17 @@ def _draw_brake_with_extreme_dimensions(rng: np.random.Generator) -> dict[str, A
 
 
 SHAPE_KINDS: dict[str, Draw] = {
-    "arc": _draw_brake_with_elastic_arc_shoe,
-    "backed": _draw_brake_with_backed_shoe,
-    "rigid": _draw_brake_with_rigid_shoe,
-    "post": _draw_brake_with_straight_beam,
-    "post on ring": _draw_brake_with_beams_on_elastic_ring,
-    "arc on ring": _draw_brake_with_shoe_on_elastic_ring,
-    "linings on ring": _draw_brake_with_two_shoes_on_elastic_ring,
-    "misfit": _draw_brake_with_lining_misfit,
-    "out of round": _draw_brake_with_drum_out_of_round,
-    "small contact": _draw_brake_with_short_contact,
-    "extreme": _draw_brake_with_extreme_dimensions,
+    "arc": _draw_data_of_brake_with_elastic_arc_shoe,
+    "backed": _draw_data_of_brake_with_backed_shoe,
+    "rigid": _draw_data_of_brake_with_rigid_shoe,
+    "post": _draw_data_of_brake_with_straight_beam,
+    "post on ring": _draw_data_of_brake_with_beams_on_elastic_ring,
+    "arc on ring": _draw_data_of_brake_with_shoe_on_elastic_ring,
+    "linings on ring": _draw_data_of_brake_with_two_shoes_on_elastic_ring,
+    "misfit": _draw_data_of_brake_with_lining_misfit,
+    "out of round": _draw_data_of_brake_with_drum_out_of_round,
+    "small contact": _draw_data_of_brake_with_short_contact,
+    "extreme": _draw_data_of_brake_with_extreme_dimensions,
 }
 """Function that draws the data of a brake, by the kind of the brake.
 

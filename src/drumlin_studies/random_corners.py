@@ -199,13 +199,13 @@ def _draw_gap_as_function_of_factor(
     area = radius * (lining["end"] - lining["start"]) * lining["width"]
     size = shoe["actuation"]["force"] / area * lining["thickness"] / lining["material"]["E"]
     if presses == "corner":
-        return _draw_gap_that_is_smallest_at_corner(rng, lining, radius, size)
+        return _draw_gap_smallest_at_corner_as_function_of_factor(rng, lining, radius, size)
     if presses == "tip":
-        return _draw_gap_with_one_kink_towards_drum(rng, lining, size)
+        return _draw_gap_with_kink_to_drum_as_function_of_factor(rng, lining, size)
     return _draw_clearance_table_as_function_of_factor(rng, lining, size)
 
 
-def _draw_gap_that_is_smallest_at_corner(
+def _draw_gap_smallest_at_corner_as_function_of_factor(
     rng: Rng, lining: Mapping[str, Any], radius: float, size: float
 ) -> Callable[[float], Gap]:
     """A random gap that is smallest at a corner of the lining, scaled by a factor.
@@ -231,7 +231,7 @@ def _draw_gap_that_is_smallest_at_corner(
     }
 
 
-def _draw_gap_with_one_kink_towards_drum(
+def _draw_gap_with_kink_to_drum_as_function_of_factor(
     rng: Rng, lining: Mapping[str, Any], size: float
 ) -> Callable[[float], Gap]:
     """A random gap with a tip, a kink of the lining that points to the drum, scaled by a factor.

@@ -410,7 +410,7 @@ def _ring_with_closed_form_flexibility(
     sign, radius, section = brake.shoes[0].sign, brake.size, ring.section
     assert section is not None
     k = np.arange(count + 1)
-    radial, shear = radial_ring_compliances_by_mode(ring, radius, sign, k)
+    radial, shear = radial_ring_compliances_under_two_tractions_by_mode(ring, radius, sign, k)
     # Factors that turn the integrals of a nodal pressure over the waves into Fourier coefficients.
     share = np.where(k == 0, 0.5, 1.0) / (math.pi * radius * section.width)
     root = np.sqrt(share * radial)
@@ -456,7 +456,7 @@ def _cosine_and_sine_integrals_over_lining(
     return found.real, found.imag
 
 
-def radial_ring_compliances_by_mode(
+def radial_ring_compliances_under_two_tractions_by_mode(
     ring: Ring, radius: float, sign: int, modes: Ints
 ) -> tuple[Floats, Floats]:
     """Radial displacements of a ring's friction surface under two tractions, for each mode.
@@ -484,7 +484,7 @@ def radial_ring_compliances_by_mode(
     if not long.all():
         E, nu = section.material.E, section.material.nu
         over = radius / (E * modes[~long])
-        found = radial_ring_compliances_by_mode(ring, radius, sign, modes[long])
+        found = radial_ring_compliances_under_two_tractions_by_mode(ring, radius, sign, modes[long])
         return np.append(found[0], 2 * over), np.append(found[1], (1 - nu) * over)
     K = _ring_stiffness_of_each_mode(section.material, section.thickness, radius, sign, modes)
     load = np.zeros((*K.shape[:2], 2))
@@ -542,7 +542,7 @@ def _ring_stiffness_of_each_mode(
     thickness : float
         Thickness of the ring [m].
     radius, sign, modes : float, int, array
-        As in `radial_ring_compliances_by_mode`.
+        As in `radial_ring_compliances_under_two_tractions_by_mode`.
     """
     E, nu = material.E, material.nu
     through = _shape_functions_through_ring()

@@ -34,8 +34,8 @@ from drumlin.lining_wear.archard import (
     DEFAULT_WEAR_STEP_ERROR,
     WearLaw,
     WearState,
-    amplitude_of_node_to_node_pressure_ripple,
     interpolate_wear_state_at_distance,
+    relative_amplitude_of_node_to_node_pressure_ripple,
     wear_linings_by_explicit_euler,
     wear_linings_in_given_steps,
 )
@@ -51,7 +51,7 @@ from drumlin.lining_wear.run_in import (
     brake_with_worn_linings,
     compute_checks_of_wear_run,
     compute_life_of_linings,
-    final_pressure_and_torque_by_rigid_shoe_law,
+    final_wear_pressure_and_torque_by_rigid_shoe_law,
     norm_along_lining_without_end_elements,
     relative_differences_from_end_of_wear,
     sliding_distance_of_e_fold_pressure_change,
@@ -99,13 +99,13 @@ class Run:
         """The sliding distances of the states, in units of 1/(k K)."""
         return [state.s / self.unit for state in self.states]
 
-    def largest_pressure_alternation_between_nodes(self, state: WearState) -> float:
+    def largest_relative_pressure_alternation_between_nodes(self, state: WearState) -> float:
         """The largest amplitude on any lining by which the pressure alternates from node to node.
 
         The amplitude is relative to the pressure of the lining in the state.
         """
         return max(
-            amplitude_of_node_to_node_pressure_ripple(
+            relative_amplitude_of_node_to_node_pressure_ripple(
                 surface.lining_values_by_growing_angle(state.pressure)
             )
             for surface in self.setup.surfaces
@@ -129,11 +129,13 @@ def wear_brake_until_pressure_settles(
         Further arguments of `wear_brake_linings_until_worn_in`.
     """
     states = wear_brake_linings_until_worn_in(setup, law, **options)
-    goal = final_pressure_and_torque_by_rigid_shoe_law(setup, law, options.get("torque"))
+    goal = final_wear_pressure_and_torque_by_rigid_shoe_law(setup, law, options.get("torque"))
     return Run(name, setup, states, goal, sliding_distance_of_e_fold_pressure_change(setup, law))
 
 
-def list_wear_models_of_brake(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
+def list_wear_models_and_reason_against_finite_elements(
+    brake: Brake,
+) -> tuple[list[tuple[str, str, Brake]], str | None]:
     """The models by which a brake can run in, and the reason why finite elements cannot.
 
     Each model comes as a suffix to the brake's name, the name of the model, and the brake. The
@@ -163,7 +165,7 @@ def brake_with_opposite_rotation(brake: Brake) -> Brake:
 
 
 def prepare_wear_setup_by_model(model: str, brake: Brake, elements: int) -> WearSetup:
-    """The linings of a brake before wear, by one of the models of `list_wear_models_of_brake`.
+    """The linings of a brake before wear, by a model that can compute wear.
 
     elements : number of elements along each lining, for models by finite elements.
     """
@@ -177,11 +179,11 @@ def worn_in_pressure_formula_and_law_torque(model: str, brake: Brake) -> tuple[s
     """The formula that the pressure approaches as the lining wears in, and the law's torque [N m].
 
     The formula is a short text, for example "sin" for p ~ sin(phi) with the angle phi from the
-    hinge. model : one of the models of `list_wear_models_of_brake`.
+    hinge. model : one of the models of `list_wear_models_and_reason_against_finite_elements`.
     """
     if model == "guided":
         return "cos", hinged.torque_of_brake_with_guided_shoes(brake)
-    if model == "fem" and brake.reason_why_not_all_shoes_hinged():
+    if model == "fem" and brake.reason_why_not_all_shoes_are_hinged():
         return "A cos + B sin", solve_brake_by_its_rigid_shoe_law(brake).torque
     # In the published foundation model the beam's sections do not tilt, which leads to "x cos".
     return "x cos" if model == "foundation" else "sin", hinged.solve_brake_by_sine_law(brake).torque
@@ -199,7 +201,7 @@ def table_row_and_wear_run_of_brake(
     name : str
         Name of the brake.
     model : str
-        A model of `list_wear_models_of_brake`.
+        A model of `list_wear_models_and_reason_against_finite_elements`.
     brake : Brake
         The brake.
     elements : int
@@ -257,7 +259,7 @@ def table_row_of_wear_run_until_settled(one: Run) -> dict[str, Any]:
         "end_torque": end.torque,
         "volume": balance.volume,
         "energy": balance.energy,
-        "ripple": one.largest_pressure_alternation_between_nodes(states[-1]),
+        "ripple": one.largest_relative_pressure_alternation_between_nodes(states[-1]),
         "steps": len(states) - 1,
         "status": AT_LAW if holds else "short of the law",
     }
@@ -328,7 +330,7 @@ def table_row_of_run_in_at_pressure_exponent(setup: WearSetup, m: float) -> dict
     law = WearLaw(DEFAULT_WEAR_COEFFICIENT, m)
     states, goal = (
         wear_brake_linings_until_worn_in(setup, law),
-        final_pressure_and_torque_by_rigid_shoe_law(setup, law),
+        final_wear_pressure_and_torque_by_rigid_shoe_law(setup, law),
     )
     end = relative_differences_from_end_of_wear(setup, states[-1], goal)
     return {
@@ -401,7 +403,8 @@ def wear_brake_with_drum_reversals(
         False: wear_setup_by_finite_elements(scene, brake_with_opposite_rotation(brake)),
     }
     goals = {
-        sense: final_pressure_and_torque_by_rigid_shoe_law(setup) for sense, setup in setups.items()
+        sense: final_wear_pressure_and_torque_by_rigid_shoe_law(setup)
+        for sense, setup in setups.items()
     }
     size = every * sliding_distance_of_e_fold_pressure_change(setups[True], ARCHARD)
     states = wear_brake_linings_until_worn_in(
@@ -502,7 +505,7 @@ def rows_and_ends_of_wear_runs_in_equal_steps(
         except NoAnswer as error:
             rows.append({**row, "status": f"failed: {error}"})
             continue
-        row["ripple"] = one.largest_pressure_alternation_between_nodes(last)
+        row["ripple"] = one.largest_relative_pressure_alternation_between_nodes(last)
         row["touching"] = float((last.pressure > 0).mean())
         row["torque"] = last.torque
         row["torque_error"] = relative_error_of_number(last.torque, exact.torque)
@@ -534,7 +537,7 @@ def _list_implicit_and_explicit_runs(
         )
 
 
-def wear_run_with_smallest_new_contact(runs: Iterable[Run]) -> Run:
+def wear_run_whose_new_linings_touch_least(runs: Iterable[Run]) -> Run:
     """The run whose new linings touch the drum with the smallest fraction of their nodes."""
     return min(runs, key=lambda one: float((one.states[0].pressure > 0).mean()))
 

@@ -18,7 +18,7 @@ from drumlin.contact.self_locking import (
     FrictionLimit,
     compare_solutions_from_starting_contact_sets,
     find_largest_friction_with_equilibrium,
-    smallest_singular_friction_of_contact_sets,
+    smallest_friction_that_makes_any_contact_set_singular,
 )
 from drumlin.fem.analysis.self_locking import (
     self_locking_friction_of_shoe_groups,
@@ -130,7 +130,7 @@ def _lowest_locking_friction_by_law(brake: Brake) -> float:
     return min(self_locking_friction_of_hinged_shoe(brake, shoe) for shoe in brake.shoes)
 
 
-def torque_times_distance_to_locking_friction(row: Row) -> tuple[float, float]:
+def torque_times_distance_to_locking_friction_and_its_change(row: Row) -> tuple[float, float]:
     """The product T (mu_lock - mu) [N m] at the friction limit, and its change near the limit.
 
     If the torque T has a pole at the friction mu_lock, the product is constant near mu_lock. The
@@ -167,7 +167,9 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     end = find_largest_friction_with_equilibrium(problems, FARTHEST_RANDOM_FRICTION)
     starts = _starting_contact_sets(len(problems.frictionless.q), seed)
     top = min(end.friction, LARGEST_FRICTION)
-    counts, disagreeing = _count_agreeing_answers_below_friction(problems, top, starts)
+    counts, disagreeing = _agreement_counts_and_disagreeing_friction_fractions(
+        problems, top, starts
+    )
     # Beyond the friction limit no contact set should be a stable answer, and a solve of drumlin
     # should raise NoAnswer.
     beyond = answered = None
@@ -204,7 +206,7 @@ def _smallest_singular_friction_on_coarse_mesh(brake: Brake) -> float:
     A coarse mesh has few contact sets, so that all are tried.
     """
     coarse = make_prepared_model(brake, elements=ALL_SETS_ELEMENTS)
-    return smallest_singular_friction_of_contact_sets(
+    return smallest_friction_that_makes_any_contact_set_singular(
         ShoeGroup(coarse, brake, (0,)).contact_problem_as_function_of_friction
     )
 
@@ -244,7 +246,7 @@ def _count_stable_answers_beyond_friction_limit(
     return count
 
 
-def _count_agreeing_answers_below_friction(
+def _agreement_counts_and_disagreeing_friction_fractions(
     problems: FrictionDependentProblem, top: float, starts: list[Bools]
 ) -> tuple[Row, list[float]]:
     """AGREEMENT_COUNTS at LIMIT_FRACTIONS of a friction, and the fractions with a disagreement.

@@ -61,7 +61,7 @@ from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.division import Level
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
+from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.functions import (
     SAME_SIDE,
     WidthFunctions,
@@ -165,16 +165,16 @@ class SolidErrorRow:
     plane_stated: dict[str, float] = field(default_factory=dict)
 
     @property
-    def is_within_tolerance(self) -> bool:
+    def do_stated_errors_meet_tolerance(self) -> bool:
         """Whether the stated errors meet the tolerance."""
         return max(self.stated[name] for name in BOUNDED_ERRORS) <= self.tolerance
 
     @property
-    def is_truly_within_tolerance(self) -> bool:
+    def do_true_errors_meet_tolerance(self) -> bool:
         """Whether the true errors meet the tolerance."""
         return max(self.true[name] for name in BOUNDED_ERRORS) <= self.tolerance
 
-    def is_true_error_fit_to_judge_by(self, name: str) -> bool:
+    def is_true_error_certain_and_large_enough(self, name: str) -> bool:
         """Whether a true error is certain and large enough to judge the stated error.
 
         `name` is one of JUDGED_ERRORS.
@@ -182,14 +182,14 @@ class SolidErrorRow:
         least = max(LEAST_TRUE_ERROR, TRUTH_FACTOR * self.unsure[name])
         return self.true[name] > least
 
-    def is_surely_too_small(self, name: str) -> bool:
+    def is_stated_error_surely_too_small(self, name: str) -> bool:
         """Whether a stated error is below the true error minus the uncertainty of the truth.
 
         `name` is one of JUDGED_ERRORS.
         """
         return self.true[name] - self.unsure[name] > max(LEAST_TRUE_ERROR, self.stated[name])
 
-    def is_at_least_true(self, name: str) -> bool:
+    def is_stated_error_at_least_true_error(self, name: str) -> bool:
         """Whether a stated error is at least the true error, or both are below LEAST_TRUE_ERROR.
 
         `name` is one of JUDGED_ERRORS.
@@ -219,12 +219,12 @@ class SolidReference(NamedTuple):
     other_step: Response
 
 
-def random_brake_on_rigid_drum(seed: int) -> Brake:
+def draw_random_brake_on_rigid_drum(seed: int) -> Brake:
     """Draw the random brake of a seed, of a kind with a rigid drum."""
     return draw_random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
 
 
-def random_brake_with_steel_table_and_web(seed: int) -> Brake:
+def draw_random_brake_with_steel_table_and_web(seed: int) -> Brake:
     """Draw the brake of a seed whose shoe is built as usual, of a steel table and a steel web."""
     brake = draw_random_brake(seed, "backed")
     rng = np.random.default_rng([seed, len(KINDS_WITH_WIDTHS)])
@@ -239,18 +239,18 @@ def random_brake_with_steel_table_and_web(seed: int) -> Brake:
     return vary(brake, changes)
 
 
-def random_brake_with_bodies_as_wide_as_linings(seed: int) -> Brake:
+def draw_random_brake_with_bodies_as_wide_as_linings(seed: int) -> Brake:
     """Draw the random brake of a seed, and make its bodies as wide as the linings."""
-    brake = random_brake_on_rigid_drum(seed)
+    brake = draw_random_brake_on_rigid_drum(seed)
     if any(shoe.body is None for shoe in brake.shoes):
         return brake
     return vary(brake, {"shoe.body.width": brake.shoes[0].lining.width})
 
 
 DRAWN: dict[str, Callable[[int], Brake]] = {
-    "free": random_brake_on_rigid_drum,
-    "built": random_brake_with_steel_table_and_web,
-    "one": random_brake_with_bodies_as_wide_as_linings,
+    "free": draw_random_brake_on_rigid_drum,
+    "built": draw_random_brake_with_steel_table_and_web,
+    "one": draw_random_brake_with_bodies_as_wide_as_linings,
 }
 """The function that draws a brake from a seed, for each KIND on the command line."""
 
@@ -264,16 +264,16 @@ def functions_across_width_graded_to_sides(
     """
     halves, breaks = half_widths_of_parts(shoe).values(), piece_ends_across_half_width_of_shoe(shoe)
 
-    def is_place_a_side_of_shoe_part(place: float) -> bool:
+    def is_side_of_shoe_part_at_distance_from_mid_plane(place: float) -> bool:
         """Whether the side of a part of the shoe is at this distance [m] from the mid-plane."""
         return any(abs(place - half) <= SAME_SIDE * half for half in halves)
 
     found = set(breaks)
     for inner, outer in pairwise(breaks):
         size = GRADED_LENGTH * min(outer - inner, shoe.lining.thickness)
-        if is_place_a_side_of_shoe_part(inner):
+        if is_side_of_shoe_part_at_distance_from_mid_plane(inner):
             found.add(inner + size)
-        if is_place_a_side_of_shoe_part(outer):
+        if is_side_of_shoe_part_at_distance_from_mid_plane(outer):
             found.add(outer - size)
     return WidthFunctions(tuple(sorted(found)), degree)
 
@@ -293,7 +293,9 @@ def response_with_width_functions_graded_to_sides(
     return solve_cross_section_mesh_with_width_degree(brake, level, graded, solve(brake)).response
 
 
-def response_plus_step(base: Response, start: Response, end: Response) -> Response:
+def response_plus_difference_of_two_others(
+    base: Response, start: Response, end: Response
+) -> Response:
     """The sum of a response and of the step from a second to a third response of the same brake.
 
     Torques, reactions, peaks and pressures are summed up. The other attributes are those of `base`.
@@ -304,16 +306,16 @@ def response_plus_step(base: Response, start: Response, end: Response) -> Respon
     start, end : the responses between which the step is made
     """
     shoes = [
-        _shoe_response_plus_step(*own)
+        _shoe_response_plus_difference_of_two_others(*own)
         for own in zip(base.shoes, start.shoes, end.shoes, strict=True)
     ]
     return replace(base, shoes=tuple(shoes))
 
 
-def _shoe_response_plus_step(
+def _shoe_response_plus_difference_of_two_others(
     base: ShoeResponse, start: ShoeResponse, end: ShoeResponse
 ) -> ShoeResponse:
-    """The sum of a shoe's response and of a step; parameters as in `response_plus_step`."""
+    """The sum for one shoe; parameters as in `response_plus_difference_of_two_others`."""
     # On the pieces between the ends of all pieces all three pressures are polynomials, and so is
     # their sum, whose degree is the largest of the three.
     order = max(base.order, start.order, end.order)
@@ -335,7 +337,7 @@ def _shoe_response_plus_step(
     )
 
 
-def reference_solution_of_solve(brake: Brake, found: Response) -> SolidReference:
+def reference_solution_for_solid_solve(brake: Brake, found: Response) -> SolidReference:
     """The reference solution for a solve of a brake with solid shoes, and its uncertainty.
 
     `found` is the response of the solve. The step of the truth leads to the level that follows the
@@ -358,13 +360,15 @@ def reference_solution_of_solve(brake: Brake, found: Response) -> SolidReference
         for degree in (GRADED_DEGREE, GRADED_DEGREE - 1)
     )
     return SolidReference(
-        response_plus_step(graded, *steps[0]),
-        response_plus_step(lower, *steps[0]),
-        response_plus_step(graded, *steps[1]),
+        response_plus_difference_of_two_others(graded, *steps[0]),
+        response_plus_difference_of_two_others(lower, *steps[0]),
+        response_plus_difference_of_two_others(graded, *steps[1]),
     )
 
 
-def row_of_solid_errors(kind: str, seed: int, tolerance: float, seconds: float) -> SolidErrorRow:
+def row_of_stated_and_true_errors_of_random_solid_brake(
+    kind: str, seed: int, tolerance: float, seconds: float
+) -> SolidErrorRow:
     """The stated and the true errors of a random brake with solid shoes.
 
     Parameters
@@ -379,7 +383,7 @@ def row_of_solid_errors(kind: str, seed: int, tolerance: float, seconds: float) 
         brake = DRAWN[kind](seed)
         row = replace(row, title=brake.title, reason=reason_why_brake_is_left_out(brake, kind))
         if not row.reason:
-            with limited_processor_time(seconds):
+            with limit_processor_time_of_block(seconds):
                 for more in _rows_with_stated_and_then_true_errors(brake, row):
                     row = more
     except (BadInput, NoAnswer, np.linalg.LinAlgError, TimeoutError) as error:
@@ -417,25 +421,27 @@ def _rows_with_stated_and_then_true_errors(
     )
     yield row
     plane = solve(brake, model_error=True)
-    reference = reference_solution_of_solve(brake, found)
+    reference = reference_solution_for_solid_solve(brake, found)
 
-    def errors_against_truth(response: Response) -> dict[str, float]:
+    def relative_distances_from_truth(response: Response) -> dict[str, float]:
         """The relative distances of a response from the truth, by the names of JUDGED_ERRORS."""
-        apart = distance_of_plane_stress_from_width_solution(brake, response, reference.truth).brake
+        apart = relative_distance_of_plane_stress_from_width_solution(
+            brake, response, reference.truth
+        ).brake
         return {name: apart[name] for name in JUDGED_ERRORS}
 
-    by_degree, by_step = map(errors_against_truth, (reference.lower, reference.other_step))
+    by_degree, by_step = map(relative_distances_from_truth, (reference.lower, reference.other_step))
     yield replace(
         row,
-        true=errors_against_truth(found),
+        true=relative_distances_from_truth(found),
         unsure={name: by_degree[name] + by_step[name] for name in JUDGED_ERRORS},
-        plane_true=errors_against_truth(plane),
+        plane_true=relative_distances_from_truth(plane),
         plane_stated=dict(plane.plane_stress_error.brake) if plane.plane_stress_error else {},
     )
 
 
 @contextmanager
-def limited_processor_time(seconds: float) -> Iterator[None]:
+def limit_processor_time_of_block(seconds: float) -> Iterator[None]:
     """Raise TimeoutError in a `with` block that takes more than some processor time [s].
 
     Raises
@@ -444,11 +450,11 @@ def limited_processor_time(seconds: float) -> Iterator[None]:
         when the time is over
     """
 
-    def give_up(number: int, frame: FrameType | None) -> None:
+    def raise_timeout_error_for_signal(number: int, frame: FrameType | None) -> None:
         """Raise TimeoutError; the parameters are those of a handler of signals."""
         raise TimeoutError(f"{GIVEN_UP} {seconds:g} s of processor time")
 
-    before = signal.signal(signal.SIGPROF, give_up)
+    before = signal.signal(signal.SIGPROF, raise_timeout_error_for_signal)
     signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
@@ -476,9 +482,11 @@ def table_lines_of_stated_over_true_quantiles(rows: Sequence[SolidErrorRow]) -> 
     for name in JUDGED_ERRORS:
         if not known:
             continue
-        enough = np.mean([row.is_at_least_true(name) for row in known])
-        small = sum(row.is_surely_too_small(name) for row in known)
-        ratios = [row.ratio(name) for row in known if row.is_true_error_fit_to_judge_by(name)]
+        enough = np.mean([row.is_stated_error_at_least_true_error(name) for row in known])
+        small = sum(row.is_stated_error_surely_too_small(name) for row in known)
+        ratios = [
+            row.ratio(name) for row in known if row.is_true_error_certain_and_large_enough(name)
+        ]
         half = sum(ratio < 0.5 for ratio in ratios)
         at = np.quantile(ratios, [0.05, 0.5]) if ratios else [math.nan, math.nan]
         numbers = "  ".join(f"{value:5.2f}" for value in at)
@@ -494,11 +502,11 @@ def table_lines_of_brakes_within_tolerance(rows: Sequence[SolidErrorRow]) -> lis
     apply = [row for row in rows if row.stated or row.reason.startswith(GIVEN_UP)]
     lines = []
     if apply:
-        share = sum(row.is_within_tolerance for row in answered) / len(apply)
+        share = sum(row.do_stated_errors_meet_tolerance for row in answered) / len(apply)
         lines.append(f"{share:.0%} of {len(apply)} brakes reach the tolerance by stated errors")
         lines.append(f"{len(apply) - len(answered)} of them are given up before their answer")
     if known:
-        share = sum(row.is_truly_within_tolerance for row in known) / len(known)
+        share = sum(row.do_true_errors_meet_tolerance for row in known) / len(known)
         lines.append(f"{share:.0%} of {len(known)} brakes with a truth reach it by true errors")
     if answered:
         cost = np.median([row.cost for row in answered])
@@ -527,7 +535,7 @@ def table_lines_of_stated_plane_stress_errors(rows: Sequence[SolidErrorRow]) -> 
     return lines
 
 
-def line_of_solid_errors(row: SolidErrorRow) -> str:
+def text_line_of_solid_errors(row: SolidErrorRow) -> str:
     """A line of text on a brake: its errors, its time and its degrees, or why it has none."""
     parts = []
     for name in JUDGED_ERRORS if row.stated else ():
@@ -550,10 +558,12 @@ def main() -> None:
         row for row in read_solid_error_rows(path) if (row.kind, row.tolerance) == (kind, tolerance)
     ]
     for seed in sorted({*range(first, last)} - {row.seed for row in rows}):
-        rows.append(row_of_solid_errors(kind, seed, tolerance, seconds))
+        rows.append(
+            row_of_stated_and_true_errors_of_random_solid_brake(kind, seed, tolerance, seconds)
+        )
         with path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(asdict(rows[-1])) + "\n")
-        sys.stdout.write(f"{line_of_solid_errors(rows[-1])}\n")
+        sys.stdout.write(f"{text_line_of_solid_errors(rows[-1])}\n")
         sys.stdout.flush()
     lines = table_lines_of_stated_over_true_quantiles(rows)
     lines += table_lines_of_brakes_within_tolerance(rows)

@@ -18,7 +18,7 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
+from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.ladder import (
     solve_brake_with_widths_to_tolerance,
     solve_cross_section_mesh_with_width_degree,
@@ -133,16 +133,20 @@ def solve_fine_reference_of_solid_shoes(brake: Brake, level: int) -> SolidTruth:
     )
 
 
-def uncertainty_of_solid_shoe_reference(brake: Brake, truth: SolidTruth) -> dict[str, float]:
+def relative_uncertainty_of_solid_shoe_reference(
+    brake: Brake, truth: SolidTruth
+) -> dict[str, float]:
     """The relative uncertainty of the torque and the mean pressure of a solid truth.
 
     It is the distance between two degrees across the width on one level, plus the distance between
     two levels with the lower degree.
     """
-    by_degree = distance_of_plane_stress_from_width_solution(
+    by_degree = relative_distance_of_plane_stress_from_width_solution(
         brake, truth.lower, truth.response
     ).brake
-    by_level = distance_of_plane_stress_from_width_solution(brake, truth.coarser, truth.lower).brake
+    by_level = relative_distance_of_plane_stress_from_width_solution(
+        brake, truth.coarser, truth.lower
+    ).brake
     return {name: by_degree[name] + by_level[name] for name in ("torque", "pressure")}
 
 
@@ -267,6 +271,8 @@ def _row_of_timed_response(
     """
     errors: list[float] = []
     for truth in truths:
-        true = distance_of_plane_stress_from_width_solution(brake, timed.response, truth).brake
+        true = relative_distance_of_plane_stress_from_width_solution(
+            brake, timed.response, truth
+        ).brake
         errors += [true["torque"], true["pressure"]]
     return SolidWorkRow(model.family, model.name, timed.seconds, *errors)

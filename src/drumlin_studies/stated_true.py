@@ -32,10 +32,10 @@ from drumlin.response.response import (
     Response,
     ShoeChange,
     ShoeResponse,
-    length_of_edge_zone_without_peak,
+    length_of_edge_zone_left_out_of_peak_search,
     reference_force_of_reaction_errors,
 )
-from drumlin.response.resultants import length_of_edge_zone_without_pressure_errors
+from drumlin.response.resultants import length_of_edge_zone_left_out_of_pressure_errors
 from drumlin.verification import triangles
 
 JUDGED_QUANTITIES = ("pressure", "torque", "peak", "reaction")
@@ -109,7 +109,7 @@ def solve_fine_reference_by_triangles(brake: Brake) -> Truth:
     """
     begin = time.process_time()
     return reference_from_last_three_meshes(
-        brake, triangles.solve_on_triangle_level_sequence(brake), begin
+        brake, triangles.solve_brake_on_sequence_of_triangle_meshes(brake), begin
     )
 
 
@@ -177,13 +177,13 @@ def reference_from_last_three_meshes(
     late = true_errors_of_response(brake, last[1], last[2])
     digits = lost._asdict() | {"peak": max(lost.pressure, lost.peak)}
     unsure = {
-        name: estimate_distance_from_limit(early[name], late[name]) + digits[name]
+        name: estimate_distance_of_last_value_from_limit(early[name], late[name]) + digits[name]
         for name in JUDGED_QUANTITIES
     }
     return Truth(last[2], unsure, time.process_time() - begin)
 
 
-def estimate_distance_from_limit(early: float, late: float) -> float:
+def estimate_distance_of_last_value_from_limit(early: float, late: float) -> float:
     """The estimated distance of the last value of a sequence from the limit of the sequence.
 
     If each change is r times smaller than the change before, the distance is the last change
@@ -244,7 +244,9 @@ def relative_pressure_error_of_shoe(
     found : the pressure that is judged; true : the far finer solution; edge : length of each zone
     [rad].
     """
-    zone = length_of_edge_zone_without_pressure_errors(true.theta, true.pressure, true.order, edge)
+    zone = length_of_edge_zone_left_out_of_pressure_errors(
+        true.theta, true.pressure, true.order, edge
+    )
     first, last = true.theta[0] + zone, true.theta[-1] - zone
     # The nodes of both pressures divide the lining into intervals.
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
@@ -276,11 +278,11 @@ def computed_peak_outside_edge_zones(
     found : PressureField
         The pressure of the shoe.
     """
-    zone = length_of_edge_zone_without_pressure_errors(
+    zone = length_of_edge_zone_left_out_of_pressure_errors(
         found.theta,
         found.pressure,
         found.order,
-        length_of_edge_zone_without_peak(shoe, scale_factor),
+        length_of_edge_zone_left_out_of_peak_search(shoe, scale_factor),
     )
     start, end = shoe.lining.start + zone, shoe.lining.end - zone
     inside = found.theta[(found.theta > start) & (found.theta < end)]

@@ -33,7 +33,7 @@ PALE_POINTS_NOTE = (
 """Note above a figure that explains its pale points."""
 
 
-def draw_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def plot_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Figure of the ratio of stated to true error, plotted against the true error.
 
     The figure has a panel for each quantity, a point for each brake and tolerance, and a mark for
@@ -45,7 +45,7 @@ def draw_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
         figure = Figure(figsize=(10.4, 6.4), layout="constrained")
         drawn = None
         for axes, name in zip(figure.subplots(2, 2).flat, PANEL_TITLES, strict=True):
-            if _draw_error_points_of_quantity(axes, rows, name):
+            if _plot_error_points_and_return_whether_any_exist(axes, rows, name):
                 drawn = axes
             axes.axhline(1.0, color=INK, lw=1)
             axes.set_title(PANEL_TITLES[name])
@@ -57,7 +57,9 @@ def draw_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
     return figure
 
 
-def _draw_error_points_of_quantity(axes: Any, rows: Sequence[Mapping[str, Any]], name: str) -> bool:
+def _plot_error_points_and_return_whether_any_exist(
+    axes: Any, rows: Sequence[Mapping[str, Any]], name: str
+) -> bool:
     """Draw the points of one quantity into a panel, and return whether there is a point."""
     tolerances = sorted({row["tolerance"] for row in rows}, reverse=True)
     drawn = False
@@ -103,7 +105,7 @@ def _true_error_and_stated_ratio_of_row(
     return true, stated / true
 
 
-def draw_shares_of_stated_over_true_ratios(ratios: Mapping[str, Floats]) -> Figure:
+def plot_cumulative_shares_of_stated_over_true_ratios(ratios: Mapping[str, Floats]) -> Figure:
     """Figure of the share of solved levels whose ratio of stated to true error is below a value.
 
     The figure has a line for each quantity.
@@ -124,7 +126,7 @@ def draw_shares_of_stated_over_true_ratios(ratios: Mapping[str, Floats]) -> Figu
     return figure
 
 
-def draw_errors_over_unknowns_of_levels(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def plot_errors_over_unknowns_of_levels(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Figure of the errors of pressure and torque against the cube root of a shoe's unknowns.
 
     The polynomial degree of the hp elements stands beside each point.

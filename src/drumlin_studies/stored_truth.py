@@ -38,8 +38,8 @@ from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.fem.error_control.levels import DEG, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.hp.corner import (
     corners_with_unbounded_pressure,
-    pressure_error_left_at_lining_corners,
-    pressure_with_power_law_at_corner,
+    nodes_and_pressures_with_power_law_at_corner,
+    remaining_pressure_error_at_lining_corners,
 )
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import solve_prepared_model
@@ -275,7 +275,7 @@ STORED_BRAKES: dict[str, DrawnBrake] = {
 """The brakes whose far finer solutions are stored, by the name of the file without its suffix."""
 
 
-def solve_fine_solution_to_be_stored(name: str) -> StoredTruth:
+def solve_stored_brake_on_far_finer_meshes(name: str) -> StoredTruth:
     """Solve a brake of STORED_BRAKES on far finer meshes than `solve` uses.
 
     A brake that presses only by a corner of the lining or by a kink that points to the drum is
@@ -308,7 +308,7 @@ def solve_brake_by_fine_triangles(brake: Brake) -> Truth:
     """
     begin = time.process_time()
     return reference_from_last_three_meshes(
-        brake, triangles.solve_on_triangle_level_sequence(brake, TRIANGLES)[-3:], begin
+        brake, triangles.solve_brake_on_sequence_of_triangle_meshes(brake, TRIANGLES)[-3:], begin
     )
 
 
@@ -325,9 +325,11 @@ def solve_brake_on_corner_or_kink_by_fine_triangles(brake: Brake) -> Truth:
     # An AssertionError means that round-off has turned triangles of DEEPEST inside out.
     try:
         sharp = any(clearance.gap_kinks_that_point_to_drum(shoe.lining) for shoe in brake.shoes)
-        meshes = triangles.solve_on_triangle_level_sequence(brake, DEEPEST if sharp else DEEP)
+        meshes = triangles.solve_brake_on_sequence_of_triangle_meshes(
+            brake, DEEPEST if sharp else DEEP
+        )
     except AssertionError:
-        meshes = triangles.solve_on_triangle_level_sequence(brake, DEEP)
+        meshes = triangles.solve_brake_on_sequence_of_triangle_meshes(brake, DEEP)
     found = []
     for solutions in meshes:
         corrected = [
@@ -337,7 +339,7 @@ def solve_brake_on_corner_or_kink_by_fine_triangles(brake: Brake) -> Truth:
         found.append(corrected)
     true = reference_from_last_three_meshes(brake, found, begin)
     left = max(
-        pressure_error_left_at_lining_corners(brake, i, one) for i, one in enumerate(found[-1])
+        remaining_pressure_error_at_lining_corners(brake, i, one) for i, one in enumerate(found[-1])
     )
     return replace(true, unsure={**true.unsure, "pressure": true.unsure["pressure"] + left})
 
@@ -353,7 +355,7 @@ def _shoe_solution_with_power_law_at_corner(
     for corner in corners_with_unbounded_pressure(brake, index, found):
         at_corner = found.theta[0 if corner.at_start else -1]
         arc = next((float(b - a) for a, b in found.arcs if at_corner in {a, b}), 0.0)
-        theta, pressure = pressure_with_power_law_at_corner(
+        theta, pressure = nodes_and_pressures_with_power_law_at_corner(
             found.theta,
             found.pressure,
             found.order,
@@ -442,7 +444,7 @@ def main(folder: str, *names: str) -> None:
     folder : folder of the files; names : names of the brakes, by default all of STORED_BRAKES.
     """
     for name in names or STORED_BRAKES:
-        stored = solve_fine_solution_to_be_stored(name)
+        stored = solve_stored_brake_on_far_finer_meshes(name)
         write_text(Path(folder) / f"{name}.json", stored_fine_solution_as_json(stored))
         unsure = ", ".join(
             f"{quantity} {value:.1e}" for quantity, value in stored.true.unsure.items()

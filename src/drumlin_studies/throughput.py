@@ -20,7 +20,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.base.journal import Journal
 from drumlin.sweeps.cases import Row, SweepCase, solve_all_cases_of_sweep
-from drumlin.sweeps.sample import solve_all_cases_with_sample
+from drumlin.sweeps.sample import solve_sample_cases_and_then_all_others
 from drumlin.sweeps.workers import Workers, provide_workers_for_cases_of_sweep
 
 KEEP = {"MALLOC_TRIM_THRESHOLD_": str(2**28), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
@@ -183,7 +183,7 @@ def _measure_time_of_sweep_by_started_workers(
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
     solve_all_cases_of_sweep(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
-    solved = solve_all_cases_with_sample(
+    solved = solve_sample_cases_and_then_all_others(
         cases, sample, executor=found.executor, workers=found.workers
     )
     spent = time.perf_counter() - ready

@@ -89,7 +89,7 @@ def solve_and_judge_case(case: KnobCase) -> dict[str, Any]:
                 brake,
                 elements=case.elements,
                 kind=case.kind,
-                mesher=case.function_to_mesh_shoe_with_aspect_ratio(),
+                mesher=case.function_that_meshes_shoe_with_aspect_ratio(),
             )
             response = solve_prepared_model(scene, brake, penalty=case.penalty)
         touches = any(shoe.contact_arcs for shoe in response.shoes)
@@ -285,7 +285,7 @@ def compare_with_pointwise_penalty(
                 elements=case.elements,
                 kind=case.kind,
                 penalty=min(case.penalty, STIFFEST_PENALTY),
-                mesher=case.function_to_mesh_shoe_with_aspect_ratio(),
+                mesher=case.function_that_meshes_shoe_with_aspect_ratio(),
             )
         row["pointwise_steps"] = other.iterations
         if response is None:

@@ -21,14 +21,14 @@ from drumlin.contact.equations import ContactProblem
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.substructure.body import (
     CondensedBody,
-    condense_body_to_contact_and_frame,
+    condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
     ContactLine,
     Coupling,
-    function_for_drum_normals_and_tangents,
+    function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
     weak_coupling_of_contact_line,
 )
@@ -159,7 +159,7 @@ def condense_body_to_contact_nodes(
         basis, {"body": ElasticLayer.make_layer_in_plane_stress(material, width)}
     )
     return ContactBody(
-        basis, line, condense_body_to_contact_and_frame(K, ties, {}, 2 * len(line.nodes))
+        basis, line, condense_body_to_contact_and_hinge_face(K, ties, {}, 2 * len(line.nodes))
     )
 
 
@@ -207,7 +207,7 @@ class BodyPair:
             Directions in which the support of `inner` can move: "", "x", "y" or "xy".
         """
         coupling = weak_coupling_of_contact_line(
-            inner.line, 1.0, function_for_drum_normals_and_tangents(sign)
+            inner.line, 1.0, function_that_returns_drum_normals_and_tangents(sign)
         )
         halves = [
             _flexibility_root_times_nodal_forces(inner, -coupling.N),
@@ -318,7 +318,7 @@ def _flexibility_root_times_nodal_forces(one: ContactBody, forces: Floats) -> Fl
 
     forces : array (n, 2 nodes) of forces on the contact nodes, x and y of each node [N].
     """
-    return one.condensed.nodal_forces_over_cholesky_factor(forces.T)
+    return one.condensed.inverse_cholesky_factor_times_nodal_forces(forces.T)
 
 
 LADDER_STEEL = Material(E=210e9, nu=0.3)

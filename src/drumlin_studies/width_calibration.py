@@ -26,7 +26,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
+from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.ladder import (
     LOOKED_AHEAD,
     MOST_SECTION_LEVELS,
@@ -35,7 +35,7 @@ from drumlin.fem.width.ladder import (
     coarsest_cross_section_mesh_within_tolerance,
     error_divided_by_distance_to_next_degrees,
     hp_elements_to_compare_width_degrees,
-    refine_cross_section_up_to_tolerance,
+    refine_cross_section_mesh_until_tolerance_is_met,
     solve_cross_section_mesh_with_width_degree,
 )
 from drumlin.fem.width.prepare import (
@@ -143,7 +143,7 @@ class WidthRow(NamedTuple):
     unsure: float
 
     @property
-    def is_usable(self) -> bool:
+    def is_row_usable_for_fit(self) -> bool:
         """Whether the row enters the fit: its true error must be large and certain enough."""
         least = max(LEAST_FITTED[self.quantity], TRUE_OVER_UNCERTAINTY * self.unsure)
         return self.true > least
@@ -200,16 +200,20 @@ def error_rows_of_degrees_across_width(brake: Brake, plane: Response) -> list[Wi
         degree: solve_with_degree_across_width(degree)
         for degree in range(FITTED_DEGREES[0], last + 1)
     }
-    unsure = distance_of_plane_stress_from_width_solution(brake, answers[last], truth).brake
+    unsure = relative_distance_of_plane_stress_from_width_solution(
+        brake, answers[last], truth
+    ).brake
     rows = []
     for degree in FITTED_DEGREES:
         ahead = [
-            distance_of_plane_stress_from_width_solution(
+            relative_distance_of_plane_stress_from_width_solution(
                 brake, answers[degree], answers[further]
             ).brake
             for further in range(degree + 1, degree + LOOKED_AHEAD + 1)
         ]
-        true = distance_of_plane_stress_from_width_solution(brake, answers[degree], truth).brake
+        true = relative_distance_of_plane_stress_from_width_solution(
+            brake, answers[degree], truth
+        ).brake
         factor = error_divided_by_distance_to_next_degrees(degree)
         for name in LEAST_FITTED:
             estimate = factor * max(distance[name] for distance in ahead)
@@ -226,7 +230,7 @@ def error_rows_of_coarsest_cross_section_mesh(brake: Brake, plane: Response) -> 
     """
     levels, loose = LEVELS[:MOST_SECTION_LEVELS], Tolerance(1.0, 1.0)
     cache = Cache()
-    climb = refine_cross_section_up_to_tolerance(
+    climb = refine_cross_section_mesh_until_tolerance_is_met(
         brake, loose, solve_prepared_model, cache, levels, plane
     )
     section = coarsest_cross_section_mesh_within_tolerance(
@@ -238,7 +242,7 @@ def error_rows_of_coarsest_cross_section_mesh(brake: Brake, plane: Response) -> 
         ).response
         for level in levels
     )
-    true = distance_of_plane_stress_from_width_solution(brake, first, second).brake
+    true = relative_distance_of_plane_stress_from_width_solution(brake, first, second).brake
     rows = []
     for name in LEAST_FITTED:
         stated = (
@@ -260,7 +264,7 @@ def smallest_safety_factor_of_width_errors(rows: Sequence[WidthRow]) -> float:
     """
     by_solve: dict[tuple[str, int, int], float] = {}
     for row in rows:
-        if row.is_usable:
+        if row.is_row_usable_for_fit:
             solve_key = (row.kind, row.seed, row.degree)
             by_solve[solve_key] = max(row.true / row.estimate, by_solve.get(solve_key, 0.0))
     if not by_solve:
@@ -299,7 +303,7 @@ def width_safety_factors_as_json_text(
     brakes = {(row.kind, row.seed) for row in rows}
     provenance = {
         "brakes": len(brakes),
-        "rows": sum(row.is_usable for row in rows),
+        "rows": sum(row.is_row_usable_for_fit for row in rows),
         "commit": commit,
         "date": date,
         "quantile": WIDTH_QUANTILE,

@@ -24,12 +24,12 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.width.correction import REMAINING_SHARE, correct_response_for_shoe_widths
-from drumlin.fem.width.error import distance_of_plane_stress_from_width_solution
+from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.functions import piece_ends_across_half_width_of_shoe
 from drumlin.fem.width.prepare import (
     prepare_model_with_shoe_widths,
@@ -88,8 +88,8 @@ def plane_stress_errors_or_reason(
         # The default solve gives the estimate. Both models start from its contact and are graded to
         # its singular points.
         response = solve(brake, model_error=True)
-        points = singular_points_of_all_linings(
-            brake, response, error=LEVELS[0].pressure_error_by_column_ratio
+        points = singular_points_of_each_shoe_shape(
+            brake, response, error=LEVELS[0].pressure_error_due_to_column_size_ratio
         )
         plane = solve_prepared_model(
             make_prepared_model(brake, LEVELS[0], points), brake, start=response
@@ -100,8 +100,8 @@ def plane_stress_errors_or_reason(
     except NoAnswer as error:
         return str(error)
     true, remaining = (
-        distance_of_plane_stress_from_width_solution(brake, plane, wide),
-        distance_of_plane_stress_from_width_solution(brake, corrected, wide),
+        relative_distance_of_plane_stress_from_width_solution(brake, plane, wide),
+        relative_distance_of_plane_stress_from_width_solution(brake, corrected, wide),
     )
     found = response.plane_stress_error
     assert found is not None
@@ -152,7 +152,7 @@ def table_lines_of_error_ratios(rows: list[WidthErrorRow]) -> list[str]:
     return lines
 
 
-def table_lines_of_error_left_after_correction(rows: list[WidthErrorRow]) -> list[str]:
+def table_lines_of_remaining_error_after_correction(rows: list[WidthErrorRow]) -> list[str]:
     """Lines of the table on the error that remains after the correction for the widths.
 
     Errors that remain are divided by the estimated errors. The last two columns are the part of the
@@ -192,7 +192,7 @@ def main() -> None:
     lines = [
         *table_lines_of_error_ratios(rows),
         "",
-        *table_lines_of_error_left_after_correction(rows),
+        *table_lines_of_remaining_error_after_correction(rows),
     ]
     sys.stdout.write("\n".join(lines) + "\n")
 

@@ -46,7 +46,7 @@ from drumlin.response.norms import (
     relative_distance_of_vectors,
     relative_error_of_number,
 )
-from drumlin.response.response import Response, length_of_edge_zone_without_peak
+from drumlin.response.response import Response, length_of_edge_zone_left_out_of_peak_search
 from drumlin.verification.reference import ReferenceResponses, peak_pressure_between_edge_zones
 from drumlin_studies import pointwise
 
@@ -354,7 +354,7 @@ def relative_errors_against_reference(
     # Errors of each shoe; the torque, the first key, is an error of the whole brake.
     by_key: dict[str, list[float]] = {key: [] for key in ERROR_KEYS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
-        edge = length_of_edge_zone_without_peak(spec, brake.scale_factor)
+        edge = length_of_edge_zone_left_out_of_peak_search(spec, brake.scale_factor)
         by_key["peak_error"].append(
             abs(
                 relative_error_of_number(
@@ -374,7 +374,9 @@ def relative_errors_against_reference(
     return result
 
 
-def uncertainty_of_reference_responses(brake: Brake, trio: ReferenceResponses) -> dict[str, float]:
+def relative_uncertainties_of_reference_responses(
+    brake: Brake, trio: ReferenceResponses
+) -> dict[str, float]:
     """The relative uncertainty of a reference, by ERROR_KEYS; smaller errors are not claimed.
 
     A reference consists of a value and of other responses, by coarser meshes or other methods. The
@@ -676,7 +678,8 @@ def fastest_rows_within_error(
     target : float
         Largest allowed error. If it is below the uncertainty of the reference, the result is empty.
     floors : mapping
-        Uncertainties of the reference by ERROR_KEYS, as from `uncertainty_of_reference_responses`.
+        Uncertainties of the reference by ERROR_KEYS, as from
+        `relative_uncertainties_of_reference_responses`.
     """
     if target < floors[key]:
         return []

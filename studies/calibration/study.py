@@ -32,7 +32,7 @@ from drumlin_studies.calibration import (
 )
 from drumlin_studies.side_by_side import PROCESSES, Case, compute_cases_in_parallel_with_journal
 from drumlin_studies.stated_true import RELEVANT
-from drumlin_studies.stated_true_figure import draw_shares_of_stated_over_true_ratios
+from drumlin_studies.stated_true_figure import plot_cumulative_shares_of_stated_over_true_ratios
 from drumlin_studies.width_calibration import (
     SECTION_SEEDS,
     WIDTH_FACTOR_MEANINGS,
@@ -186,7 +186,9 @@ def report(result: Result, folder: Path) -> Path:
         ratios[name] = true_and_estimated_errors_of_quantity(levels, name).stated_over_true_errors(
             *factors[name]
         )
-    figures.save_figure(draw_shares_of_stated_over_true_ratios(ratios), folder / "factors.svg")
+    figures.save_figure(
+        plot_cumulative_shares_of_stated_over_true_ratios(ratios), folder / "factors.svg"
+    )
     spread = []
     for name, found in ratios.items():
         spread.append(

@@ -30,7 +30,7 @@ from drumlin.response.norms import relative_error_of_number
 from drumlin.verification.cost import Cost, measure_time_and_memory_of_fem
 from drumlin_studies.orders import (
     largest_equilibrium_residual_of_responses,
-    rows_of_sine_law_and_rigid_shoes,
+    rows_comparing_sine_law_with_rigid_shoe_solves,
     torque_convergence_rows_of_meshes,
 )
 
@@ -69,7 +69,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("limit of a rigid shoe")
     limit: list[dict[str, Any]] = []
     for rotation in ROTATIONS:
-        limit += rows_of_sine_law_and_rigid_shoes(vary(brake, {"rotation": rotation}), elements)
+        limit += rows_comparing_sine_law_with_rigid_shoe_solves(
+            vary(brake, {"rotation": rotation}), elements
+        )
     # Meshes that double show the order of the error.
     say("convergence")
     convergence = solve_on_refined_meshes(brake, (10, 20, 40) if short else (20, 40, 80, 160, 320))

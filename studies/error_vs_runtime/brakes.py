@@ -32,7 +32,7 @@ def brakes_with_elements() -> tuple[dict[str, Path], dict[str, str]]:
         unlike = (
             "its shoes press on a plane"
             if brake.surface.is_plane_and_not_drum
-            else brake.reason_why_not_all_shoes_hinged()
+            else brake.reason_why_not_all_shoes_are_hinged()
         )
         if refusal is not None:
             models = ", ".join(model.name for model in applicable_models(brake))

@@ -15,8 +15,8 @@ from drumlin.report.palette import BLUE, BROWN, GREEN, INK, OCHRE, PURPLE, RED, 
 from drumlin_studies.solid_work import (
     SolidSetting,
     measure_models_against_solid_shoes,
+    relative_uncertainty_of_solid_shoe_reference,
     solve_fine_reference_of_solid_shoes,
-    uncertainty_of_solid_shoe_reference,
 )
 
 STUDIES = Path(__file__).parents[1]
@@ -71,7 +71,7 @@ def compute_solid_comparisons(
             rows = measure_models_against_solid_shoes(brake, setting, truth.response, say)
             return {
                 "title": brake.title,
-                "uncertain": uncertainty_of_solid_shoe_reference(brake, truth),
+                "uncertain": relative_uncertainty_of_solid_shoe_reference(brake, truth),
                 "rows": [row._asdict() for row in rows],
             }
 

@@ -64,7 +64,7 @@ from drumlin_studies.work_precision import (
     measure_peer_program_on_brake,
     median_relative_scatter_of_timings,
     median_seconds_of_unit_workload,
-    uncertainty_of_reference_responses,
+    relative_uncertainties_of_reference_responses,
     wall_seconds_of_solve_command,
 )
 
@@ -182,7 +182,7 @@ def _reference_row(
     """The reference of a brake: its floor and its values."""
     command = f"drumlin reference studies/{name}.toml"
     return {
-        "floor": uncertainty_of_reference_responses(brake, trio()),
+        "floor": relative_uncertainties_of_reference_responses(brake, trio()),
         "values": reference_values_as_json_data(
             compute_reference_values(brake, path.read_text(), command, trio())
         ),

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from drumlin.report.figures import (
     STYLE,
     draw_legend_below_figure,
+    draw_triangles_where_curve_leaves_axes,
     evenly_spaced_pressure_curve_of_shoe,
-    mark_where_curve_leaves_axes,
 )
 from drumlin.report.palette import BLUE, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response
@@ -51,7 +51,7 @@ def draw_pressures_of_each_state(responses: Mapping[str, Response], law: Respons
                 label = "cold" if name == "cold" else f"hot: {name}"
                 width = 2.2 if name in ("cold", "all parts") else 1.5
                 axes.plot(np.degrees(theta), p * 1e-6, color=color, ls=style, lw=width, label=label)
-                mark_where_curve_leaves_axes(axes, np.degrees(theta), p * 1e-6, color)
+                draw_triangles_where_curve_leaves_axes(axes, np.degrees(theta), p * 1e-6, color)
             axes.plot(
                 np.degrees(shoe.theta),
                 shoe.pressure * 1e-6,

@@ -17,8 +17,8 @@ from drumlin.response.response import Response
 from drumlin_studies.heat_rows import (
     HEATED_PARTS,
     relative_distances_from_triangle_solution,
-    responses_with_heat_in_each_part,
-    rows_of_changes_by_heat,
+    responses_with_heat_only_in_some_parts,
+    rows_of_changes_due_to_heat,
 )
 
 HERE = Path(__file__).parent
@@ -52,7 +52,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     """
     brake = read_brake(HERE / "brake.toml")
     say("heat in each part")
-    responses = responses_with_heat_in_each_part(brake, drumlin.solve)
+    responses = responses_with_heat_only_in_some_parts(brake, drumlin.solve)
     judged = {}
     if not short:
         say("second solver")
@@ -64,7 +64,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figure and table, and return the path of the page."""
-    rows: list[dict[str, Any]] = rows_of_changes_by_heat(result.responses)
+    rows: list[dict[str, Any]] = rows_of_changes_due_to_heat(result.responses)
     write_text(folder / "results.csv", table_as_csv_text(rows))
     drawing.save_figure(
         figures.draw_pressures_of_each_state(result.responses, result.law), folder / "pressure.svg"

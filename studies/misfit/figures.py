@@ -11,8 +11,8 @@ from drumlin.base.arrays import Floats
 from drumlin.report.figures import (
     STYLE,
     draw_legend_below_figure,
+    draw_triangles_where_curve_leaves_axes,
     evenly_spaced_pressure_curve_of_shoe,
-    mark_where_curve_leaves_axes,
 )
 from drumlin.report.palette import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response
@@ -69,7 +69,7 @@ def draw_pressures_of_radii(law: Response, family: Mapping[float, Response]) -> 
                     label=f"{value:+.0f} µm" if value else "fits",
                 )
                 axes.set_ylim(0, highest * 1e-6)
-                mark_where_curve_leaves_axes(axes, np.degrees(theta), p * 1e-6, color)
+                draw_triangles_where_curve_leaves_axes(axes, np.degrees(theta), p * 1e-6, color)
             axes.plot(
                 np.degrees(shoe.theta),
                 shoe.pressure * 1e-6,

@@ -16,8 +16,8 @@ from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import (
-    changes_that_grind_linings_to_radius,
-    changes_that_move_lining_circles,
+    new_lining_circle_offsets_by_key,
+    new_lining_radii_by_key,
 )
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import table_as_csv_text
@@ -36,8 +36,8 @@ from drumlin.sweeps.tolerances import (
     ManufacturingTolerance,
     SobolIndices,
     cases_with_random_deviations,
+    draw_random_deviations_in_all_samples,
     one_result_of_all_cases,
-    random_deviations_of_brakes_in_all_samples,
     sobol_indices_of_tolerances,
     torque_and_peak_during_run_in,
 )
@@ -153,18 +153,18 @@ def study(
     law = solve_brake_by_sine_law(brake)
     scene = make_prepared_model(brake, elements=setting.fine)
     say("single misfits")
-    single = misfit_rows.table_rows_of_changes_by_each_misfit_alone(
+    single = misfit_rows.table_rows_of_changes_due_to_each_misfit_alone(
         brake, law, lambda changed: solve_prepared_model(scene, changed)
     )
     family = {}
     for dr in FAMILY:
         family[dr] = solve_prepared_model(
-            scene, vary(brake, changes_that_grind_linings_to_radius(brake, dr * 1e-6))
+            scene, vary(brake, new_lining_radii_by_key(brake, dr * 1e-6))
         )
     # Torque over one turn of a drum with lobes, with new and with worn-in linings.
     angles = np.linspace(0, 2 * math.pi, setting.angles, endpoint=False)
     turns = {
-        state: misfit_rows.torques_over_turn_of_lobed_drum(
+        state: misfit_rows.torques_at_angles_of_lobed_drum(
             stood, lambda turned: solve_prepared_model(scene, turned), AMPLITUDE, angles.tolist()
         )
         for state, stood in (
@@ -173,7 +173,7 @@ def study(
         )
     }
     tolerances = assumed_tolerances(brake)
-    deviates = random_deviations_of_brakes_in_all_samples(tolerances, setting.draws, SEED)
+    deviates = draw_random_deviations_in_all_samples(tolerances, setting.draws, SEED)
     # The axes of the maps.
     sides = (
         np.linspace(-SIDES[0], SIDES[0], setting.wide),
@@ -204,7 +204,7 @@ def study(
         single=single,
         family=family,
         sides=sides,
-        ratios=misfit_rows.maps_of_deviation_from_law(
+        ratios=misfit_rows.maps_of_relative_deviation_from_law(
             found, brake, law, (setting.high, setting.wide)
         ),
         angles=angles,
@@ -231,9 +231,9 @@ def _cases_of_map(brake: Brake, sides: tuple[Floats, Floats], elements: int) -> 
     cases = []
     for offset in sides[1]:
         for radius in sides[0]:
-            changes = changes_that_grind_linings_to_radius(
-                brake, radius
-            ) | changes_that_move_lining_circles(brake, offset)
+            changes = new_lining_radii_by_key(brake, radius) | new_lining_circle_offsets_by_key(
+                brake, offset
+            )
             cases.append(SweepCase(brake, changes, options={"elements": elements}))
     return cases
 
@@ -251,7 +251,7 @@ def _rows_of_drawn_brakes(
     ----------
     brake : the nominal brake
     tolerances : the tolerances of its manufacture
-    deviates : samples of the deviates, as from `random_deviations_of_brakes_in_all_samples`
+    deviates : samples of the deviates, as from `draw_random_deviations_in_all_samples`
     elements : along each lining
     solve : solves cases under a name that the progress shows
     """

@@ -4,8 +4,8 @@ import math
 
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import (
-    changes_that_grind_linings_to_radius,
-    point_coordinate_changes_along_hinge_radius,
+    new_lining_radii_by_key,
+    point_coordinate_changes_per_metre_along_hinge_radius,
 )
 from drumlin.brake.file import vary
 from drumlin.laws import solve_brake_by_sine_law
@@ -49,7 +49,7 @@ def assumed_tolerances(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
         ManufacturingTolerance(
             "drum's radius ±50 µm",
             truncated_normal_distribution(50e-6),
-            {key: -1.0 for key in changes_that_grind_linings_to_radius(brake, 0.0)},
+            {key: -1.0 for key in new_lining_radii_by_key(brake, 0.0)},
         ),
     ]
     for name, i in (("leading", leading), ("trailing", 1 - leading)):
@@ -63,7 +63,9 @@ def assumed_tolerances(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
             ManufacturingTolerance(
                 f"centre of lining ±50 µm, {name}",
                 truncated_normal_distribution(50e-6),
-                point_coordinate_changes_along_hinge_radius(brake, i, "lining.misfit.offset"),
+                point_coordinate_changes_per_metre_along_hinge_radius(
+                    brake, i, "lining.misfit.offset"
+                ),
             ),
             ManufacturingTolerance(
                 f"taper ±50 µm, {name}", truncated_normal_distribution(50e-6), {f"{own}.taper": 1.0}
@@ -71,7 +73,7 @@ def assumed_tolerances(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
         ]
     pins: dict[str, float] = {}
     for i in range(len(brake.shoes)):
-        pins |= point_coordinate_changes_along_hinge_radius(brake, i, "hinge")
+        pins |= point_coordinate_changes_per_metre_along_hinge_radius(brake, i, "hinge")
     return (
         *found,
         ManufacturingTolerance(

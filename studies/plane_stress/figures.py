@@ -13,7 +13,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.texts import number_as_text
 from drumlin.report.figures import FULL_WIDTH, STYLE
 from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of_model
-from drumlin.response.response import ShoeResponse, length_of_edge_zone_without_peak
+from drumlin.response.response import ShoeResponse, length_of_edge_zone_left_out_of_peak_search
 from drumlin_studies.plane_stress import (
     PlaneErrorMap,
     SolidAndPlane,
@@ -88,7 +88,8 @@ def draw_face_pressures(three: SolidAndPlane, worn: WornSolid) -> Figure:
         grid = figure.subplots(len(new), 2, squeeze=False)
         # The singular pressure at the ends of the linings is outside the scale.
         zones = [
-            length_of_edge_zone_without_peak(shoe, three.brake.size) for shoe in three.brake.shoes
+            length_of_edge_zone_left_out_of_peak_search(shoe, three.brake.size)
+            for shoe in three.brake.shoes
         ]
         top = max(_largest_face_pressure(shoe, zone) for shoe, zone in zip(new, zones, strict=True))
         for row, a, b in zip(grid, new, worn.last, strict=True):

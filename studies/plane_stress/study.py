@@ -17,7 +17,7 @@ from drumlin.brake.components import Beam
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import table_as_csv_text
 from drumlin.fem.analysis.fields import write_fields_to_vtu_file
-from drumlin.fem.analysis.solid_fields import recover_stresses_in_all_solid_shoes
+from drumlin.fem.analysis.solid_fields import recover_stresses_in_half_of_each_solid_shoe
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -33,7 +33,10 @@ from drumlin_studies.plane_stress import (
     TorqueOnLevels,
     WornSolid,
 )
-from drumlin_studies.plane_stress_limits import ranges_within_limits, rows_of_plane_stress_limits
+from drumlin_studies.plane_stress_limits import (
+    parameter_ranges_within_error_limits,
+    rows_of_plane_stress_limits,
+)
 from drumlin_studies.uncertainty import Validation
 
 HERE = Path(__file__).parent
@@ -255,7 +258,8 @@ def report(result: Result, folder: Path) -> Path:
             drawing.save_figure(figure, folder / f"{name}.{ending}")
     brake, response = result.three.brake, result.three.solid
     write_fields_to_vtu_file(
-        folder / "solid.vtu", recover_stresses_in_all_solid_shoes(result.scene, brake, response)
+        folder / "solid.vtu",
+        recover_stresses_in_half_of_each_solid_shoe(result.scene, brake, response),
     )
     not_drawn = draw_solid_shoes_and_return_failure_reason(
         folder / "solid.vtu", folder / "solid.png", brake.title
@@ -289,7 +293,7 @@ def report(result: Result, folder: Path) -> Path:
         folder / "index.html",
         result=result,
         not_drawn=not_drawn,
-        ranges=[each._asdict() for each in ranges_within_limits(result.limits)],
+        ranges=[each._asdict() for each in parameter_ranges_within_error_limits(result.limits)],
         within=partial(_share_within, result.maps),
         largest=largest,
         shares=rows.rows_of_shares_within_error_limits(result.maps),

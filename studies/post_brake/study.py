@@ -84,19 +84,21 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     lifts = post.error_rows_of_foundation_model_effects(brake, responses["fem"])
     # Linings that fit, of another radius, displaced, and worn in.
     say("clearance")
-    clearances = post.rows_of_post_brake_clearances(brake, scene)
+    clearances = post.rows_of_post_brake_results_by_clearance(brake, scene)
     offsets = post.torque_differences_from_sine_law_at_lining_radii(
         brake, scene, np.linspace(-3e-3, 3e-3, 5 if short else 13)
     )
     say("friction")
-    merits = post.figures_of_merit_over_friction_coefficient(
+    merits = post.figures_of_merit_at_friction_coefficients(
         brake, scene, np.linspace(0.05, 0.6, 4 if short else 12)
     )
     # Brakes that violate one assumption of the model each.
     say("where the assumptions end")
     assumptions = post.error_rows_of_violated_assumptions(brake, 16 if short else 40)
     say("map")
-    maps, place = post.torque_error_maps_of_models(brake, 3 if short else 7, 12 if short else 30)
+    maps, place = post.torque_error_maps_of_models_and_groups_of_brake(
+        brake, 3 if short else 7, 12 if short else 30
+    )
     # Steps of the foundation model along beam and ring.
     say("grids")
     grids = post.convergence_rows_of_foundation_grids(brake, repeats)

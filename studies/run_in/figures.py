@@ -13,7 +13,11 @@ from matplotlib.figure import Figure
 from drumlin.lining_wear.archard import interpolate_wear_state_at_distance
 from drumlin.lining_wear.linings import WornLining
 from drumlin.lining_wear.run_in import peak_nodal_pressure_of_wear_state
-from drumlin.report.figures import STYLE, draw_legend_below_figure, mark_where_curve_leaves_axes
+from drumlin.report.figures import (
+    STYLE,
+    draw_legend_below_figure,
+    draw_triangles_where_curve_leaves_axes,
+)
 from drumlin.report.palette import BLUE, INK, RED
 from drumlin_studies.run_in_limits import EqualStepsEnd, Reversals, Run
 
@@ -54,7 +58,7 @@ def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
                     theta, p * 1e-6, color=shade, lw=1.6, label=f"s k K = {s:g}" if s else "new"
                 )
                 left.set_ylim(0, top * 1e-6)
-                mark_where_curve_leaves_axes(left, theta, p * 1e-6, shade)
+                draw_triangles_where_curve_leaves_axes(left, theta, p * 1e-6, shade)
             left.plot(
                 theta,
                 surface.lining_values_by_growing_angle(one.goal.pressure) * 1e-6,

@@ -162,7 +162,7 @@ def brakes_that_run_in(*, short: bool) -> tuple[list[tuple[str, str, Brake]], li
         if brake.surface.is_plane_and_not_drum:
             skipped.append(f"{name}: shoes on a plane are not modelled elastically")
             continue
-        ways, reason = limits.list_wear_models_of_brake(brake)
+        ways, reason = limits.list_wear_models_and_reason_against_finite_elements(brake)
         for how, model, varied in ways:
             found.append((name + how, model, varied))
         skipped += [f"{name}: {reason}"] if reason else []
@@ -180,7 +180,7 @@ def report(result: Result, folder: Path) -> Path:
     }.items():
         write_text(folder / f"{name}.csv", table_as_csv_text(rows))
     reversal = result.reversals[min(1, len(result.reversals) - 1)]
-    least = limits.wear_run_with_smallest_new_contact([result.main, *result.runs])
+    least = limits.wear_run_whose_new_linings_touch_least([result.main, *result.runs])
     draw_figures(result, least, reversal, folder)
     lives = []
     for row in result.brakes:

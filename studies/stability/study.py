@@ -25,7 +25,7 @@ from drumlin_studies.outcomes import (
     POINTWISE_OUTCOMES,
     count_row_values_by_varied_quantity,
     log_slope_of_error_over_penalty,
-    relative_torque_change_by_penalty,
+    relative_torque_changes_due_to_penalty,
     rows_with_fewest_correct_digits,
     solve_time_rows_by_varied_quantity,
     trial_rows_with_fault_as_outcome,
@@ -135,7 +135,7 @@ def report(result: Result, folder: Path) -> Path:
         table_as_csv_text([{k: v for k, v in row.items() if k != "knobs"} for row in rows]),
     )
     known = rows_that_have_value_of_key(rows, "digits")
-    softened = relative_torque_change_by_penalty(rows)
+    softened = relative_torque_changes_due_to_penalty(rows)
     swept = softened if softened and all(len(values) >= 4 for values in softened.values()) else {}
     draw_figures(result, known, swept, folder)
     locked = result.locked
@@ -210,7 +210,9 @@ def _locking_values(locked: locking.Result) -> dict[str, Any]:
         rigid.append(row | {"per_thickness": row["difference"] / row["t_over_R"]})
     poles = {}
     for row in locked.torque:
-        poles[row["name"]] = self_locking.torque_times_distance_to_locking_friction(row)
+        poles[row["name"]] = self_locking.torque_times_distance_to_locking_friction_and_its_change(
+            row
+        )
     # Random brakes whose answers agree, and those with several answers below the limit.
     table = uniqueness_page_rows(locked.unique)
     agreeing: list[Row] = []

@@ -53,7 +53,7 @@ PATH_CHECKS = {
     ),
     "blocks": PathCheck(
         "True errors of linings with 7 to 30 blocks, and stated ones",
-        consistency_blocks.rows_of_stated_and_true_errors_of_block_linings,
+        consistency_blocks.rows_comparing_stated_with_true_errors_of_block_linings,
         100,
     ),
 }

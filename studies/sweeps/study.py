@@ -19,7 +19,7 @@ from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin.sweeps.cases import Row, solve_all_cases_of_sweep
 from drumlin.sweeps.file import Sweep, read_sweep_from_toml_file
-from drumlin.sweeps.sample import positions_of_sample
+from drumlin.sweeps.sample import positions_of_sample_cases
 from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from drumlin_studies.throughput import (
     KEEP,
@@ -86,7 +86,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     same = all(one.rows == those[0].rows for those in measured.values() for one in those)
     say(f"{OWN}, certified by sample")
     own = sweeps[OWN].cases[: counts[OWN]]
-    sample = positions_of_sample(own, 3 if short else "every 10th", seed=1)
+    sample = positions_of_sample_cases(own, 3 if short else "every 10th", seed=1)
     sampled = rows_of_times_certified_by_sample(
         measured[OWN],
         [measure_time_of_sweep_by_processes(own, workers, sample) for workers in WORKERS],

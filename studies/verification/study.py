@@ -35,7 +35,7 @@ from drumlin_studies.stated_true import (
     solve_fine_reference_by_triangles,
     summary_rows_of_stated_errors,
 )
-from drumlin_studies.stated_true_figure import draw_stated_over_true_errors
+from drumlin_studies.stated_true_figure import plot_stated_over_true_errors
 from drumlin_studies.tables import rows_with_given_values
 
 HERE = Path(__file__).parent
@@ -148,7 +148,7 @@ def study(
         corners += found["rows"]
     # Problems whose answer is known from a formula or a source.
     say("benchmark ladder")
-    known = list(map(ladder.row_of_computed_and_known_answer, ladder.LADDER_CASES))
+    known = list(map(ladder.run_known_answer_case_and_return_row, ladder.LADDER_CASES))
     return Result(
         orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start
     )
@@ -221,11 +221,11 @@ def report(result: Result, folder: Path) -> Path:
             series[kind] = [(r["elements"], r["pressure"]) for r in rows]
         figure = figures.draw_errors_over_element_numbers(series, "error of p in L2")
         figures.save_figure(figure, folder / f"orders_{i + 1}.svg")
-    figures.save_figure(draw_stated_over_true_errors(result.judged), folder / "stated_true.svg")
+    figures.save_figure(plot_stated_over_true_errors(result.judged), folder / "stated_true.svg")
     write_text(folder / "stated_true.csv", table_as_csv_text(result.judged))
     write_text(folder / "corners.csv", table_as_csv_text(result.corners))
     figures.save_figure(
-        stated_true_figure.draw_errors_over_unknowns_of_levels(result.levels), folder / "levels.svg"
+        stated_true_figure.plot_errors_over_unknowns_of_levels(result.levels), folder / "levels.svg"
     )
     write_text(folder / "levels.csv", table_as_csv_text(result.levels))
     write_text(folder / "orders.csv", table_as_csv_text(result.orders))

@@ -33,7 +33,7 @@ def polar_angles_within_half_turn_of_angle(middle: float, xy: Floats) -> Floats:
     return np.asarray(middle + np.angle(turned))
 
 
-def are_equal_with_arrays(one: Any, other: Any) -> bool:
+def are_nested_values_with_arrays_equal(one: Any, other: Any) -> bool:
     """Whether two values are equal, if arrays may stand within their tuples, lists and mappings.
 
     Arrays are equal if they have the same shape and the same entries.
@@ -42,10 +42,10 @@ def are_equal_with_arrays(one: Any, other: Any) -> bool:
         return np.array_equal(one, other)
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         return one.keys() == other.keys() and all(
-            are_equal_with_arrays(value, other[key]) for key, value in one.items()
+            are_nested_values_with_arrays_equal(value, other[key]) for key, value in one.items()
         )
     if isinstance(one, tuple | list) and type(one) is type(other):
-        return len(one) == len(other) and all(map(are_equal_with_arrays, one, other))
+        return len(one) == len(other) and all(map(are_nested_values_with_arrays_equal, one, other))
     return bool(one == other)
 
 
@@ -64,5 +64,6 @@ class EqualByArrays:
             return NotImplemented
         names = [field.name for field in fields(self) if field.compare]  # type: ignore[arg-type]
         return all(
-            are_equal_with_arrays(getattr(self, name), getattr(other, name)) for name in names
+            are_nested_values_with_arrays_equal(getattr(self, name), getattr(other, name))
+            for name in names
         )

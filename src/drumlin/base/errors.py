@@ -38,13 +38,13 @@ class DrumlinError(Exception):
     def __str__(self) -> str:
         return printable_single_line(super().__str__())
 
-    def name_arguments_in_place_of_options(self) -> None:
+    def replace_options_by_python_arguments_in_message(self) -> None:
         """Change the message to the words of Python: `finite_width` in place of `--finite-width`.
 
         The message for the command line stays in `command_line_text`.
         """
         line = str(self)
-        in_python = _text_with_arguments_in_place_of_options(line)
+        in_python = _text_with_options_replaced_by_python_arguments(line)
         if in_python != line:
             self.command_line_text, self.args = line, (in_python,)
 
@@ -57,17 +57,17 @@ ARGUMENTS_WITH_OTHER_NAMES = {
 """Arguments of the functions of `import drumlin` whose option has another name, by the option."""
 
 
-def _text_with_arguments_in_place_of_options(text: str) -> str:
+def _text_with_options_replaced_by_python_arguments(text: str) -> str:
     """A message in which each option, such as `--model fem`, is an argument of Python."""
     # Messages such as "--kind belongs to --model fem" name the model after a blank. In Python the
     # argument is model="fem".
     text = re.sub(r"(?<!\S)--model (\w+)", r'model="\1"', text)
 
-    def argument_of_option(option: re.Match[str]) -> str:
+    def python_argument_name_of_matched_option(option: re.Match[str]) -> str:
         """The name of the argument for an option; option[1] is its name without dashes."""
         return ARGUMENTS_WITH_OTHER_NAMES.get(option[1], option[1].replace("-", "_"))
 
-    return re.sub(r"(?<!\S)--([a-z][a-z-]*)", argument_of_option, text)
+    return re.sub(r"(?<!\S)--([a-z][a-z-]*)", python_argument_name_of_matched_option, text)
 
 
 class BadInput(DrumlinError):

@@ -27,16 +27,16 @@ file needs such a suffix.
 """
 
 # The files that must not be overwritten, each by its status on the disk, which identifies a file
-# under all its names. The list is None outside a block of `protect_input_files`.
+# under all its names. The list is None outside a block of `protect_input_files_within_block`.
 _inputs: ContextVar[list[os.stat_result] | None] = ContextVar("inputs", default=None)
 
 
 @contextmanager
-def protect_input_files() -> Iterator[None]:
+def protect_input_files_within_block() -> Iterator[None]:
     """Protect the input files of a `with` block from being overwritten within the block.
 
     Input files are those that `read_bytes` reads in the block, and those that are given to
-    `register_protected_input_file`.
+    `protect_file_from_being_overwritten`.
     """
     token = _inputs.set([])
     try:
@@ -45,10 +45,10 @@ def protect_input_files() -> Iterator[None]:
         _inputs.reset(token)
 
 
-def register_protected_input_file(path: Path) -> None:
+def protect_file_from_being_overwritten(path: Path) -> None:
     """Protect the file at `path` from being overwritten, even if it is never read.
 
-    The protection lasts until the block of `protect_input_files` ends.
+    The protection lasts until the block of `protect_input_files_within_block` ends.
     It also holds for other names of the same file, since its number on the disk identifies a file.
     """
     inputs = _inputs.get()
@@ -103,7 +103,7 @@ def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> by
         raise exception_for_unusable_file(path, "read", error) from error
     if len(data) > most:
         raise BadInput(f"{path}: larger than {most} bytes; not {what}")
-    register_protected_input_file(path)
+    protect_file_from_being_overwritten(path)
     return data
 
 
@@ -137,8 +137,8 @@ def check_output_files_are_writable(*paths: Path | None) -> None:
     """Raise BadInput if one of the output files must not or cannot be written.
 
     It is called before a long computation starts. It refuses a folder, a disk, an input file (see
-    `protect_input_files`) and a file that two outputs share. It also refuses any .toml file,
-    because users write brake and sweep files by hand.
+    `protect_input_files_within_block`) and a file that two outputs share. It also refuses any .toml
+    file, because users write brake and sweep files by hand.
     """
     targets = []
     for path in filter(None, paths):
@@ -199,7 +199,9 @@ def temporary_file_replacing_output(path: Path) -> Iterator[Path]:
     cannot be written, and NoAnswer if the disk is full.
     """
     target, found = _resolved_path_and_file_status_of_output(path)
-    stream = None if found is None else _pipe_or_stream_to_write_into(path, found)
+    stream = (
+        None if found is None else _pipe_or_stream_number_or_none_for_ordinary_file(path, found)
+    )
     folder = target.parent if stream is None else Path(tempfile.gettempdir())
     suffix = path.suffix if len(path.suffix) <= LONGEST_SUFFIX else ""
     partial = folder / f".drumlin-{os.urandom(6).hex()}{suffix}"
@@ -228,7 +230,9 @@ def temporary_file_replacing_output(path: Path) -> Iterator[Path]:
         raise exception_for_unusable_file(path, "written", error) from error
 
 
-def _pipe_or_stream_to_write_into(path: Path, found: os.stat_result) -> Path | int | None:
+def _pipe_or_stream_number_or_none_for_ordinary_file(
+    path: Path, found: os.stat_result
+) -> Path | int | None:
     """The pipe, device or stream number to write into if an output file cannot be replaced.
 
     The result is None for an ordinary file, which a new file can replace. If standard output or
@@ -283,7 +287,7 @@ def write_json(path: Path, data: object) -> None:
 _FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")
 
 
-def spreadsheet_cell_without_formula(value: object) -> object:
+def spreadsheet_cell_safe_from_being_run_as_formula(value: object) -> object:
     """The value for a cell of a spreadsheet, made safe from being run as a formula.
 
     A text that the spreadsheet would take for a formula gets an apostrophe in front. Any other
@@ -292,7 +296,7 @@ def spreadsheet_cell_without_formula(value: object) -> object:
     return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value
 
 
-def require_name_of_fields_file(path: Path | None, option: str = "--fields") -> None:
+def require_fields_file_name_ends_in_vtu(path: Path | None, option: str = "--fields") -> None:
     """Raise BadInput for a file of displacements and stresses whose name does not end in .vtu.
 
     `option` is what the user gave the path as.

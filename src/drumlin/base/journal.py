@@ -83,7 +83,7 @@ class Journal(AbstractContextManager["Journal"]):
             if path is not None:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 # An outdated journal is renamed as it is opened; then a new file is opened.
-                while not self._lock_and_read_journal_file(path):
+                while not self._try_to_lock_and_read_journal_file(path):
                     self.close()
         except BaseException as error:
             self.close()
@@ -154,7 +154,7 @@ class Journal(AbstractContextManager["Journal"]):
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _lock_and_read_journal_file(self, path: Path) -> bool:
+    def _try_to_lock_and_read_journal_file(self, path: Path) -> bool:
         """Open and lock the file at `path`, and read its cases; returns whether that was done.
 
         It returns False if the file had to be renamed, by this run or another one, so that no file
@@ -171,10 +171,10 @@ class Journal(AbstractContextManager["Journal"]):
         return (
             path.exists()
             and os.path.samestat(path.stat(), locked)
-            and self._read_results_of_locked_journal_file(self._file)
+            and self._read_results_if_journal_is_of_this_version(self._file)
         )
 
-    def _read_results_of_locked_journal_file(self, file: FileIO) -> bool:
+    def _read_results_if_journal_is_of_this_version(self, file: FileIO) -> bool:
         """Read the cases of the locked file, and cut off a last line that is incomplete.
 
         Returns False if the journal belongs to another version of the source: then it is renamed.

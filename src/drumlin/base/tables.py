@@ -17,7 +17,7 @@ SEPARATORS = (",", ";", "\t")
 """Characters that may separate the cells of a table."""
 
 
-def cell_rows_of_separated_text_table(text: str) -> list[list[str]]:
+def split_text_table_into_cell_rows(text: str) -> list[list[str]]:
     """The rows of a table, each a list of cells.
 
     The separator is the one of SEPARATORS that the first line has most often.

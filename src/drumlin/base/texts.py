@@ -85,7 +85,7 @@ def number_as_text(value: float, form: str) -> str:
     return f"{text[:-1]} %" if text.endswith("%") else text
 
 
-def error_as_text(error: float) -> str:
+def error_text_in_percent(error: float) -> str:
     """A relative error or imbalance as text for people, in per cent with two digits: "0.058 %".
 
     From 100 % on all digits before the point are shown.

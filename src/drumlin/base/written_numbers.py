@@ -67,7 +67,7 @@ def number_from_text_as_people_write_it(text: str, decimal_sign: str = "") -> fl
             raise ValueError("must be a number: its fraction has the denominator 0")
         return sign * (whole + above / below)
     return sign * float(
-        f"{_digits_without_grouping_with_decimal_point(digits, decimal_sign)}e{exponent or 0}"
+        f"{_digits_with_decimal_point_and_without_grouping(digits, decimal_sign)}e{exponent or 0}"
     )
 
 
@@ -84,7 +84,7 @@ def decimal_sign_proved_by_number_text(text: str) -> str:
     return "." if "," in digits and _GROUPS_OF_THREE.fullmatch(digits) else ""
 
 
-def _digits_without_grouping_with_decimal_point(digits: str, decimal_sign: str) -> str:
+def _digits_with_decimal_point_and_without_grouping(digits: str, decimal_sign: str) -> str:
     """The digits of a number with a decimal point, and without the signs between groups of three.
 
     `decimal_sign` is "," or "." if it is known. Raises ValueError for digits with two readings.

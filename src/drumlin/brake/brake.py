@@ -25,7 +25,7 @@ from drumlin.brake.friction import (
     FrictionCurve,
     FrictionTable,
     friction_coefficient_as_text,
-    friction_over_pressure_of_lining,
+    friction_coefficient_curve_of_lining,
 )
 from drumlin.brake.further_loads import Gravity, Lever, Spring
 from drumlin.brake.show import html_table_of_brake, text_of_brake
@@ -63,7 +63,7 @@ class ShoeFrame(NamedTuple):
         """Convert phi to coordinates of the surface (theta on a drum), same shape."""
         return self.origin + self.sense * self.unit * np.asarray(phi)
 
-    def distance_along_surface_from_pin(self, theta: Floats) -> Floats:
+    def distances_along_surface_from_pin(self, theta: Floats) -> Floats:
         """Distance of the coordinates `theta` along the surface from the pin's coordinate.
 
         The result has the shape of `theta`. It is an angle [rad] on a drum and a length [m] on a
@@ -187,7 +187,7 @@ class Shoe(Meshed):
         """
 
     @abstractmethod
-    def distance_from_friction_surface(self, xy: Floats, size: float) -> Floats:
+    def distances_from_friction_surface(self, xy: Floats, size: float) -> Floats:
         """Distance [m] of points from the friction surface, positive on the side of the shoe.
 
         The points (2, ...) [m] are in the frame of the shoe; `size` is the brake's size [m].
@@ -214,17 +214,17 @@ class Shoe(Meshed):
 
     @property
     @abstractmethod
-    def direction_in_which_lining_middle_closes_gap(self) -> float:
+    def angle_of_direction_in_which_lining_closes_gap(self) -> float:
         """Direction [rad] in which the middle of the lining moves straight towards the surface."""
 
     @abstractmethod
-    def gap_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
+    def gaps_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a lining that is ground to a circle, at coordinates theta, same shape.
 
         It is the part of the misfit that follows from `misfit.radius` and `misfit.offset`.
         """
 
-    def middle_of_supported_end_face_of_shoe_body(
+    def middle_of_supported_or_loaded_end_face_of_body(
         self, size: float, *, loaded: bool = False
     ) -> Floats:
         """Middle (2,) [m] of the end face of an arc body at its support, in the shoe's frame.
@@ -251,7 +251,7 @@ class Shoe(Meshed):
         # of the actuation.
         loaded = self.convert_points_to_shoe_frame(self.actuation.point.xy)
         if isinstance(self.body, Bar) and self.mesh is None:
-            loaded = self.middle_of_supported_end_face_of_shoe_body(size, loaded=True)
+            loaded = self.middle_of_supported_or_loaded_end_face_of_body(size, loaded=True)
         at = self.convert_points_to_shoe_frame(point.xy)
         return math.dist(at, loaded) < math.dist(at, self.pin_position_in_shoe_frame)
 
@@ -463,24 +463,24 @@ class Brake(Part):
         """
         if not isinstance(written, FrictionTable):
             return written
-        curve = written.friction_over_pressure_at_speed_and_heat(
+        curve = written.friction_coefficient_curve_at_speed_and_temperature_rise(
             self.sliding_speed or 0.0, temperature_rise
         )
-        return float(curve.friction_coefficient_at_pressures(np.zeros(())))
+        return float(curve.friction_coefficients_at_pressures(np.zeros(())))
 
-    def friction_over_pressure_of_shoe(self, shoe: Shoe) -> FrictionCurve:
+    def friction_coefficient_curve_of_shoe(self, shoe: Shoe) -> FrictionCurve:
         """Friction coefficient of a shoe's lining as a function of the pressure.
 
         A coefficient that does not depend on the pressure is a curve of one point.
         """
         own = shoe.lining.friction
-        return friction_over_pressure_of_lining(
+        return friction_coefficient_curve_of_lining(
             self.friction_as_written if own is None else own,
             self.sliding_speed or 0.0,
             shoe.lining.temperature_rise,
         )
 
-    def friction_of_shoe(self, shoe: Shoe) -> float:
+    def friction_coefficient_of_shoe_at_zero_pressure(self, shoe: Shoe) -> float:
         """Friction coefficient of a shoe's lining: its own if it has one, else the brake's.
 
         From a table it is the coefficient at the pressure 0.
@@ -494,11 +494,11 @@ class Brake(Part):
 
         It is 1 for a brake without friction, whose linings have no friction either.
         """
-        if not self._has_lining_own_friction(shoe) or self.friction == 0:
+        if not self._has_lining_its_own_friction_coefficient(shoe) or self.friction == 0:
             return 1.0
-        return self.friction_of_shoe(shoe) / self.friction
+        return self.friction_coefficient_of_shoe_at_zero_pressure(shoe) / self.friction
 
-    def _has_lining_own_friction(self, shoe: Shoe) -> bool:
+    def _has_lining_its_own_friction_coefficient(self, shoe: Shoe) -> bool:
         """Whether a lining has its own friction coefficient, by its key or by its temperature.
 
         The temperature counts if the brake has a table of friction over temperature.
@@ -516,10 +516,10 @@ class Brake(Part):
         ratio = self.shoe_friction_over_brake_friction(shoe)
         return friction / ratio if ratio else math.inf
 
-    def key_of_first_lining_with_own_friction(self) -> str | None:
+    def first_key_that_gives_lining_its_own_friction(self) -> str | None:
         """The first key by which a lining has a friction of its own; None if no lining has one."""
         for i, shoe in enumerate(self.shoes):
-            if self._has_lining_own_friction(shoe):
+            if self._has_lining_its_own_friction_coefficient(shoe):
                 own = "temperature_rise" if shoe.lining.friction is None else "friction"
                 return f"shoe[{i}].lining.{own}"
         return None
@@ -530,23 +530,23 @@ class Brake(Part):
         The search for self-locking, and slopes by friction, scale the friction coefficients of all
         linings in proportion to the coefficient of the brake, which must therefore not be 0.
         """
-        key = self.key_of_first_lining_with_own_friction()
+        key = self.first_key_that_gives_lining_its_own_friction()
         if self.friction == 0 and key is not None:
             raise ValueError(
                 f"friction = 0: must be greater than 0 where a lining has its own {key}"
             )
 
-    def brake_with_scaled_friction(self, friction: float) -> Self:
+    def brake_with_new_friction_coefficient(self, friction: float) -> Self:
         """A copy of the brake with the friction coefficient `friction`.
 
         The friction coefficients that linings have of their own change in proportion.
         """
-        if self.key_of_first_lining_with_own_friction() is None:
+        if self.first_key_that_gives_lining_its_own_friction() is None:
             return self.model_copy(update={"friction_as_written": friction})
         shoes = []
         for shoe in self.shoes:
             own = friction * self.shoe_friction_over_brake_friction(shoe)
-            changed = own if self._has_lining_own_friction(shoe) else None
+            changed = own if self._has_lining_its_own_friction_coefficient(shoe) else None
             lining = shoe.lining.copy_of_lining_with_changed_fields({"friction": changed})
             shoes.append(shoe.model_copy(update={"lining": lining}))
         return self.model_copy(update={"friction_as_written": friction, "shoes": tuple(shoes)})
@@ -558,14 +558,15 @@ class Brake(Part):
         The text names the shoes whose linings have a friction of their own.
         """
         own = [
-            f"{friction_coefficient_as_text(self.friction_over_pressure_of_shoe(shoe))} of shoe "
+            f"{friction_coefficient_as_text(self.friction_coefficient_curve_of_shoe(shoe))} of "
+            "shoe "
             f"{shoe.name!r}"
             for shoe in self.shoes
-            if self._has_lining_own_friction(shoe)
+            if self._has_lining_its_own_friction_coefficient(shoe)
         ]
         speed, written = self.sliding_speed or 0.0, self.friction_as_written
         of_brake = friction_coefficient_as_text(
-            friction_over_pressure_of_lining(written, speed, 0.0)
+            friction_coefficient_curve_of_lining(written, speed, 0.0)
         )
         return ", ".join([f"mu = {of_brake}", *own])
 
@@ -575,7 +576,7 @@ class Brake(Part):
         It is the friction coefficient times `sign_of_motion`, and positive towards growing
         coordinates of the surface.
         """
-        return self.friction_of_shoe(shoe) * self.sign_of_motion
+        return self.friction_coefficient_of_shoe_at_zero_pressure(shoe) * self.sign_of_motion
 
     def signed_friction_stress_over_pressure_in_shoe_frame(self, shoe: Shoe) -> float:
         """Friction stress on a shoe's lining at full slip, divided by the pressure.
@@ -601,7 +602,7 @@ class Brake(Part):
         on_anchors = {shoe.name for shoe in self.shoes if shoe.anchors}
         return {link.to for link in self.links} - on_anchors
 
-    def reason_why_not_meshable(self) -> str | None:
+    def reason_why_shoes_cannot_be_meshed(self) -> str | None:
         """Why the shoes cannot be meshed by finite elements (missing data); None if they can."""
         for shoe in self.shoes:
             if shoe.lining.thickness is None or shoe.lining.material is None:
@@ -610,7 +611,7 @@ class Brake(Part):
 
     def check_shoes_can_be_meshed(self) -> None:
         """Raise BadInput if data are missing that finite elements need."""
-        reason = self.reason_why_not_meshable()
+        reason = self.reason_why_shoes_cannot_be_meshed()
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
 
@@ -622,7 +623,7 @@ class Brake(Part):
                 return f"shoe {shoe.name!r}: {reason}"
         return None
 
-    def reason_why_not_all_shoes_hinged(self) -> str | None:
+    def reason_why_not_all_shoes_are_hinged(self) -> str | None:
         """Why not every shoe turns about a hinge under a known force; None if every shoe does."""
         if self.reason_why_cam_or_strut_sets_forces:
             return self.reason_why_cam_or_strut_sets_forces
@@ -636,10 +637,10 @@ class Brake(Part):
 
         `what` names the computation that needs it, for the message.
         """
-        reason = self.reason_why_not_all_shoes_hinged()
+        reason = self.reason_why_not_all_shoes_are_hinged()
         if reason is not None:
             raise BadInput(f"{what} takes shoes on hinges under forces of their own only: {reason}")
 
-    def names_of_shoes_with_indices(self, group: Sequence[int]) -> str:
+    def text_with_names_of_shoes_at_indices(self, group: Sequence[int]) -> str:
         """Names of the shoes with the indices `group`, for an error message."""
         return ", ".join(f"shoe {self.shoes[i].name!r}" for i in group)

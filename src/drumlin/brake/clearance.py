@@ -18,7 +18,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Lining, index_of_lining_at_coordinates
+from drumlin.brake.components import Lining, indices_of_linings_at_coordinates
 from drumlin.brake.file import vary
 
 SLOPE_CHANGE_ROUND_OFF = 1e-9
@@ -30,7 +30,7 @@ It is relative to the largest change of slope in the table. A larger change is a
 T = TypeVar("T")
 
 
-def gap_between_unloaded_lining_and_surface(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
+def gaps_between_unloaded_lining_and_surface(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
     """Gap [m] between a shoe's unloaded lining and the surface, with all misfits of both.
 
     `theta` are coordinates along the surface (angles on a drum); the result has their shape.
@@ -39,27 +39,27 @@ def gap_between_unloaded_lining_and_surface(brake: Brake, shoe: Shoe, theta: Flo
     if len(linings) > 1:
         # Each of several linings on a shoe has a clearance and a misfit of its own.
         alone = [shoe.model_copy(update={"lining": part}) for part in linings]
-        gaps = [gap_between_unloaded_lining_and_surface(brake, part, theta) for part in alone]
-        return np.choose(index_of_lining_at_coordinates(shoe.lining, theta), gaps)
+        gaps = [gaps_between_unloaded_lining_and_surface(brake, part, theta) for part in alone]
+        return np.choose(indices_of_linings_at_coordinates(shoe.lining, theta), gaps)
     (lining,) = linings
     misfit = lining.misfit
-    total = lining.clearance_at_surface_coordinates(theta)
+    total = lining.clearances_at_surface_coordinates(theta)
     # Each part of the misfit is computed only if it is not zero.
     if misfit.radius is not None or misfit.offset.radius > 0:
-        total = total + shoe.gap_due_to_ground_lining_radius_and_offset(theta, brake.size)
+        total = total + shoe.gaps_due_to_ground_lining_radius_and_offset(theta, brake.size)
     # The taper is the difference of the gaps at the two ends of the lining, linear in between.
     if misfit.taper:
         from_middle = shoe.frame.sense * (theta - lining.middle)
         total = total + misfit.taper * from_middle / (lining.end - lining.start)
     if misfit.blocks:
-        total = total + gap_due_to_block_heights(lining, theta)
+        total = total + gaps_due_to_block_heights(lining, theta)
     # Where the drum lies outside its circle, an internal lining has a larger gap, and an external
     # lining a smaller gap.
     off = brake.radial_deviation_of_drum_surface(theta)
     return total if off is None else total + shoe.sign * off
 
 
-def gap_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
+def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
     """Gap [m] due to the different heights of a lining's blocks, at coordinates theta, same shape.
 
     Each block stands back by its depth, and the gap changes smoothly over the length `step` from
@@ -165,7 +165,7 @@ def solve_brake_at_angular_drum_positions(
     return [solve(vary(brake, {"drum.angle": angle})) for angle in angles]
 
 
-def changes_that_grind_linings_to_radius(brake: Brake, mismatch: float) -> dict[str, float]:
+def new_lining_radii_by_key(brake: Brake, mismatch: float) -> dict[str, float]:
     """Changes for `vary` that grind every lining to the drum's radius plus `mismatch` [m].
 
     The result has the new radius [m] by the key of each lining's misfit.
@@ -175,20 +175,20 @@ def changes_that_grind_linings_to_radius(brake: Brake, mismatch: float) -> dict[
     }
 
 
-def changes_that_move_lining_circles(brake: Brake, size: float) -> dict[str, float]:
+def new_lining_circle_offsets_by_key(brake: Brake, size: float) -> dict[str, float]:
     """Changes for `vary` that displace the circle of every lining by `size` [m].
 
     The circle is displaced along the line from the drum's centre to the shoe's hinge, outwards. The
     result has the components of the offset [m] by their keys.
     """
     slopes = [
-        point_coordinate_changes_along_hinge_radius(brake, i, "lining.misfit.offset")
+        point_coordinate_changes_per_metre_along_hinge_radius(brake, i, "lining.misfit.offset")
         for i in range(len(brake.shoes))
     ]
     return {key: size * slope for part in slopes for key, slope in part.items()}
 
 
-def point_coordinate_changes_along_hinge_radius(
+def point_coordinate_changes_per_metre_along_hinge_radius(
     brake: Brake, index: int, key: str
 ) -> dict[str, float]:
     """Change of a point's coordinates per metre along the line from drum centre to hinge.

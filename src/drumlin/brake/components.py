@@ -37,12 +37,12 @@ from drumlin.brake.fields import (
     TemperatureRise,
     Thickness,
     interpolate_number_or_table,
-    validator_of_function_along_lining,
-    validator_of_number_or_table,
-    validator_of_table_with_growing_coordinates,
+    make_validator_of_number_or_table,
+    make_validator_of_table_with_growing_coordinates,
+    make_validator_that_tabulates_function_along_lining,
 )
 from drumlin.brake.friction import FrictionOrTable, FrictionTable
-from drumlin.brake.units import deg_text, mm_text
+from drumlin.brake.units import text_in_degrees, text_in_mm
 
 
 class Section(NamedTuple):
@@ -226,13 +226,15 @@ class Drum(Part):
 # Types of quantities that are a number or a table: for a beam a table over the distance from the
 # hinge, for a lining a table over the angle.
 StiffnessAlong = Annotated[
-    float | Rows, validator_of_number_or_table("distance", "m", "bending stiffness", "N m^2")
+    float | Rows, make_validator_of_number_or_table("distance", "m", "bending stiffness", "N m^2")
 ]
-OffsetAlong = Annotated[float | Rows, validator_of_number_or_table("distance", "m", "offset", "m")]
+OffsetAlong = Annotated[
+    float | Rows, make_validator_of_number_or_table("distance", "m", "offset", "m")
+]
 Clearance = Annotated[
     float | Rows,
-    validator_of_number_or_table("angle", "rad", "clearance", "m"),
-    validator_of_function_along_lining(),
+    make_validator_of_number_or_table("angle", "rad", "clearance", "m"),
+    make_validator_that_tabulates_function_along_lining(),
 ]
 
 
@@ -264,7 +266,7 @@ class Misfit(Part):
     offset: Place = Point(x=0.0, y=0.0)
     taper: Length = 0.0
     blocks: Annotated[
-        Rows, validator_of_table_with_growing_coordinates("angle", "rad", "depth", "m")
+        Rows, make_validator_of_table_with_growing_coordinates("angle", "rad", "depth", "m")
     ] = ()
 
     def check(
@@ -291,7 +293,7 @@ class Misfit(Part):
         sizes = {"offset": self.offset.radius, "taper": self.taper, "blocks": deepest}
         for name, size in sizes.items():
             if abs(size) > most:
-                raise ValueError(f"{key}.{name} = {mm_text(size)}: must be at most {allowed}")
+                raise ValueError(f"{key}.{name} = {text_in_mm(size)}: must be at most {allowed}")
         # Two rounded steps must not overlap or extend beyond an end of the lining.
         edges = [ends[0], *(place for place, _ in self.blocks), ends[1]]
         if self.blocks and min(b - a for a, b in pairwise(edges)) <= step:
@@ -378,12 +380,12 @@ class Lining(Part):
         (clearance,) = clearances
         return self.model_copy(update={"clearance": clearance})
 
-    def clearance_at_surface_coordinates(self, theta: Floats) -> Floats:
+    def clearances_at_surface_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] without the misfit at the surface coordinates `theta`, same shape."""
         return interpolate_number_or_table(self.clearance, theta)
 
 
-def hint_about_angles_of_arc(start: float, end: float) -> str:
+def did_you_mean_hint_for_angles_of_arc(start: float, end: float) -> str:
     """The hint "(did you mean -70 deg to 55 deg?)" for an arc whose end does not follow its start.
 
     `start` and `end` are the written angles [rad]. An angle of more than two turns is taken as
@@ -392,10 +394,10 @@ def hint_about_angles_of_arc(start: float, end: float) -> str:
     """
     meant = [math.radians(angle) if abs(angle) > 4 * math.pi else angle for angle in (start, end)]
     if meant != [start, end] and 0 < meant[1] - meant[0] < 2 * math.pi:
-        return f" (did you mean {deg_text(meant[0])} to {deg_text(meant[1])}?)"
+        return f" (did you mean {text_in_degrees(meant[0])} to {text_in_degrees(meant[1])}?)"
     before = start - 2 * math.pi
     if 0 < end - before < math.pi:
-        return f" (did you mean {deg_text(before)} to {deg_text(end)}?)"
+        return f" (did you mean {text_in_degrees(before)} to {text_in_degrees(end)}?)"
     return ""
 
 
@@ -429,9 +431,10 @@ class DrumLining(Lining):
         """Raise ValueError unless the lining's end follows its start within one turn."""
         if not 0 < self.end - self.start < 2 * math.pi:
             raise ValueError(
-                f"end = {deg_text(self.end)} must be greater than start = {deg_text(self.start)}, "
+                f"end = {text_in_degrees(self.end)} must be greater than start = "
+                f"{text_in_degrees(self.start)}, "
                 f"by less than 360 deg"
-                f"{hint_about_angles_of_arc(self.start, self.end)}"
+                f"{did_you_mean_hint_for_angles_of_arc(self.start, self.end)}"
             )
         return self
 
@@ -481,19 +484,20 @@ class DrumLiningRow(Lining):
             apart = part.start - before.end
             if apart < -TOUCHING:
                 raise ValueError(
-                    f"lining[{k}].start = {deg_text(part.start)}: must not be less than "
-                    f"lining[{k - 1}].end = {deg_text(before.end)}; "
+                    f"lining[{k}].start = {text_in_degrees(part.start)}: must not be less than "
+                    f"lining[{k - 1}].end = {text_in_degrees(before.end)}; "
                     "linings stand side by side in the order of growing angles"
                 )
             fits = before.clearance == part.clearance and before.misfit == part.misfit == Misfit()
             if apart <= TOUCHING and not fits:
                 raise ValueError(
-                    f"lining[{k}].start = {deg_text(part.start)}: linings that touch are one "
+                    f"lining[{k}].start = {text_in_degrees(part.start)}: linings that touch are "
+                    "one "
                     "lining, and must have the same clearance and no misfit"
                 )
         if not self.end - self.start < 2 * math.pi:
             raise ValueError(
-                f"linings from {deg_text(self.start)} to {deg_text(self.end)}: "
+                f"linings from {text_in_degrees(self.start)} to {text_in_degrees(self.end)}: "
                 "must cover less than 360 deg"
             )
         return self
@@ -574,17 +578,17 @@ class DrumLiningRow(Lining):
             parts.append(part.model_copy(update={"clearance": own}))
         return self.model_copy(update={"parts": tuple(parts)})
 
-    def clearance_at_surface_coordinates(self, theta: Floats) -> Floats:
+    def clearances_at_surface_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] without the misfit at the angles `theta`, same shape.
 
         In a slot it is the clearance of the lining before the slot.
         """
-        which = index_of_lining_at_coordinates(self, theta)
-        gaps = [part.clearance_at_surface_coordinates(theta) for part in self.parts]
+        which = indices_of_linings_at_coordinates(self, theta)
+        gaps = [part.clearances_at_surface_coordinates(theta) for part in self.parts]
         return np.choose(which, gaps)
 
 
-def index_of_lining_at_coordinates(lining: Lining, theta: Floats) -> Ints:
+def indices_of_linings_at_coordinates(lining: Lining, theta: Floats) -> Ints:
     """Index, from 0, of the lining of a shoe that lies at each coordinate `theta`, same shape.
 
     A coordinate in a slot belongs to the lining before the slot, and a coordinate before all
@@ -599,8 +603,8 @@ def _check_lining_is_like_first_one(key: str, part: DrumLining, first: DrumLinin
     """Raise ValueError if size, material, friction or heat differ from the first lining's."""
     kelvin = dict.fromkeys(("temperature_rise", "back_temperature_rise"), "{} K".format)
     texts: dict[str, Callable[[Any], str]] = {
-        "thickness": mm_text,
-        "width": mm_text,
+        "thickness": text_in_mm,
+        "width": text_in_mm,
         "material": str,
         "friction": str,
         **kelvin,
@@ -699,8 +703,8 @@ class Bar(Part):
             )
         if self.table is not None and self.width is not None and self.table.width < self.width:
             raise ValueError(
-                f"table.width = {mm_text(self.table.width)}: must be at least "
-                f"width = {mm_text(self.width)}, the web's"
+                f"table.width = {text_in_mm(self.table.width)}: must be at least "
+                f"width = {text_in_mm(self.width)}, the web's"
             )
         return self
 

@@ -32,18 +32,18 @@ from drumlin.brake.components import (
     Lobes,
     Ring,
     Table,
-    hint_about_angles_of_arc,
+    did_you_mean_hint_for_angles_of_arc,
 )
 from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive_and_struts
 from drumlin.brake.fields import AngularSpeed, Point, Title, check_shoe_names_differ
 from drumlin.brake.friction import FrictionOrTable, check_friction_tables_have_sliding_speed
 from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_loads_assigned_to_shoes
 from drumlin.brake.heat import (
-    check_heated_drum_can_expand,
-    check_heated_shoes_can_expand,
+    check_thermal_expansion_of_drum_is_known,
+    check_thermal_expansion_of_shoes_is_known,
     radial_growth_of_heated_drum,
 )
-from drumlin.brake.off_circle import gap_of_lining_ground_to_circle, radial_deviation_of_drum
+from drumlin.brake.off_circle import gaps_of_lining_ground_to_circle, radial_deviation_of_drum
 from drumlin.brake.pattern import (
     DrumPattern,
     brake_data_with_patterned_shoes_repeated,
@@ -51,7 +51,7 @@ from drumlin.brake.pattern import (
 )
 from drumlin.brake.support import Held, check_rigid_body_modes_close_gap_differently
 from drumlin.brake.surface import DRUM
-from drumlin.brake.units import deg_text, mm_text
+from drumlin.brake.units import text_in_degrees, text_in_mm
 
 
 class DrumShoe(Shoe):
@@ -101,7 +101,7 @@ class DrumShoe(Shoe):
         r = size - self.sign * depth
         return np.array([r * np.cos(phi), r * np.sin(phi)])
 
-    def distance_from_friction_surface(self, xy: Floats, size: float) -> Floats:
+    def distances_from_friction_surface(self, xy: Floats, size: float) -> Floats:
         """Distance [m] of points from the friction surface, positive on the side of the shoe.
 
         The points (2, ...) [m] are in the frame of the shoe; `size` [m] is the drum's radius.
@@ -124,7 +124,7 @@ class DrumShoe(Shoe):
         return size - self.sign * self.depth
 
     @property
-    def direction_in_which_lining_middle_closes_gap(self) -> float:
+    def angle_of_direction_in_which_lining_closes_gap(self) -> float:
         """Direction [rad] in which the middle of the lining moves straight towards the drum.
 
         For an internal lining it is the angle of the lining's middle, and for an external lining
@@ -132,10 +132,10 @@ class DrumShoe(Shoe):
         """
         return self.lining.middle + (self.sign < 0) * math.pi
 
-    def gap_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
+    def gaps_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a lining that is ground to a circle, at the angles theta [rad], same shape."""
         misfit = self.lining.misfit
-        return gap_of_lining_ground_to_circle(
+        return gaps_of_lining_ground_to_circle(
             size, misfit.radius, misfit.offset, self.lining.middle, self.sign, theta
         )
 
@@ -258,8 +258,8 @@ class DrumBrake(Brake):
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive_and_struts(self, file=from_file)
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
-        check_heated_drum_can_expand(self.drum)
-        check_heated_shoes_can_expand(shoes)
+        check_thermal_expansion_of_drum_is_known(self.drum)
+        check_thermal_expansion_of_shoes_is_known(shoes)
         _check_drum_is_round_enough(self.drum, shoes[0].sign)
         for i, shoe in enumerate(shoes):
             _check_shoe_fits_drum(f"shoe[{i}]", shoe, self.drum.radius)
@@ -281,14 +281,14 @@ def _check_drum_is_round_enough(drum: Drum, sign: int) -> None:
     most = LARGEST_MISFIT * drum.radius
     if off > most:
         raise ValueError(
-            f"drum.out_of_round = {mm_text(off)} in all: "
-            f"must be at most {LARGEST_MISFIT:g} R = {mm_text(most)}"
+            f"drum.out_of_round = {text_in_mm(off)} in all: "
+            f"must be at most {LARGEST_MISFIT:g} R = {text_in_mm(most)}"
         )
     growth = radial_growth_of_heated_drum(drum, sign)
     if abs(growth) > most:
         raise ValueError(
             f"drum.temperature_rise = {drum.temperature_rise:g} K: the radius grows by "
-            f"{mm_text(growth)}; must be at most {LARGEST_MISFIT:g} R = {mm_text(most)}"
+            f"{text_in_mm(growth)}; must be at most {LARGEST_MISFIT:g} R = {text_in_mm(most)}"
         )
 
 
@@ -299,13 +299,13 @@ def _check_lining_misfit_is_small(key: str, lining: Lining, radius: float) -> No
     of the misfit in the message.
     """
     misfit, most = lining.misfit, LARGEST_MISFIT * radius
-    allowed = f"{LARGEST_MISFIT:g} R = {mm_text(most)}"
+    allowed = f"{LARGEST_MISFIT:g} R = {text_in_mm(most)}"
     if misfit.radius is not None and abs(misfit.radius - radius) > most:
         raise ValueError(
-            f"{key}.radius = {mm_text(misfit.radius)}: "
-            f"must be within {allowed} of drum.radius = {mm_text(radius)}"
+            f"{key}.radius = {text_in_mm(misfit.radius)}: "
+            f"must be within {allowed} of drum.radius = {text_in_mm(radius)}"
         )
-    misfit.check(key, (lining.start, lining.end), lining.step, deg_text, most, allowed)
+    misfit.check(key, (lining.start, lining.end), lining.step, text_in_degrees, most, allowed)
 
 
 THINNEST = 1e-9
@@ -322,8 +322,8 @@ def _check_part_is_thick_enough(
     thickness = None if part is None else part.thickness
     if thickness is not None and thickness < THINNEST * radius:
         raise ValueError(
-            f"{key}.thickness = {mm_text(thickness)}: "
-            f"must be at least {THINNEST:g} of drum.radius = {mm_text(radius)}"
+            f"{key}.thickness = {text_in_mm(thickness)}: "
+            f"must be at least {THINNEST:g} of drum.radius = {text_in_mm(radius)}"
         )
 
 
@@ -341,16 +341,17 @@ def _check_shoe_fits_drum(key: str, shoe: DrumShoe, radius: float) -> None:
     for first, last in shoe.lining.slots:
         if last - first < SMALLEST_SLOT:
             raise ValueError(
-                f"{key}.lining: the slot from {deg_text(first)} to {deg_text(last)} must be at "
-                f"least {deg_text(SMALLEST_SLOT)} wide; linings that touch are one lining"
+                f"{key}.lining: the slot from {text_in_degrees(first)} to {text_in_degrees(last)} "
+                "must be at "
+                f"least {text_in_degrees(SMALLEST_SLOT)} wide; linings that touch are one lining"
             )
     check_shoe_on_abutment_has_no_grip(key, shoe)
-    _check_support_lets_shoe_press(key, shoe, radius)
+    _check_support_lets_shoe_press_on_drum(key, shoe, radius)
     # The layers of an internal shoe must end before the drum's centre.
     if shoe.sign > 0 and shoe.depth >= radius:
         raise ValueError(
-            f"{key}: lining, backing and body are {mm_text(shoe.depth)} thick together; "
-            f"must be less than drum.radius = {mm_text(radius)}"
+            f"{key}: lining, backing and body are {text_in_mm(shoe.depth)} thick together; "
+            f"must be less than drum.radius = {text_in_mm(radius)}"
         )
     if isinstance(shoe.body, Beam):
         _check_beam_fits_outside_drum(key, shoe, radius)
@@ -362,9 +363,9 @@ def _check_arc_carries_lining(key: str, body: ArcBody, lining: Lining) -> None:
     """Raise ValueError if an arc body has no length, or if its lining extends beyond it."""
     if not 0 < body.end - body.start < 2 * math.pi:
         raise ValueError(
-            f"{key}.body.end = {deg_text(body.end)}: must be greater than body.start = "
-            f"{deg_text(body.start)}, "
-            f"by less than 360 deg{hint_about_angles_of_arc(body.start, body.end)}"
+            f"{key}.body.end = {text_in_degrees(body.end)}: must be greater than body.start = "
+            f"{text_in_degrees(body.start)}, "
+            f"by less than 360 deg{did_you_mean_hint_for_angles_of_arc(body.start, body.end)}"
         )
     # Angles that a file gives in degrees may differ by round-off.
     slack = 1e-9  # rad
@@ -375,10 +376,11 @@ def _check_arc_carries_lining(key: str, body: ArcBody, lining: Lining) -> None:
         turns = 2 * math.pi * round((middle - lining.middle) / (2 * math.pi))
         start, end = lining.start + turns, lining.end + turns
         if body.start - slack <= start and end <= body.end + slack:
-            hint = f" (did you mean {deg_text(start)} to {deg_text(end)}?)"
+            hint = f" (did you mean {text_in_degrees(start)} to {text_in_degrees(end)}?)"
         raise ValueError(
-            f"{key}.lining = {deg_text(lining.start)} to {deg_text(lining.end)}: "
-            f"must lie within the body, {deg_text(body.start)} to {deg_text(body.end)}{hint}"
+            f"{key}.lining = {text_in_degrees(lining.start)} to {text_in_degrees(lining.end)}: "
+            f"must lie within the body, {text_in_degrees(body.start)} to "
+            f"{text_in_degrees(body.end)}{hint}"
         )
 
 
@@ -390,7 +392,7 @@ def check_shoe_on_abutment_has_no_grip(key: str, shoe: Held) -> None:
     body = getattr(shoe, "body", None)
     if shoe.abutment is not None and isinstance(body, Bar) and body.grip is not None:
         raise ValueError(
-            f"{key}.body.grip = {mm_text(body.grip)}: "
+            f"{key}.body.grip = {text_in_mm(body.grip)}: "
             "an abutment holds the body's end face; leave it out"
         )
 
@@ -409,21 +411,22 @@ def _check_beam_fits_outside_drum(key: str, shoe: DrumShoe, radius: float) -> No
     if axis.distance <= radius:
         raise ValueError(
             f"{shown}: the line from the hinge to the actuation's point passes "
-            f"{mm_text(axis.distance)} from the drum's centre; must be more than drum.radius = "
-            f"{mm_text(radius)}"
+            f"{text_in_mm(axis.distance)} from the drum's centre; must be more than drum.radius = "
+            f"{text_in_mm(radius)}"
         )
     # The rays from the drum's centre through the lining's ends must meet the beam.
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
     x = axis.foot + radius * np.sin(ends)
     if np.abs(ends).max() >= 0.5 * math.pi or x.min() < 0 or x.max() > axis.length:
         raise ValueError(
-            f"{key}.lining = {deg_text(shoe.lining.start)} to {deg_text(shoe.lining.end)}: "
+            f"{key}.lining = {text_in_degrees(shoe.lining.start)} to "
+            f"{text_in_degrees(shoe.lining.end)}: "
             "must lie between the beam's ends and less than 90 deg from where the beam is "
             "nearest to the drum"
         )
 
 
-def _check_support_lets_shoe_press(key: str, shoe: DrumShoe, radius: float) -> None:
+def _check_support_lets_shoe_press_on_drum(key: str, shoe: DrumShoe, radius: float) -> None:
     """Raise ValueError if the support of a shoe does not let it press on the drum.
 
     A guide must lead the lining to the drum. Abutment and pivot must not lie at the drum's centre,
@@ -433,7 +436,7 @@ def _check_support_lets_shoe_press(key: str, shoe: DrumShoe, radius: float) -> N
         # This is the component of the guide's direction along the lining's normal to the drum.
         away = shoe.sign * math.cos(shoe.guide.direction - shoe.lining.middle)
         if away <= 0:
-            shown = f"{key}.guide.direction = {deg_text(shoe.guide.direction)}"
+            shown = f"{key}.guide.direction = {text_in_degrees(shoe.guide.direction)}"
             raise ValueError(f"{shown}: must lead the middle of the lining towards the drum")
     if shoe.abutment is not None and shoe.abutment.point.radius < 1e-9 * radius:
         raise ValueError(f"{key}.abutment.point = (0, 0): must not be the drum's centre")
@@ -441,7 +444,7 @@ def _check_support_lets_shoe_press(key: str, shoe: DrumShoe, radius: float) -> N
     if shoe.pivot is None:
         check_rigid_body_modes_close_gap_differently(key, shoe, slice(0, 2))
         return
-    shown = f"{key}.pivot = ({mm_text(shoe.pivot.x)}, {mm_text(shoe.pivot.y)})"
+    shown = f"{key}.pivot = ({text_in_mm(shoe.pivot.x)}, {text_in_mm(shoe.pivot.y)})"
     if shoe.pivot.radius < 1e-9 * radius:
         raise ValueError(
             f"{shown}: must not be the drum's centre, about which the shoe would only slide"

@@ -86,7 +86,7 @@ class ElasticLayer(NamedTuple):
         return np.broadcast_to(straight.astype(points.dtype), points.shape)
 
 
-def orthotropic_excess_of_normal_stiffness(elasticity: Any) -> Any:
+def normal_stiffness_in_excess_of_isotropic(elasticity: Any) -> Any:
     """Excess of D_11 and D_22 over D_12 + 2 D_33 in elasticity matrices D (..., 3, 3).
 
     The result (..., 2) [Pa] is 0 for isotropic matrices.
@@ -100,4 +100,4 @@ def orthotropic_excess_of_normal_stiffness(elasticity: Any) -> Any:
 
 def which_elasticity_matrices_are_orthotropic(elasticity: Floats) -> Bools:
     """Whether each elasticity matrix of an array (..., 3, 3) is not isotropic; shape (...)."""
-    return np.asarray(orthotropic_excess_of_normal_stiffness(elasticity).any(axis=-1))
+    return np.asarray(normal_stiffness_in_excess_of_isotropic(elasticity).any(axis=-1))

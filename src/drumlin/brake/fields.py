@@ -50,7 +50,7 @@ def _quantity_of_brake_key_in_si(
         raise ValueError(f"{key} = {value!r} {error}" if key else str(error)) from error
 
 
-def _validator_that_converts_quantity_to_si(si: str) -> BeforeValidator:
+def _make_validator_that_converts_quantity_to_si(si: str) -> BeforeValidator:
     """Make the pydantic validator that converts a quantity to this SI unit."""
     return BeforeValidator(partial(_quantity_of_brake_key_in_si, si=si))
 
@@ -93,23 +93,25 @@ PURE_NUMBER = BeforeValidator(number_without_unit_from_text)
 """The validator that reads a number without unit, which a file may write as "30 %" or "0,3"."""
 
 # Types of the quantities of a brake file: each converts a text with a unit to a number in SI units.
-Length = Annotated[float, _validator_that_converts_quantity_to_si("m")]
-Thickness = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("m")]
-Angle = Annotated[float, _validator_that_converts_quantity_to_si("rad")]
-Force = Annotated[float, _validator_that_converts_quantity_to_si("N")]
-Torque = Annotated[float, _validator_that_converts_quantity_to_si("N m")]
-Modulus = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("Pa")]
-Area = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("m^2")]
-SpringRate = Annotated[float, _validator_that_converts_quantity_to_si("N/m")]
-Mass = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("kg")]
-Acceleration = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("m/s^2")]
-AngularSpeed = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("rad/s")]
-PressureOfTable = Annotated[float, Field(ge=0), _validator_that_converts_quantity_to_si("Pa")]
-SpeedOfTable = Annotated[float, Field(ge=0), _validator_that_converts_quantity_to_si("m/s")]
-Speed = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("m/s")]
-TemperatureRise = Annotated[float, _validator_that_converts_quantity_to_si("K")]
-Expansion = Annotated[float, _validator_that_converts_quantity_to_si("1/K")]
-BendingStiffness = Annotated[float, Field(gt=0), _validator_that_converts_quantity_to_si("N m^2")]
+Length = Annotated[float, _make_validator_that_converts_quantity_to_si("m")]
+Thickness = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("m")]
+Angle = Annotated[float, _make_validator_that_converts_quantity_to_si("rad")]
+Force = Annotated[float, _make_validator_that_converts_quantity_to_si("N")]
+Torque = Annotated[float, _make_validator_that_converts_quantity_to_si("N m")]
+Modulus = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("Pa")]
+Area = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("m^2")]
+SpringRate = Annotated[float, _make_validator_that_converts_quantity_to_si("N/m")]
+Mass = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("kg")]
+Acceleration = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("m/s^2")]
+AngularSpeed = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("rad/s")]
+PressureOfTable = Annotated[float, Field(ge=0), _make_validator_that_converts_quantity_to_si("Pa")]
+SpeedOfTable = Annotated[float, Field(ge=0), _make_validator_that_converts_quantity_to_si("m/s")]
+Speed = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("m/s")]
+TemperatureRise = Annotated[float, _make_validator_that_converts_quantity_to_si("K")]
+Expansion = Annotated[float, _make_validator_that_converts_quantity_to_si("1/K")]
+BendingStiffness = Annotated[
+    float, Field(gt=0), _make_validator_that_converts_quantity_to_si("N m^2")
+]
 Title = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_check_title_is_one_line)]
 Name = Annotated[
     str, Field(min_length=1, max_length=80), AfterValidator(_check_name_has_allowed_characters)
@@ -422,7 +424,9 @@ Rows = tuple[tuple[float, float], ...]
 """The type of a table of rows (coordinate, value), between which values are interpolated."""
 
 
-def validator_of_number_or_table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
+def make_validator_of_number_or_table(
+    place: str, place_si: str, name: str, si: str
+) -> BeforeValidator:
     """Make the validator of a quantity that is constant or varies along a coordinate.
 
     It takes a number, or a table of rows (coordinate, value) with linear interpolation between the
@@ -439,19 +443,19 @@ def validator_of_number_or_table(place: str, place_si: str, name: str, si: str) 
     return BeforeValidator(read)
 
 
-def validator_of_table_with_growing_coordinates(
+def make_validator_of_table_with_growing_coordinates(
     place: str, place_si: str, name: str, si: str
 ) -> BeforeValidator:
     """Make the validator of a table of rows (coordinate, value) with growing coordinates.
 
-    The parameters are as in `validator_of_number_or_table`.
+    The parameters are as in `make_validator_of_number_or_table`.
     """
     return BeforeValidator(
         partial(_convert_table_rows_to_si, place=place, name=name, row=(place_si, si))
     )
 
 
-def rows_of_array(value: object) -> object:
+def array_as_list_of_rows_or_number(value: object) -> object:
     """A numpy array as plain data: a list of rows for the shape (n, 2), a number for the shape ().
 
     A value that is no array is returned as it is. Raises ValueError for an array of another shape.
@@ -471,7 +475,7 @@ def _convert_number_or_table_to_si(
     Raises ValueError for other data and for a table of fewer than two rows. `si` is the SI unit of
     a number in place of a table. The other parameters are as in `_convert_table_rows_to_si`.
     """
-    value = rows_of_array(value)
+    value = array_as_list_of_rows_or_number(value)
     if not isinstance(value, list | tuple):
         return _quantity_of_brake_key_in_si(value, info, si)
     rows = _convert_table_rows_to_si(
@@ -585,25 +589,27 @@ need small elements: a parabola that opens the gap by 0.1 mm then took 100 times
 """
 
 
-def validator_of_function_along_lining() -> BeforeValidator:
+def make_validator_that_tabulates_function_along_lining() -> BeforeValidator:
     """Make the validator that turns a function of the lining's coordinate into a table of rows.
 
     The coordinate is the angle [rad] on a drum, and x [m] on a plane. The function takes a
     coordinate and returns a value in SI. It becomes rows at equal distances from the lining's start
     to its end.
     """
-    return BeforeValidator(_rows_of_function_along_lining)
+    return BeforeValidator(_table_rows_of_function_along_lining)
 
 
-def _rows_of_function_along_lining(value: object, info: ValidationInfo) -> object:
+def _table_rows_of_function_along_lining(value: object, info: ValidationInfo) -> object:
     """The table of rows that replaces a function of the coordinate; other values are unchanged."""
     if not callable(value) or not {"start", "end"} <= set(info.data):
         return value
     ends = info.data["start"], info.data["end"]
-    return rows_of_function(value, np.linspace(*ends, ROWS_OF_FUNCTION))
+    return table_rows_of_function_at_coordinates(value, np.linspace(*ends, ROWS_OF_FUNCTION))
 
 
-def rows_of_function(function: Callable[..., Any], places: Floats) -> list[list[float]]:
+def table_rows_of_function_at_coordinates(
+    function: Callable[..., Any], places: Floats
+) -> list[list[float]]:
     """The values of a function at the coordinates `places` (n,), as n rows (coordinate, value).
 
     Raises ValueError for values that are not numbers.

@@ -269,7 +269,7 @@ def parts_and_field_name_of_brake_key(brake: Part, key: str) -> tuple[list[Part]
             found = found[int(step) : int(step) + 1]
             continue
         # The name of a shoe leads to this shoe, unless it is a key of the shoes.
-        named = [part for part in found if _has_part_name_of_key_word(part, step)]
+        named = [part for part in found if _is_key_word_name_of_part(part, step)]
         if named:
             found = named
             continue
@@ -287,7 +287,7 @@ def parts_and_field_name_of_brake_key(brake: Part, key: str) -> tuple[list[Part]
     return found, _field_name_of_brake_file_key(found[0], last, key)
 
 
-def _has_part_name_of_key_word(part: Part, step: str) -> bool:
+def _is_key_word_name_of_part(part: Part, step: str) -> bool:
     """Whether `step`, one word of a dotted key, is the name of this part, such as a shoe.
 
     It is False if the part has a key with this word.
@@ -408,12 +408,12 @@ def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, ke
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
         _set_value_of_key_in_nested_data(data[head], rest, value, key)
     else:
-        _convert_point_to_coordinates_with_key(data, head)
+        _convert_point_data_to_coordinate_system_of_key(data, head)
         # The value is copied, because a later change may set a key within it.
         data[head] = deepcopy(value)
 
 
-def _convert_point_to_coordinates_with_key(data: dict[str, Any], key: str) -> None:
+def _convert_point_data_to_coordinate_system_of_key(data: dict[str, Any], key: str) -> None:
     """Convert a point's data, in place, to the coordinates that have `key`: x and y, or polar.
 
     Data of anything else, and data that have the key already, are not changed.

@@ -22,8 +22,8 @@ from drumlin.brake.fields import (
     PressureOfTable,
     SpeedOfTable,
     TemperatureRise,
-    rows_of_array,
-    rows_of_function,
+    array_as_list_of_rows_or_number,
+    table_rows_of_function_at_coordinates,
 )
 from drumlin.brake.units import SMALLEST
 
@@ -59,7 +59,7 @@ class FrictionCurve(NamedTuple):
     pressure: Floats
     mu: Floats
 
-    def friction_coefficient_at_pressures(self, p: Floats) -> Floats:
+    def friction_coefficients_at_pressures(self, p: Floats) -> Floats:
         """The friction coefficient at pressures p [Pa], same shape."""
         return np.interp(p, self.pressure, self.mu)
 
@@ -68,7 +68,7 @@ class FrictionCurve(NamedTuple):
         """The slopes (m + 1,) [1/Pa] before the first pressure, between two, and after the last."""
         return np.concatenate([[0.0], np.diff(self.mu) / np.diff(self.pressure), [0.0]])
 
-    def friction_slope_at_pressures(self, p: Floats) -> Floats:
+    def friction_slopes_at_pressures(self, p: Floats) -> Floats:
         """The derivative of the friction coefficient by the pressure [1/Pa] at p [Pa], same shape.
 
         At a pressure of the table it is the slope on the side of higher pressures.
@@ -120,7 +120,7 @@ class FrictionTable(Part):
             )
         return self
 
-    def friction_over_pressure_at_speed_and_heat(
+    def friction_coefficient_curve_at_speed_and_temperature_rise(
         self, speed: float, temperature_rise: float
     ) -> FrictionCurve:
         """The coefficient as a function of pressure, at a speed [m/s] and a temperature rise [K].
@@ -153,16 +153,16 @@ is constant.
 """
 
 
-def _table_of_friction_array_or_function(data: object) -> object:
+def _friction_table_from_array_or_function(data: object) -> object:
     """A friction table over the pressure from an array (n, 2) or a function; else the data.
 
     The columns of the array are pressure [Pa] and coefficient. The function takes a pressure [Pa]
     and returns the coefficient.
     """
     if callable(data):
-        rows: object = rows_of_function(data, PRESSURES_OF_FUNCTION)
+        rows: object = table_rows_of_function_at_coordinates(data, PRESSURES_OF_FUNCTION)
     else:
-        rows = rows_of_array(data)
+        rows = array_as_list_of_rows_or_number(data)
     if not isinstance(rows, list) or rows is data:
         return rows
     pressure, mu = zip(*rows, strict=True)
@@ -173,7 +173,7 @@ def _table_of_friction_array_or_function(data: object) -> object:
 FrictionOrTable = Annotated[
     Annotated[Friction, Tag("friction number")] | Annotated[FrictionTable, Tag("friction table")],
     Discriminator(_tag_for_friction_number_or_table),
-    BeforeValidator(_table_of_friction_array_or_function),
+    BeforeValidator(_friction_table_from_array_or_function),
 ]
 """The type of the key `friction`: a friction coefficient, or a table of coefficients.
 
@@ -182,7 +182,7 @@ pressure.
 """
 
 
-def friction_over_pressure_of_lining(
+def friction_coefficient_curve_of_lining(
     written: float | FrictionTable, speed: float, temperature_rise: float
 ) -> FrictionCurve:
     """The friction coefficient of a lining as a function of pressure; one point if constant.
@@ -194,7 +194,9 @@ def friction_over_pressure_of_lining(
     temperature_rise : rise of the temperature at the face of the lining [K]
     """
     if isinstance(written, FrictionTable):
-        return written.friction_over_pressure_at_speed_and_heat(speed, temperature_rise)
+        return written.friction_coefficient_curve_at_speed_and_temperature_rise(
+            speed, temperature_rise
+        )
     return FrictionCurve(np.zeros(1), np.array([written]))
 
 
@@ -205,7 +207,7 @@ def friction_coefficient_as_text(curve: FrictionCurve) -> str:
     return f"{curve.mu[0]:g} to {curve.mu[-1]:g} over the pressure"
 
 
-def keys_of_friction_tables(brake: "Brake") -> dict[str, FrictionTable]:
+def friction_tables_by_brake_file_key(brake: "Brake") -> dict[str, FrictionTable]:
     """The tables of friction of a brake and of its linings by their keys in the brake file."""
     written = {"friction": brake.friction_as_written}
     for i, shoe in enumerate(brake.shoes):
@@ -213,26 +215,26 @@ def keys_of_friction_tables(brake: "Brake") -> dict[str, FrictionTable]:
     return {key: table for key, table in written.items() if isinstance(table, FrictionTable)}
 
 
-def key_of_pressure_dependent_friction(brake: "Brake") -> str | None:
+def first_key_of_pressure_dependent_friction(brake: "Brake") -> str | None:
     """The first key by which friction depends on the pressure; None if it does not."""
-    for key, table in keys_of_friction_tables(brake).items():
+    for key, table in friction_tables_by_brake_file_key(brake).items():
         if table.pressure:
             return f"{key}.pressure"
     return None
 
 
-def reason_against_pressure_dependent_friction(brake: "Brake", what: str) -> str | None:
+def reason_if_friction_depends_on_pressure(brake: "Brake", what: str) -> str | None:
     """Why a computation does not apply if friction depends on the pressure; None if it does not.
 
     `what` names the computation in the text.
     """
-    key = key_of_pressure_dependent_friction(brake)
+    key = first_key_of_pressure_dependent_friction(brake)
     return None if key is None else f"{key}: {what} takes no friction that depends on the pressure"
 
 
 def require_friction_independent_of_pressure(brake: "Brake", what: str) -> None:
     """Raise BadInput if friction depends on the pressure; `what` names the computation."""
-    reason = reason_against_pressure_dependent_friction(brake, what)
+    reason = reason_if_friction_depends_on_pressure(brake, what)
     if reason is not None:
         raise BadInput(reason)
 
@@ -242,7 +244,9 @@ def check_friction_tables_have_sliding_speed(brake: "Brake", key: str, given: bo
 
     `key` is the key of the speed in the brake file, and `given` whether the brake has it.
     """
-    over_speed = [name for name, table in keys_of_friction_tables(brake).items() if table.speed]
+    over_speed = [
+        name for name, table in friction_tables_by_brake_file_key(brake).items() if table.speed
+    ]
     if over_speed and brake.sliding_speed is None:
         raise ValueError(f"{over_speed[0]}.speed: needs the sliding speed; give {key}")
     if given and not over_speed:

@@ -272,7 +272,7 @@ def _check_loads_have_known_shoes_and_masses(brake: Any) -> None:
                 )
 
 
-def reason_against_loads_besides_actuation(brake: Any, what: str) -> str | None:
+def reason_if_loads_besides_actuation_act(brake: Any, what: str) -> str | None:
     """Why a computation that takes actuation forces only does not apply; None if it applies.
 
     `what` names the computation in the text. The text also names the first key of another load.

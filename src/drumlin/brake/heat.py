@@ -13,7 +13,7 @@ import numpy as np
 
 from drumlin.brake.components import Beam, Drum, Lining, Ring
 from drumlin.brake.fields import AnyMaterial, Orthotropic
-from drumlin.brake.units import mm_text
+from drumlin.brake.units import text_in_mm
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake, Shoe
@@ -57,7 +57,7 @@ class HeatedLayer(NamedTuple):
         """Free strains (2, ...) along and through the layer at depths (...) [m] in the shoe."""
         rise = np.interp(depth, self.depths, temperature_rises_at_both_faces(self.part))
         material = self.material
-        # `check_heated_shoes_can_expand` has refused heated parts without coefficients.
+        # `check_thermal_expansion_of_shoes_is_known` has refused heated parts without coefficients.
         assert material is not None
         return np.array([material.expansion_along * rise, material.expansion_through * rise])
 
@@ -74,14 +74,14 @@ def heated_layers_of_shoe(shoe: "Shoe") -> Iterator[HeatedLayer]:
         depth += thickness
 
 
-def check_heated_shoes_can_expand(shoes: Sequence["Shoe"]) -> None:
+def check_thermal_expansion_of_shoes_is_known(shoes: Sequence["Shoe"]) -> None:
     """Raise ValueError for a heated part whose expansion is not known or cannot be modelled."""
     for i, shoe in enumerate(shoes):
         for layer in heated_layers_of_shoe(shoe):
-            _check_layer_can_expand(f"shoe[{i}].{layer.key}", shoe, layer)
+            _check_thermal_expansion_of_layer_is_known(f"shoe[{i}].{layer.key}", shoe, layer)
 
 
-def _check_layer_can_expand(key: str, shoe: "Shoe", layer: HeatedLayer) -> None:
+def _check_thermal_expansion_of_layer_is_known(key: str, shoe: "Shoe", layer: HeatedLayer) -> None:
     """Raise ValueError if a heated layer lacks a coefficient of expansion, or cannot be modelled.
 
     `key` is the key of the layer in the brake, for the message.
@@ -103,7 +103,7 @@ def _check_layer_can_expand(key: str, shoe: "Shoe", layer: HeatedLayer) -> None:
         )
 
 
-def check_heated_drum_can_expand(drum: Drum) -> None:
+def check_thermal_expansion_of_drum_is_known(drum: Drum) -> None:
     """Raise ValueError for a heated drum whose expansion is not known, or cannot be modelled."""
     if not is_part_heated(drum):
         return
@@ -158,7 +158,7 @@ def radial_growth_of_heated_drum(drum: Drum, sign: int) -> float:
         return 0.0
     alpha, R = _thermal_expansion_coefficient_of_drum(drum), drum.radius
     near, far = temperature_rises_at_both_faces(drum)
-    # `check_heated_drum_can_expand` has refused a heated drum without the coefficient.
+    # `check_thermal_expansion_of_drum_is_known` has refused a heated drum without the coefficient.
     assert alpha is not None
     if drum.ring is None:
         return alpha * near * R
@@ -237,7 +237,7 @@ def note_on_heated_parts_of_brake(brake: "Brake") -> str | None:
     line = f"note: heated: {'; '.join(names)}"
     if names[0] == "drum":
         growth = brake.out_of_round_harmonics[-1].amplitude
-        line += f"; the drum's radius grows by {mm_text(growth)}"
+        line += f"; the drum's radius grows by {text_in_mm(growth)}"
     return line
 
 

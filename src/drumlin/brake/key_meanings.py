@@ -272,7 +272,7 @@ KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
 )  # fmt: skip
 
 
-def add_meanings_of_keys(parts: dict[str, Any], tables: Iterable[TableOfKeys]) -> None:
+def add_key_meanings_to_json_schema(parts: dict[str, Any], tables: Iterable[TableOfKeys]) -> None:
     """Write the meaning of each key into the descriptions of a JSON schema.
 
     An editor shows the description of a key. A description that says how the value is written

@@ -13,7 +13,7 @@ from drumlin.brake.components import Lobes
 from drumlin.brake.fields import Point
 
 
-def gap_of_lining_ground_to_circle(
+def gaps_of_lining_ground_to_circle(
     R: float, radius: float | None, offset: Point, middle: float, sign: int, theta: Floats
 ) -> Floats:
     """Exact gap [m] between a drum and a lining with a circle of its own, along the drum's radii.
@@ -46,7 +46,7 @@ def gap_of_lining_ground_to_circle(
     return sign * (R - along - np.sqrt(r**2 - across**2))
 
 
-def gap_of_pad_ground_to_circle(radius: float | None, offset: Point, x: Floats) -> Floats:
+def gaps_of_pad_ground_to_circle(radius: float | None, offset: Point, x: Floats) -> Floats:
     """Exact gap [m] between a plane and the face of a pad that is ground to a circle.
 
     The circle touches the plane at the middle of the face, and is then moved by `offset`.

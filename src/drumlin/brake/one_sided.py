@@ -150,7 +150,7 @@ Bearing = tuple[bool, ...]
 """Whether each one-sided support bears on its shoes, in the order of the supports."""
 
 
-def choices_of_supports_that_bear(count: int, first: Bearing = ()) -> Iterator[Bearing]:
+def all_choices_of_bearing_supports(count: int, first: Bearing = ()) -> Iterator[Bearing]:
     """Yield every choice of which of `count` supports bear, `first` before all others.
 
     Each choice comes once, so that a search among them ends.
@@ -250,7 +250,9 @@ def require_no_shoe_on_anchors(brake: Brake, what: str) -> None:
             )
 
 
-def names_of_supports_that_bear(supports: Sequence[OneSidedSupport], bearing: Bearing) -> str:
+def text_with_names_of_bearing_supports(
+    supports: Sequence[OneSidedSupport], bearing: Bearing
+) -> str:
     """The names of the supports that bear, as a text; "none" if no support bears."""
     names = [support.name for support, bears in zip(supports, bearing, strict=True) if bears]
     return ", ".join(names) or "none"

@@ -138,7 +138,7 @@ def brake_data_with_patterned_shoes_repeated(
     changed: dict[str, Any] = {"shoe": found}
     given = data.get("link", ())
     if links and isinstance(given, list | tuple):
-        changed["link"] = _links_in_order_of_pushing([*given, *links])
+        changed["link"] = _links_sorted_from_pushing_to_pushed_shoe([*given, *links])
     if springs:
         changed["spring"] = springs
     return {**data, **changed}
@@ -208,7 +208,7 @@ def _copies_of_shoe_with_pattern(key: str, first: Any, move: Callable[[float], M
     return shoes
 
 
-def _links_in_order_of_pushing(links: list[Any]) -> list[Any]:
+def _links_sorted_from_pushing_to_pushed_shoe(links: list[Any]) -> list[Any]:
     """Sort links so that every shoe is pushed by a link before it pushes another shoe.
 
     Links that are no tables, or that form a closed ring, come last in their given order.

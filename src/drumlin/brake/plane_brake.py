@@ -38,9 +38,9 @@ from drumlin.brake.fields import (
     Thickness,
     Title,
     check_shoe_names_differ,
-    validator_of_function_along_lining,
-    validator_of_number_or_table,
-    validator_of_table_with_growing_coordinates,
+    make_validator_of_number_or_table,
+    make_validator_of_table_with_growing_coordinates,
+    make_validator_that_tabulates_function_along_lining,
 )
 from drumlin.brake.file import (
     make_validated_brake_part,
@@ -49,8 +49,8 @@ from drumlin.brake.file import (
 )
 from drumlin.brake.friction import FrictionOrTable, check_friction_tables_have_sliding_speed
 from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_loads_assigned_to_shoes
-from drumlin.brake.heat import check_heated_shoes_can_expand
-from drumlin.brake.off_circle import gap_of_pad_ground_to_circle
+from drumlin.brake.heat import check_thermal_expansion_of_shoes_is_known
+from drumlin.brake.off_circle import gaps_of_pad_ground_to_circle
 from drumlin.brake.pattern import (
     FlatPattern,
     brake_data_with_patterned_shoes_repeated,
@@ -58,7 +58,7 @@ from drumlin.brake.pattern import (
 )
 from drumlin.brake.support import check_rigid_body_modes_close_gap_differently
 from drumlin.brake.surface import PLANE
-from drumlin.brake.units import deg_text, mm_text
+from drumlin.brake.units import text_in_degrees, text_in_mm
 
 
 class Plane(Part):
@@ -81,7 +81,7 @@ class FlatMisfit(Misfit):
 
     radius: Length | None = None
     blocks: Annotated[
-        Rows, validator_of_table_with_growing_coordinates("place", "m", "depth", "m")
+        Rows, make_validator_of_table_with_growing_coordinates("place", "m", "depth", "m")
     ] = ()
 
 
@@ -101,8 +101,8 @@ class FlatLining(Lining):
     material: AnyMaterial | None = None  # type: ignore[assignment]
     clearance: Annotated[
         float | Rows,
-        validator_of_number_or_table("place", "m", "clearance", "m"),
-        validator_of_function_along_lining(),
+        make_validator_of_number_or_table("place", "m", "clearance", "m"),
+        make_validator_that_tabulates_function_along_lining(),
     ] = 0.0
     misfit: FlatMisfit = FlatMisfit()
     friction: FrictionOrTable | None = None
@@ -115,18 +115,20 @@ class FlatLining(Lining):
         long, radius = self.end - self.start, self.misfit.radius
         if long <= 0:
             raise ValueError(
-                f"end = {mm_text(self.end)} must be greater than start = {mm_text(self.start)}"
+                f"end = {text_in_mm(self.end)} must be greater than start = "
+                f"{text_in_mm(self.start)}"
             )
         # A face of the smallest allowed radius has the largest allowed gap at its ends.
         most = LARGEST_MISFIT * long
         least = long / (8 * LARGEST_MISFIT)
         if radius is not None and abs(radius) < least:
             raise ValueError(
-                f"misfit.radius = {mm_text(radius)}: must be at least {mm_text(least)} either way, "
+                f"misfit.radius = {text_in_mm(radius)}: must be at least {text_in_mm(least)} "
+                "either way, "
                 f"{1 / (8 * LARGEST_MISFIT):g} times the lining's length"
             )
-        allowed = f"{LARGEST_MISFIT:g} of the lining's length, {mm_text(most)}"
-        self.misfit.check("misfit", (self.start, self.end), self.step, mm_text, most, allowed)
+        allowed = f"{LARGEST_MISFIT:g} of the lining's length, {text_in_mm(most)}"
+        self.misfit.check("misfit", (self.start, self.end), self.step, text_in_mm, most, allowed)
         return self
 
     @property
@@ -184,8 +186,8 @@ class FlatShoe(Shoe):
         slack = 1e-9 * (lining.end - lining.start)
         if body and not body.start - slack <= lining.start < lining.end <= body.end + slack:
             raise ValueError(
-                f"lining = {mm_text(lining.start)} to {mm_text(lining.end)}: "
-                f"must lie within the body, {mm_text(body.start)} to {mm_text(body.end)}"
+                f"lining = {text_in_mm(lining.start)} to {text_in_mm(lining.end)}: "
+                f"must lie within the body, {text_in_mm(body.start)} to {text_in_mm(body.end)}"
             )
         return self
 
@@ -233,7 +235,7 @@ class FlatShoe(Shoe):
         """
         return np.stack(np.broadcast_arrays(size * phi, depth))
 
-    def distance_from_friction_surface(self, xy: Floats, size: float) -> Floats:
+    def distances_from_friction_surface(self, xy: Floats, size: float) -> Floats:
         """Height [m] above the plane of points (2, ...) [m] that are in the frame of the shoe."""
         return np.asarray(xy[1])
 
@@ -253,14 +255,16 @@ class FlatShoe(Shoe):
         return size
 
     @property
-    def direction_in_which_lining_middle_closes_gap(self) -> float:
+    def angle_of_direction_in_which_lining_closes_gap(self) -> float:
         """Direction [rad] in which a lining moves straight towards the plane: -90 deg."""
         return -math.pi / 2
 
-    def gap_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
+    def gaps_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a face that is ground to a circle, at the coordinates x [m], same shape."""
         misfit = self.lining.misfit
-        return gap_of_pad_ground_to_circle(misfit.radius, misfit.offset, theta - self.lining.middle)
+        return gaps_of_pad_ground_to_circle(
+            misfit.radius, misfit.offset, theta - self.lining.middle
+        )
 
 
 class FlatBrake(Brake):
@@ -344,13 +348,13 @@ class FlatBrake(Brake):
         # The length of the first lining is the size of the brake, which all its shoes must know.
         size = shoes[0].lining.end - shoes[0].lining.start
         shoes = tuple(shoe.copy_of_shoe_for_brake_of_size(size) for shoe in shoes)
-        check_heated_shoes_can_expand(shoes)
+        check_thermal_expansion_of_shoes_is_known(shoes)
         for i, shoe in enumerate(shoes):
             check_shoe_on_abutment_has_no_grip(f"shoe[{i}]", shoe)
             # Translations along y and turns close the gap to a plane, translations along x do not.
             check_rigid_body_modes_close_gap_differently(f"shoe[{i}]", shoe, slice(1, 3))
             if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
-                shown = f"shoe[{i}].guide.direction = {deg_text(shoe.guide.direction)}"
+                shown = f"shoe[{i}].guide.direction = {text_in_degrees(shoe.guide.direction)}"
                 raise ValueError(f"{shown}: must lead to the plane, not along it")
         return brake_with_loads_assigned_to_shoes(self.model_copy(update={"shoes": shoes}))
 
@@ -406,7 +410,7 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
         raise BadInput(f"{path}: {error}") from error
 
 
-def brake_or_brake_of_file(brake: Any) -> Brake:
+def brake_itself_or_read_from_file(brake: Any) -> Brake:
     """The brake itself; for the path of a brake file, the brake of this file.
 
     Raises BadInput for anything else, and as `read_any` does.

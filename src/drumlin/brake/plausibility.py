@@ -15,7 +15,7 @@ from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import Material, Orthotropic, Part, Point, si_unit_of_field_type
-from drumlin.brake.units import mm_text
+from drumlin.brake.units import text_in_mm
 
 FAR_AWAY = 20.0
 """Distance or length, relative to the brake's size, above which a note asks for its unit.
@@ -160,7 +160,9 @@ def _notes_on_too_high_friction(brake: Brake) -> Iterator[str]:
     frictions = {"friction": brake.friction}
     for i, shoe in enumerate(brake.shoes):
         if shoe.lining.friction is not None:
-            frictions[f"shoe[{i}].lining.friction"] = brake.friction_of_shoe(shoe)
+            frictions[f"shoe[{i}].lining.friction"] = (
+                brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
+            )
     for key, friction in frictions.items():
         if friction > HIGH_FRICTION:
             meant = f"; did you mean {friction / 100:g}, which is {friction:g} %?"
@@ -174,9 +176,11 @@ def _notes_on_unusual_drum_radius(brake: Brake) -> Iterator[str]:
     """Yield a note if the drum's radius is outside DRUM_RADII."""
     low, high = DRUM_RADII
     if isinstance(brake, DrumBrake) and not low <= brake.drum.radius <= high:
-        meant = _text_of_length_in_other_unit(brake.drum.radius, small=brake.drum.radius < low)
+        meant = _text_of_length_with_unit_that_may_be_meant(
+            brake.drum.radius, small=brake.drum.radius < low
+        )
         yield (
-            f"drum.radius = {mm_text(brake.drum.radius)} is not usual, "
+            f"drum.radius = {text_in_mm(brake.drum.radius)} is not usual, "
             f"20 mm to 5 m are; "
             f"did you mean {meant}?"
         )
@@ -188,7 +192,7 @@ def _notes_on_far_points(brake: Brake, size: float) -> Iterator[str]:
         away = 0.0 if point is None else _distance_from_drum_centre_or_nearest_pad(brake, point)
         if away > FAR_AWAY * size:
             words = _text_of_brake_size_with_its_key(brake, size)
-            meant = _text_of_length_in_other_unit(away, small=False)
+            meant = _text_of_length_with_unit_that_may_be_meant(away, small=False)
             yield (
                 f"{key} is {away:.4g} m away, {away / size:.3g} times {words}; "
                 f"did you mean {meant}?"
@@ -229,10 +233,10 @@ def _distance_from_drum_centre_or_nearest_pad(brake: Brake, point: Point) -> flo
 def _text_of_brake_size_with_its_key(brake: Brake, size: float) -> str:
     """Words for the brake's size with its value, such as "drum.radius = 150 mm"."""
     name = "the lining's length" if brake.surface.is_plane_and_not_drum else "drum.radius"
-    return f"{name} = {mm_text(size)}"
+    return f"{name} = {text_in_mm(size)}"
 
 
-def _text_of_length_in_other_unit(length: float, *, small: bool) -> str:
+def _text_of_length_with_unit_that_may_be_meant(length: float, *, small: bool) -> str:
     """The length [m] as a text with the same number in another unit, as a suggestion.
 
     A `small` length may be meant in m and written in mm. A large length may be meant in mm or cm
@@ -252,12 +256,12 @@ def _notes_on_unusual_length(value: _Quantity, brake: Brake, size: float) -> Ite
     if value.value > FAR_AWAY * size:
         yield (
             f"{value.key} = {value.value:.4g} m is {value.value / size:.3g} times {words}; "
-            f"did you mean {_text_of_length_in_other_unit(value.value, small=False)}?"
+            f"did you mean {_text_of_length_with_unit_that_may_be_meant(value.value, small=False)}?"
         )
     elif 0 < value.value < least * size:
         yield (
-            f"{value.key} = {mm_text(value.value)} is {value.value / size:.2g} of {words}; "
-            f"did you mean {_text_of_length_in_other_unit(value.value, small=True)}?"
+            f"{value.key} = {text_in_mm(value.value)} is {value.value / size:.2g} of {words}; "
+            f"did you mean {_text_of_length_with_unit_that_may_be_meant(value.value, small=True)}?"
         )
 
 
@@ -298,12 +302,12 @@ def _notes_on_unit_of_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
     if value.value < low:
         yield (
             f"{value.key} = {number_as_text(value.value, '.4g')} Pa (N/m^2) is low for {what}; "
-            f"did you mean {_text_in_mpa(value.value * 1e6)} (N/mm^2)?"
+            f"did you mean {_stress_as_text_in_mpa(value.value * 1e6)} (N/mm^2)?"
         )
     elif value.value > high:
         yield (
-            f"{value.key} = {_text_in_mpa(value.value)} (N/mm^2) is high for {what}; "
-            f"did you mean N/m^2, which gives {_text_in_mpa(value.value * 1e-6)}?"
+            f"{value.key} = {_stress_as_text_in_mpa(value.value)} (N/mm^2) is high for {what}; "
+            f"did you mean N/m^2, which gives {_stress_as_text_in_mpa(value.value * 1e-6)}?"
         )
 
 
@@ -318,7 +322,7 @@ def _notes_on_temperature_or_expansion(value: _Quantity) -> Iterator[str]:
         )
 
 
-def _text_in_mpa(modulus: float) -> str:
+def _stress_as_text_in_mpa(modulus: float) -> str:
     """A modulus or a pressure [Pa] as text in MPa."""
     return f"{number_as_text(modulus * 1e-6, '.4g')} MPa"
 
@@ -332,11 +336,11 @@ def _notes_on_too_stiff_linings(brake: Brake) -> Iterator[str]:
         if body is None or shoe.lining.material is None:
             continue
         E_lining, E_body = shoe.lining.material.E_through, body.E_along
-        moduli = f"E = {_text_in_mpa(E_lining)} beside {_text_in_mpa(E_body)}"
+        moduli = f"E = {_stress_as_text_in_mpa(E_lining)} beside {_stress_as_text_in_mpa(E_body)}"
         if E_lining <= E_body or E_lining > STIFFEST_PART or E_body < SOFTEST_BODY:
             continue
         key = f"shoe[{i}].lining.material is stiffer than shoe[{i}].body.material, {moduli}"
         if softest_metal <= E_body <= stiffest_metal:
-            yield f"{key}; did you mean {_text_in_mpa(E_lining * 1e-3)}?"
+            yield f"{key}; did you mean {_stress_as_text_in_mpa(E_lining * 1e-3)}?"
         elif softest_metal <= E_lining <= stiffest_metal and E_body <= STIFFEST_USUAL_LINING:
             yield f"{key}; were the two exchanged?"

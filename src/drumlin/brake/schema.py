@@ -14,7 +14,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from drumlin.base.written_numbers import number_without_unit_from_text
 from drumlin.brake import fields
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.key_meanings import KEYS_OF_BRAKE_FILE, add_meanings_of_keys
+from drumlin.brake.key_meanings import KEYS_OF_BRAKE_FILE, add_key_meanings_to_json_schema
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 
@@ -52,7 +52,7 @@ class UnitSchema(GenerateJsonSchema):
         if function is number_without_unit_from_text:
             return {"anyOf": [found, {"type": "string", "pattern": _PURE_NUMBER}]}
         if isinstance(function, partial):
-            return _json_schema_of_texts_with_units(found, function.keywords.get("si"))
+            return _json_schema_of_numbers_as_texts_with_units(found, function.keywords.get("si"))
         return found
 
 
@@ -69,7 +69,9 @@ _POLAR = {
 }
 
 
-def _json_schema_of_texts_with_units(found: JsonSchemaValue, si: str | None) -> JsonSchemaValue:
+def _json_schema_of_numbers_as_texts_with_units(
+    found: JsonSchemaValue, si: str | None
+) -> JsonSchemaValue:
     """Convert the schema of numbers in SI to the schema of texts with units.
 
     Parameters
@@ -80,7 +82,9 @@ def _json_schema_of_texts_with_units(found: JsonSchemaValue, si: str | None) -> 
     if "anyOf" in found:
         return {
             **found,
-            "anyOf": [_json_schema_of_texts_with_units(part, si) for part in found["anyOf"]],
+            "anyOf": [
+                _json_schema_of_numbers_as_texts_with_units(part, si) for part in found["anyOf"]
+            ],
         }
     if found.get("type") == "number":
         return (
@@ -146,7 +150,7 @@ The schema calls them Brake, Lining, Shoe and Body; editors of users may rely on
 def json_schema_of_brake_file() -> dict[str, Any]:
     """The JSON schema of a brake file, for brakes on a drum and on a plane."""
     made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
-    add_meanings_of_keys(made["$defs"], KEYS_OF_BRAKE_FILE)
+    add_key_meanings_to_json_schema(made["$defs"], KEYS_OF_BRAKE_FILE)
     # In a file several linings of a shoe are a list of tables, not a table with the key `parts`.
     row = made["$defs"]["DrumLiningRow"]
     made["$defs"]["DrumLiningRow"] = {

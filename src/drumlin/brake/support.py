@@ -28,7 +28,7 @@ from pydantic import (
 )
 
 from drumlin.base.arrays import Floats
-from drumlin.base.files import register_protected_input_file
+from drumlin.base.files import protect_file_from_being_overwritten
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import PURE_NUMBER, Angle, Length, Name, Part, Place, Point
 from drumlin.brake.further_loads import (
@@ -192,7 +192,7 @@ class Held(Part):
     _has_loads_at_actuation: bool = PrivateAttr(False)
 
     @model_validator(mode="after")
-    def _check_has_one_support(self) -> Self:
+    def _check_shoe_has_exactly_one_support(self) -> Self:
         """Raise ValueError unless the shoe has one support: hinge, abutment, guide or anchors."""
         given = [key for key in MAIN_SUPPORTS if getattr(self, key) is not None]
         if self.anchors:
@@ -455,7 +455,7 @@ class Held(Part):
             tuple(names),
         )
 
-    def derivatives_of_rigid_body_modes_by_support(
+    def derivatives_of_rigid_body_modes_by_support_data(
         self, sense: int = 1
     ) -> dict[str, tuple[SupportChange, ...]]:
         """Exact derivatives of the rigid-body modes with respect to the data of the support.
@@ -501,7 +501,7 @@ def _absolute_mesh_path(mesh: Path | None, info: ValidationInfo) -> Path | None:
     base = (info.context or {}).get("base")
     if mesh is None or base is None:
         return mesh
-    register_protected_input_file(base / mesh)
+    protect_file_from_being_overwritten(base / mesh)
     return Path(base / mesh)
 
 

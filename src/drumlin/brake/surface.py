@@ -32,7 +32,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.units import deg_text, mm_text
+from drumlin.brake.units import text_in_degrees, text_in_mm
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class FrictionSurface:
         """Whether the surface is a plane and not a drum."""
         return self.period == 0
 
-    def reason_why_not_on_surface(self, other: "FrictionSurface") -> str | None:
+    def reason_why_surface_is_not_required_one(self, other: "FrictionSurface") -> str | None:
         """Text for an error message that the shoes do not press on the surface `other`.
 
         It is None if this surface is `other`.
@@ -116,7 +116,7 @@ class FrictionSurface:
             return np.array([np.zeros(np.shape(q)), -np.ones(np.shape(q))])
         return np.array([np.cos(q), np.sin(q)])
 
-    def moments_of_unit_forces_on_surface(self, q: Floats, size: float) -> Floats:
+    def moments_of_unit_normal_and_tangential_forces(self, q: Floats, size: float) -> Floats:
         """Moments (2, ...) [m] about the origin of unit forces on the surface at the coordinates q.
 
         The first row is for unit forces along the normals that `unit_normals_into_surface`
@@ -151,7 +151,7 @@ DRUM = FrictionSurface(
     unit="rad",
     shown_unit="deg",
     shown=math.degrees(1),
-    place=deg_text,
+    place=text_in_degrees,
     axis="angle θ [deg]",
     figure_axis="angle on the drum θ [deg]",
     page_axis="angle on the drum θ [deg]",
@@ -176,7 +176,7 @@ PLANE = FrictionSurface(
     unit="m",
     shown_unit="mm",
     shown=1e3,
-    place=mm_text,
+    place=text_in_mm,
     axis="place x [mm]",
     figure_axis="place x [mm]",
     page_axis="place on the plane x [mm]",

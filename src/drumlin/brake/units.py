@@ -271,7 +271,7 @@ def _quantity_text_with_keyboard_signs(text: str) -> str:
     )
 
 
-def command_option_text_in_si(key: str, text: str, si: str) -> float:
+def number_in_si_from_command_option_text(key: str, text: str, si: str) -> float:
     """Convert the text of a command's option to a number in SI units.
 
     Raises BadInput for a text that is no such quantity; `key` is the option in the message.
@@ -282,11 +282,11 @@ def command_option_text_in_si(key: str, text: str, si: str) -> float:
         raise BadInput(f"{key} = {text!r}: {error}") from error
 
 
-def mm_text(length: float) -> str:
+def text_in_mm(length: float) -> str:
     """A length [m] as text in mm."""
     return f"{length * 1e3:.6g} mm"
 
 
-def deg_text(angle: float) -> str:
+def text_in_degrees(angle: float) -> str:
     """An angle [rad] as text in degrees."""
     return f"{math.degrees(angle):.6g} deg"

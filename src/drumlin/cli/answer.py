@@ -6,7 +6,7 @@ The torque, a table of the shoes, warnings and the estimated errors are printed.
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from drumlin.base.texts import error_as_text
+from drumlin.base.texts import error_text_in_percent
 from drumlin.cli.terminal import (
     Column,
     print_line_folded_to_terminal_width,
@@ -128,7 +128,7 @@ def _estimated_errors_as_line(effect: str, error: "Mapping[str, float]") -> str:
     `effect` is the printed name of the torque, or of the braking force on a plane. An estimate of 1
     or more says that the value is not known.
     """
-    texts = {key: error_as_text(e) if e < 1 else "not known" for key, e in error.items()}
+    texts = {key: error_text_in_percent(e) if e < 1 else "not known" for key, e in error.items()}
     line = f"estimated error: p {texts['pressure']} (L2, worst shoe)"
     names = {"torque": effect, "peak": "peak pressure", "reaction": "hinge reaction"}
     for key, name in names.items():
@@ -152,16 +152,16 @@ def _plane_stress_errors_as_line(effect: str, response: "Response") -> str:
     subject = "error of plane stress itself"
     if found.corrected:
         subject = "error of plane stress after the correction for the widths"
-    line = f"{subject}: p {error_as_text(found.brake['pressure'])} (mean over the width)"
+    line = f"{subject}: p {error_text_in_percent(found.brake['pressure'])} (mean over the width)"
     for key, name in names.items():
-        line += f", {name} {error_as_text(found.brake[key])}"
+        line += f", {name} {error_text_in_percent(found.brake[key])}"
     line += ", peak pressure not known"
     if mesh is None:
         return line
     both = {key: found.brake[key] + mesh[key] for key in ("pressure", *names) if key in mesh}
-    line += f"; both together: p {error_as_text(both.pop('pressure'))}"
+    line += f"; both together: p {error_text_in_percent(both.pop('pressure'))}"
     for key, error in both.items():
-        line += f", {names[key]} {error_as_text(error)}"
+        line += f", {names[key]} {error_text_in_percent(error)}"
     return line
 
 
@@ -267,8 +267,8 @@ def _print_lines_of_verbose_answer(response: "Response", notes: list[str]) -> No
         balance = response.balance
         print_line_folded_to_terminal_width(
             f"{response.iterations} active-set steps; "
-            f"balance: force {error_as_text(balance.force)}, "
-            f"moment {error_as_text(balance.moment)}; ms: {', '.join(times)}"
+            f"balance: force {error_text_in_percent(balance.force)}, "
+            f"moment {error_text_in_percent(balance.moment)}; ms: {', '.join(times)}"
         )
     for line in notes:
         print_line_folded_to_terminal_width(line)

@@ -28,7 +28,7 @@ def _print_version_and_exit(asked: bool) -> None:
 
 
 @app.callback()
-def _options_before_any_command(
+def _take_options_before_any_command(
     version: Annotated[
         bool,
         typer.Option(

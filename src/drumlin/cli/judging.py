@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 import drumlin
-from drumlin.base.texts import error_as_text
+from drumlin.base.texts import error_text_in_percent
 from drumlin.cli.options import (
     BrakeFile,
     Elements,
@@ -74,8 +74,8 @@ def reference(
         print_line_folded_to_terminal_width(
             f"  shoe {shoe.name!r}: {effect} {shoe.torque.value:.10g} {unit}, "
             f"uncertainty {shoe.torque.uncertainty:.1g} {unit}; p uncertain by "
-            f"{error_as_text(shoe.pressure_uncertainty)} of its peak away from the edges, "
-            f"{error_as_text(shoe.distance)} in L2"
+            f"{error_text_in_percent(shoe.pressure_uncertainty)} of its peak away from the edges, "
+            f"{error_text_in_percent(shoe.distance)} in L2"
         )
     print_line_folded_to_terminal_width(f"reference: {path}")
 

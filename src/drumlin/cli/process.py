@@ -44,8 +44,8 @@ def main() -> NoReturn:
 
 def _prepare_process_and_run_command() -> int:
     """Prepare signals, streams and imports of this process, run its command, return exit status."""
-    _make_end_signals_raise_stopped()
-    _make_output_streams_usable()
+    _make_termination_signals_raise_stopped()
+    _replace_closed_streams_and_unprintable_letters()
     _exclude_current_folder_from_imports()
     gc.set_threshold(GARBAGE_THRESHOLD)
     # Python's warnings concern programmers, not users. `python -W default` shows them.
@@ -57,7 +57,7 @@ def _prepare_process_and_run_command() -> int:
         _flush_standard_output()
 
 
-def _make_end_signals_raise_stopped() -> None:
+def _make_termination_signals_raise_stopped() -> None:
     """Let the signals SIGTERM and SIGHUP raise Stopped in this process.
 
     A signal that the process was started to ignore, as under nohup, stays ignored.
@@ -92,7 +92,7 @@ def run_command_line(words: Sequence[str]) -> int:
     """
     import typer
 
-    from drumlin.base.files import protect_input_files
+    from drumlin.base.files import protect_input_files_within_block
     from drumlin.cli.commands import app
 
     # Only Python code can pass a word with a NUL character; some versions of typer fail on it.
@@ -103,7 +103,7 @@ def run_command_line(words: Sequence[str]) -> int:
     # If a shell asks how to complete a command line, click prints the answer and ends the process.
     if SHELL_COMPLETION_VARIABLE in os.environ:
         command(list(words), prog_name="drumlin")
-    with protect_input_files():
+    with protect_input_files_within_block():
         try:
             with command.make_context("drumlin", list(words) or ["--help"]) as context:
                 command.invoke(context)
@@ -142,7 +142,7 @@ def _raise_stopped_for_signal(number: int, _: object) -> None:
     raise Stopped(number)
 
 
-def _make_output_streams_usable() -> None:
+def _replace_closed_streams_and_unprintable_letters() -> None:
     """Make standard output and standard error usable.
 
     A closed standard error is replaced by a null device. A letter that the terminal does not know,

@@ -36,10 +36,10 @@ def study(
     ] = False,
 ) -> None:
     """List the studies, or run one of them and write its report into reports/NAME."""
-    from drumlin.studies import first_lines_of_own_studies, run_study_and_write_report
+    from drumlin.studies import docstring_first_lines_of_drumlin_studies, run_study_and_write_report
 
     if name is None:
-        print_names_beside_texts(first_lines_of_own_studies())
+        print_names_beside_texts(docstring_first_lines_of_drumlin_studies())
         return
 
     with show_spinner_beside_words(f"study {name}") as say:
@@ -102,7 +102,7 @@ def _print_outcome_of_sweep(table: "SweepTable", table_file: Path) -> None:
 
     Raises NoAnswer where every case has failed.
     """
-    for line in table.lines_of_outcome():
+    for line in table.text_lines_on_outcome_of_cases():
         print_line_folded_to_terminal_width(line)
     failed = table.failures.total()
     if failed < len(table):

@@ -13,7 +13,8 @@ rigid-body modes; without friction C = B^T.
 A trial contact set gives each node a pressure or a gap. A node is wrong if its pressure or its gap
 is negative. The active-set method is a semismooth Newton method: all wrong nodes change at once
 (block principal pivoting: Kostreva 1978; Judice & Pires 1994). If the wrong nodes do not become
-fewer, `find_contact_set_by_closing_wide_gaps` changes one node at a time (Lemke 1965).
+fewer, `find_contact_set_and_step_count_by_closing_wide_gaps` changes one node at a time (Lemke
+1965).
 """
 
 import math
@@ -74,10 +75,10 @@ MOST_STEPS_WITHOUT_PROGRESS = 5
 
 A contact node is wrong if its pressure or its gap is negative. If the number of wrong nodes has not
 fallen, the solution is followed along a path on which one node changes at a time, see
-`find_contact_set_by_closing_wide_gaps`. The path needs a step for each node that changes. Judice
-and Pires (1994) wait for up to ten steps. On 50 random holding brakes a limit of one step takes 1.2
-times as many factorisations as a limit of five. With limits from five to twelve steps the numbers
-of factorisations differ by 2 %. The solutions are the same with any limit.
+`find_contact_set_and_step_count_by_closing_wide_gaps`. The path needs a step for each node that
+changes. Judice and Pires (1994) wait for up to ten steps. On 50 random holding brakes a limit of
+one step takes 1.2 times as many factorisations as a limit of five. With limits from five to twelve
+steps the numbers of factorisations differ by 2 %. The solutions are the same with any limit.
 """
 
 COARSE_GUESS_FROM_NODES = 48
@@ -160,7 +161,7 @@ def solve_contact_problem(problem: ContactProblem, start: Bools | None = None) -
     try:
         return solve_contact_by_block_pivoting(problem, start)
     except ContactSetNotConverged as unsettled:
-        active, steps = find_contact_set_by_closing_wide_gaps(problem)
+        active, steps = find_contact_set_and_step_count_by_closing_wide_gaps(problem)
         found = solve_contact_by_block_pivoting(problem, active)
         return replace(found, steps=unsettled.steps + steps + found.steps)
 
@@ -219,7 +220,7 @@ def solve_contact_by_block_pivoting(
         # If the touching nodes leave a rigid-body mode free, the equations are singular. Therefore
         # the nodes whose gaps the actuation closes first are added.
         if not _can_contact_set_resist_rigid_body_modes(problem, active):
-            active = active | _find_nodes_that_touch_first(system.scaled_contact_problem)
+            active = active | _mask_of_nodes_that_touch_first(system.scaled_contact_problem)
         equations = _factorise_equations_of_contact_set(system, active, base)
         if not isinstance(equations, BorderedEquations):
             base = equations
@@ -245,7 +246,7 @@ def _factorise_equations_of_contact_set(
 
     The factors of the earlier equations `base` are reused if few nodes differ.
     """
-    on = system.mark_unknowns_of_contact_set(active)
+    on = system.mask_of_unknowns_of_contact_set(active)
     if base is not None and is_bordered_system_cheaper_than_new_factors(base, on):
         return BorderedEquations(base, system.K, on)
     return ContactSetEquations(system.K, on)
@@ -295,7 +296,7 @@ def _refine_contact_solution_once(
         steps=steps,
         stable=do_contact_equations_resist_all_rigid_modes(equations, system),
         system=system,
-        pressure_change=partial(_pressure_change_by_gap_change, equations, system),
+        pressure_change=partial(_pressure_change_due_to_gap_change, equations, system),
     )
 
 
@@ -387,7 +388,9 @@ class _PathSegment(NamedTuple):
         return self.value + s * self.slope
 
 
-def find_contact_set_by_closing_wide_gaps(problem: ContactProblem) -> tuple[Bools, int]:
+def find_contact_set_and_step_count_by_closing_wide_gaps(
+    problem: ContactProblem,
+) -> tuple[Bools, int]:
     """Follow the solution of a contact problem from widened gaps to the true gaps.
 
     The gaps are q + s e, with s = 1 where the path begins and s = 0 where it ends. The added gaps e
@@ -407,11 +410,11 @@ def find_contact_set_by_closing_wide_gaps(problem: ContactProblem) -> tuple[Bool
     """
     system = scale_contact_problem(problem)
     K, n = system.K, system.n
-    active = _find_nodes_that_touch_first(system.scaled_contact_problem, one_node_per_mode=True)
+    active = _mask_of_nodes_that_touch_first(system.scaled_contact_problem, one_node_per_mode=True)
     s, direction, last = 1.0, -1, -1
     lift = np.zeros(len(system.r))
     for step in range(MOST_SET_CHANGES * n):
-        equations = ContactSetEquations(K, system.mark_unknowns_of_contact_set(active))
+        equations = ContactSetEquations(K, system.mask_of_unknowns_of_contact_set(active))
         if step == 0:
             lift[:n] = _added_gaps_that_open_other_nodes(system, equations, active)
         line = _pressures_and_gaps_as_linear_path_segment(system, equations, active, lift)
@@ -558,7 +561,7 @@ def restrict_array_to_every_other_node(rows: Floats, axis: int = 0) -> Floats:
     return half
 
 
-def _pressure_change_by_gap_change(
+def _pressure_change_due_to_gap_change(
     equations: ContactSetEquations, system: ScaledContactSystem, dq: Floats
 ) -> Floats:
     """Return the change of the pressures (n,) under a change dq (n,) of the weighted gaps.
@@ -598,7 +601,7 @@ def _can_contact_set_resist_rigid_body_modes(problem: ContactProblem, active: Bo
     return all(resisting)
 
 
-def _find_nodes_that_touch_first(
+def _mask_of_nodes_that_touch_first(
     problem: ContactProblem, *, one_node_per_mode: bool = False
 ) -> Bools:
     """Mark the nodes (n,) that touch first as the actuation moves the open shoes.
@@ -611,7 +614,7 @@ def _find_nodes_that_touch_first(
     n = len(q)
     touching, p = np.zeros(n, dtype=bool), np.zeros(n)
     # If a shoe pushes another shoe, its pressures p are needed for the load on the other shoe.
-    for modes in _sort_shoe_modes_in_order_of_pushing(
+    for modes in _sort_mode_groups_from_pushing_to_pushed_shoe(
         _group_modes_that_move_the_same_nodes(B != 0), B != 0, C != 0
     ):
         load = h[modes] - C[modes] @ p
@@ -647,7 +650,7 @@ def _rigid_body_motion_until_each_node_touches(
     return reach
 
 
-def _sort_shoe_modes_in_order_of_pushing(
+def _sort_mode_groups_from_pushing_to_pushed_shoe(
     mode_groups: list[list[int]], moves: Bools, bears: Bools
 ) -> list[list[int]]:
     """Sort the sets of modes, one set for each shoe, in the order in which shoes push each other.
@@ -729,7 +732,7 @@ def _find_touching_nodes_that_balance_shoe_load(
     sets = candidates[indices]
     # Only sets whose nodes hold the shoe in all modes are kept.
     equilibria, closings = C.T[sets].transpose(0, 2, 1), B[sets]  # (sets, k, k)
-    holds = _mark_nonsingular_matrices(equilibria) & _mark_nonsingular_matrices(
+    holds = _which_matrices_are_nonsingular(equilibria) & _which_matrices_are_nonsingular(
         closings.transpose(0, 2, 1)
     )
     sets, equilibria, closings = sets[holds], equilibria[holds], closings[holds]
@@ -747,7 +750,7 @@ def _find_touching_nodes_that_balance_shoe_load(
     return np.asarray(sets[pressed][np.argmax(smallest_gap)])
 
 
-def _mark_nonsingular_matrices(matrices: Floats) -> Bools:
+def _which_matrices_are_nonsingular(matrices: Floats) -> Bools:
     """Whether each of the matrices (m, k, k) has a determinant above round-off, as bools (m,).
 
     The rows stand for rigid-body modes and the columns for nodes.

@@ -87,7 +87,7 @@ class ScaledContactSystem(NamedTuple):
         K, r, n = self.K, self.r, self.n
         return ContactProblem(K[:n, :n], r[:n], K[:n, n:], K[n:, :n], -r[n:])
 
-    def mark_unknowns_of_contact_set(self, active: Bools) -> Bools:
+    def mask_of_unknowns_of_contact_set(self, active: Bools) -> Bools:
         """Mark the unknowns (n + k,) that a contact set (n,) does not set to zero.
 
         The marked unknowns are the pressures of the contact set and all rigid-body motions.
@@ -109,7 +109,7 @@ def scale_contact_problem(
     A, q, B, C, h = problem
     n, k = B.shape
     rows, columns = (
-        _scale_factors_of_contact_problem(problem)
+        _row_and_column_scale_factors_of_contact_problem(problem)
         if scales_of is None
         else (scales_of.row_scales, scales_of.column_scales)
     )
@@ -124,7 +124,9 @@ def scale_contact_problem(
     return ScaledContactSystem(K, r, rows, columns, n)
 
 
-def _scale_factors_of_contact_problem(problem: ContactProblem) -> tuple[Floats, Floats]:
+def _row_and_column_scale_factors_of_contact_problem(
+    problem: ContactProblem,
+) -> tuple[Floats, Floats]:
     """Return the scale factors (n + k,) of the rows of K, and then those of its columns."""
     A, _, B, C, _ = problem
     k = B.shape[1]
@@ -144,7 +146,7 @@ def condition_number_on_contact_set(problem: ContactProblem, active: Bools) -> f
     LAPACK's routine gecon estimates the condition number from the LU factors.
     """
     system = scale_contact_problem(problem)
-    unknowns = np.flatnonzero(system.mark_unknowns_of_contact_set(active))
+    unknowns = np.flatnonzero(system.mask_of_unknowns_of_contact_set(active))
     matrix = system.K[unknowns[:, None], unknowns]
     if not matrix.size:
         return 1.0

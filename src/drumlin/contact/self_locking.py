@@ -191,7 +191,7 @@ def find_largest_friction_with_equilibrium(
     while mu < largest_friction:
         steps += 1
         target = min(mu + step, largest_friction)
-        after = contact_continued_to_friction(problem, target, found, areas)
+        after = stable_contact_continued_to_higher_friction_or_none(problem, target, found, areas)
         if after is not None:
             step = min(2 * step, LARGEST_FRICTION_STEP * max(1.0, mu))
             found, mu = after, target
@@ -205,7 +205,7 @@ def find_largest_friction_with_equilibrium(
                 # The present mu is itself the friction at which the equations are singular.
                 critical = mu
             critical_set = found.active
-            if _is_contact_set_valid_up_to_friction(problem, mu, critical, found.active):
+            if _is_contact_set_valid_up_to_singular_friction(problem, mu, critical, found.active):
                 return FrictionLimit(critical, False, found, mu, steps)
         step = 0.5 * (target - mu)
         if step < FRICTION_RESOLUTION * max(mu, 1e-3):
@@ -213,7 +213,7 @@ def find_largest_friction_with_equilibrium(
     return FrictionLimit(np.inf, False, found, mu, steps)
 
 
-def contact_continued_to_friction(
+def stable_contact_continued_to_higher_friction_or_none(
     problem: FrictionDependentProblem, friction: float, before: Contact, areas: Floats
 ) -> Contact | None:
     """The stable solution at a higher friction that continues a solution; None if none is found.
@@ -269,7 +269,7 @@ def _does_solution_continue_at_higher_friction(
     )
 
 
-def _is_contact_set_valid_up_to_friction(
+def _is_contact_set_valid_up_to_singular_friction(
     problem: FrictionDependentProblem, mu: float, singular_friction: float, active: Bools
 ) -> bool:
     """Whether a contact set (n,) that holds at mu also holds just below its singular friction.
@@ -560,7 +560,7 @@ def next_friction_with_singular_contact_equations(
     """
     system = scale_contact_problem(problem.contact_problem_at_friction_coefficient(friction))
     nodes = np.flatnonzero(active)
-    unknowns = np.flatnonzero(system.mark_unknowns_of_contact_set(active))
+    unknowns = np.flatnonzero(system.mask_of_unknowns_of_contact_set(active))
     # K1 has columns for pressures only, because B does not depend on friction.
     K1 = np.vstack([problem.A_per_friction[nodes][:, nodes], problem.C_per_friction[:, nodes]])
     K1 *= system.row_scales[unknowns, None] * system.column_scales[nodes]
@@ -628,7 +628,9 @@ def compare_solutions_from_starting_contact_sets(
     return StartSetComparison(len(starts), **counts, difference=largest)
 
 
-def smallest_singular_friction_of_contact_sets(problem: FrictionDependentProblem) -> float:
+def smallest_friction_that_makes_any_contact_set_singular(
+    problem: FrictionDependentProblem,
+) -> float:
     """Return the smallest mu > 0 at which K0 + mu K1 is singular on any contact set, or inf.
 
     Below this friction the determinants of all contact sets have the same sign, and every load and

@@ -150,19 +150,19 @@ def solve_stick_slip_load_increment(
         if neither Newton's method nor a path of solutions converges; the paths begin at the given
         states and at wide gaps
     """
-    system, scales = _scale_increment_equations(problem, mu, history)
+    system, scales = _scaled_increment_equations_and_factors(problem, mu, history)
     # The methods are tried in this order, the fastest first, until one converges.
     for method in (
-        _find_stick_and_slip_by_newton,
+        _find_stick_slip_states_by_newton,
         _find_stick_slip_states_from_balanced_load,
         _find_stick_slip_states_from_widened_gaps,
-        _find_stick_and_slip_by_single_changes,
+        _find_stick_slip_states_by_slowed_newton,
     ):
         try:
             settled = method(system, start)
         except NoAnswer as error:
             # The last method fails as the first one does, so that its error tells nothing new.
-            if method is not _find_stick_and_slip_by_single_changes:
+            if method is not _find_stick_slip_states_by_slowed_newton:
                 reason = str(error)
             continue
         state, point, steps = settled
@@ -205,7 +205,7 @@ class _SettledStates(NamedTuple):
     steps: int
 
 
-def _scale_increment_equations(
+def _scaled_increment_equations_and_factors(
     problem: FrictionalProblem, mu: float | Floats, history: SlipHistory
 ) -> tuple[_FrictionalSystem, Floats]:
     """Return the scaled equations of a load increment, and the scale factors (2n,).
@@ -278,7 +278,9 @@ class _StateEquations:
         z[n + self.pressed_nodes] += self.traction_per_pressure * basic[:m]
         return _IncrementSolution(z, v, y)
 
-    def distances_of_nodes_from_stick_slip_change(self, solution: _IncrementSolution) -> Floats:
+    def distances_of_nodes_from_their_two_state_changes(
+        self, solution: _IncrementSolution
+    ) -> Floats:
         """Return the distances (2, n) of each node from its two possible changes of state.
 
         The distances are the gap of an open node, the margins mu p - t and mu p + t of a sticking
@@ -300,7 +302,7 @@ NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPE
 """The next state of a contact node (4, 2), by its present state and the violated condition.
 
 Each state has two conditions. Their order is that of
-`_StateEquations.distances_of_nodes_from_stick_slip_change`. An open node that closes becomes
+`_StateEquations.distances_of_nodes_from_their_two_state_changes`. An open node that closes becomes
 FORWARD or BACKWARD by the sign of its slip. The table has FORWARD alone, and the code that uses the
 table corrects it.
 """
@@ -315,11 +317,13 @@ def _solution_and_violated_conditions(
     """
     equations = _StateEquations(system, state)
     point = equations.solve_increment_under_loads(system.q, system.h)
-    round_off = STATE_ROUND_OFF * _sizes_that_scale_round_off_of_distances(system, equations, point)
-    return point, equations.distances_of_nodes_from_stick_slip_change(point) < -round_off
+    round_off = STATE_ROUND_OFF * _sizes_to_which_round_off_of_margins_is_relative(
+        system, equations, point
+    )
+    return point, equations.distances_of_nodes_from_their_two_state_changes(point) < -round_off
 
 
-def _find_stick_and_slip_by_single_changes(
+def _find_stick_slip_states_by_slowed_newton(
     system: _FrictionalSystem, start: Ints
 ) -> _SettledStates:
     """Find the states of the nodes by Newton's method, made slow enough not to go in circles.
@@ -338,11 +342,11 @@ def _find_stick_and_slip_by_single_changes(
         if wrong >= fewest:
             outside[:, : np.flatnonzero(outside.any(axis=0))[-1]] = False
         fewest = min(fewest, wrong)
-        state = _next_stick_and_slip_states(system, state, point, outside)
+        state = _next_stick_slip_states_by_newton(system, state, point, outside)
     raise NoAnswer("not converged: stick and slip do not settle")
 
 
-def _find_stick_and_slip_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledStates:
+def _find_stick_slip_states_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledStates:
     """Find open, sticking and slipping nodes by Newton's method, in which all nodes change at once.
 
     `start` (n,) are the states of the first step. Raises NoAnswer if the number of nodes in a wrong
@@ -361,11 +365,11 @@ def _find_stick_and_slip_by_newton(system: _FrictionalSystem, start: Ints) -> _S
             patience -= 1
         if patience < 0:
             break
-        state = _next_stick_and_slip_states(system, state, point, outside)
+        state = _next_stick_slip_states_by_newton(system, state, point, outside)
     raise NoAnswer("not converged: stick and slip do not settle")
 
 
-def _next_stick_and_slip_states(
+def _next_stick_slip_states_by_newton(
     system: _FrictionalSystem, state: Ints, solution: _IncrementSolution, outside: Bools
 ) -> Ints:
     """Return the states (n,) of the nodes for the next step of Newton's method.
@@ -388,7 +392,7 @@ def _next_stick_and_slip_states(
     return wanted
 
 
-def _sizes_that_scale_round_off_of_distances(
+def _sizes_to_which_round_off_of_margins_is_relative(
     system: _FrictionalSystem, equations: _StateEquations, solution: _IncrementSolution
 ) -> Floats:
     """The sizes (2, n) to which the round-off of each node's two margins is relative.
@@ -470,14 +474,16 @@ def _follow_stick_slip_states_to_true_load(
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
     equations = _StateEquations(system, state)
-    e, f = _added_loads_that_make_stick_slip_states_valid(system, equations, from_wide_gaps)
+    e, f = _added_gaps_and_loads_that_make_stick_slip_states_valid(
+        system, equations, from_wide_gaps
+    )
     for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
         # In the present states the solution is point + r slope. The distances of the nodes from a
         # change of state are value + r change.
         point = equations.solve_increment_under_loads(system.q, system.h)
         slope = equations.solve_increment_under_loads(e, f)
-        value = equations.distances_of_nodes_from_stick_slip_change(point)
-        change = equations.distances_of_nodes_from_stick_slip_change(slope)
+        value = equations.distances_of_nodes_from_their_two_state_changes(point)
+        change = equations.distances_of_nodes_from_their_two_state_changes(slope)
         # The node that has changed last is exactly at a limit of its new state, and its distance
         # from this limit must grow. This tells whether r grows or falls.
         if node >= 0:
@@ -524,7 +530,7 @@ def _next_stick_slip_state_change_on_path(
     return _StateChange(node, edge, reach[edge, node])
 
 
-def _added_loads_that_make_stick_slip_states_valid(
+def _added_gaps_and_loads_that_make_stick_slip_states_valid(
     system: _FrictionalSystem, equations: _StateEquations, from_wide_gaps: bool
 ) -> tuple[Floats, Floats]:
     """Return loads to add to q (2n,) and h (k,) under which the present states are a solution.
@@ -581,10 +587,10 @@ def _distances_from_state_change_made_positive(
     state = equations.state
     n = len(state)
     uneven = 1 + np.arange(2 * n).reshape(2, n) * GOLDEN_RATIO % 1
-    slack = SMALLEST_EXTRA_GAP * _sizes_that_scale_round_off_of_distances(
+    slack = SMALLEST_EXTRA_GAP * _sizes_to_which_round_off_of_margins_is_relative(
         system, equations, solution
     )
-    margin = equations.distances_of_nodes_from_stick_slip_change(solution)
+    margin = equations.distances_of_nodes_from_their_two_state_changes(solution)
     lifted = margin <= 0
     if from_wide_gaps:
         lifted[0] |= state == OPEN

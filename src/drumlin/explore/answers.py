@@ -245,7 +245,9 @@ class Explorer:
                 )
         return _WornBrake(brake_with_worn_linings(run.setup, state), 1e3 * wear)
 
-    def self_locking_friction_of_groups(self, brake: Brake, model: str = "fem") -> LockingFriction:
+    def cached_self_locking_friction_of_shoe_groups(
+        self, brake: Brake, model: str = "fem"
+    ) -> LockingFriction:
         """The friction coefficient at which each group of shoes locks itself, by finite elements.
 
         Shoes that do not lock up to HIGHEST_FRICTION have no entry. The result is empty where no
@@ -254,7 +256,7 @@ class Explorer:
 
         def find_self_locking_friction_with_unit_friction() -> LockingFriction:
             """Find the limits of self-locking, with a friction coefficient of 1 in the brake."""
-            rough = brake.brake_with_scaled_friction(1.0)
+            rough = brake.brake_with_new_friction_coefficient(1.0)
             try:
                 found = self_locking_friction_of_shoe_groups(
                     self.prepared_model_of_brake(brake, model), rough, HIGHEST_FRICTION
@@ -271,7 +273,7 @@ class Explorer:
     def self_locking_friction_if_already_computed(
         self, brake: Brake, model: str = "fem"
     ) -> LockingFriction | None:
-        """The result of `self_locking_friction_of_groups` if it is known already; else None.
+        """The known result of `cached_self_locking_friction_of_shoe_groups`; else None.
 
         The computation takes 30 to 100 ms.
         """
@@ -314,7 +316,7 @@ class Explorer:
 
 def _brake_with_unit_friction(brake: Brake) -> Brake:
     """The brake with a friction coefficient of 1: a cache key that does not depend on friction."""
-    return brake.brake_with_scaled_friction(1.0)
+    return brake.brake_with_new_friction_coefficient(1.0)
 
 
 def _wear_linings_over_distance(scene: PreparedModel, brake: Brake, distance: float) -> _WearRun:

@@ -14,8 +14,8 @@ from drumlin.explore.knob import (
     Changes,
     Knob,
     linings_by_brake_file_key,
-    nearest_1_2_5_power_of_ten,
-    text_of_angle_in_degrees,
+    nearest_1_2_or_5_times_power_of_ten,
+    rounded_brake_file_text_of_angle,
 )
 
 ARC_REACH = 10.0
@@ -28,7 +28,7 @@ The picture of the brake keeps its scale, and has room for a drum that is larger
 """
 
 
-def geometry_knobs_for_brake(brake: Brake) -> tuple[Knob, ...]:
+def geometry_sliders_for_brake(brake: Brake) -> tuple[Knob, ...]:
     """The sliders for the shape of a brake; none on a plane or with mesh files of shoes."""
     if brake.surface.is_plane_and_not_drum or any(shoe.mesh for shoe in brake.shoes):
         return ()
@@ -40,20 +40,20 @@ def geometry_knobs_for_brake(brake: Brake) -> tuple[Knob, ...]:
         if isinstance(shoe.body, Bar):
             bodies[f"shoe[{i}].body.thickness"] = shoe.body.thickness
     knobs = (
-        _drum_radius_knob(brake),
-        _lining_arc_knob(brake),
-        _hinge_radius_knob(brake),
-        _thickness_knob("lining-thickness", "thickness of the lining", linings),
-        _thickness_knob("shoe-thickness", "thickness of the shoe", bodies),
+        _drum_radius_slider(brake),
+        _lining_arc_slider(brake),
+        _hinge_radius_slider(brake),
+        _thickness_slider("lining-thickness", "thickness of the lining", linings),
+        _thickness_slider("shoe-thickness", "thickness of the shoe", bodies),
     )
     return tuple(knob for knob in knobs if knob is not None)
 
 
-def _drum_radius_knob(brake: Brake) -> Knob:
+def _drum_radius_slider(brake: Brake) -> Knob:
     """The slider of the drum's radius [mm]; linings and shoes follow, hinges and forces stay."""
     R = brake.size * 1e3
 
-    def radius_at_knob_value(value: float) -> Changes:
+    def new_drum_radius_at_slider_value(value: float) -> Changes:
         """New radius of the drum; `brake_at_slider_setting` keeps the misfits of the linings."""
         return {"drum.radius": value * 1e-3}
 
@@ -63,16 +63,16 @@ def _drum_radius_knob(brake: Brake) -> Knob:
         unit="mm",
         low=(1 - RADIUS_REACH) * R,
         high=(1 + RADIUS_REACH) * R,
-        step=nearest_1_2_5_power_of_ten(R / 1000),
+        step=nearest_1_2_or_5_times_power_of_ten(R / 1000),
         start=R,
-        changes=radius_at_knob_value,
+        changes=new_drum_radius_at_slider_value,
     )
 
 
-def _lining_arc_knob(brake: Brake) -> Knob:
+def _lining_arc_slider(brake: Brake) -> Knob:
     """The slider that moves both ends of each shoe's lining outwards, in degrees."""
 
-    def changed_end_angles_of_linings_at_knob_value(value: float) -> Changes:
+    def new_lining_end_angles_at_slider_value(value: float) -> Changes:
         """New angles of the outer ends of all linings, moved outwards by the value [deg].
 
         Linings side by side keep the gaps between them.
@@ -87,8 +87,8 @@ def _lining_arc_knob(brake: Brake) -> Knob:
                 else (f"shoe[{i}].lining",) * 2
             )
             by = math.radians(value)
-            made[f"{first_key}.start"] = text_of_angle_in_degrees(parts[0].start - by)
-            made[f"{last_key}.end"] = text_of_angle_in_degrees(parts[last].end + by)
+            made[f"{first_key}.start"] = rounded_brake_file_text_of_angle(parts[0].start - by)
+            made[f"{last_key}.end"] = rounded_brake_file_text_of_angle(parts[last].end + by)
         return made
 
     return Knob(
@@ -99,11 +99,11 @@ def _lining_arc_knob(brake: Brake) -> Knob:
         high=ARC_REACH,
         step=0.5,
         start=0.0,
-        changes=changed_end_angles_of_linings_at_knob_value,
+        changes=new_lining_end_angles_at_slider_value,
     )
 
 
-def _hinge_radius_knob(brake: Brake) -> Knob | None:
+def _hinge_radius_slider(brake: Brake) -> Knob | None:
     """The slider that moves all hinges away from the drum's centre, in mm; None without hinges."""
     hinges = {
         f"shoe[{i}].hinge": shoe.hinge.xy
@@ -112,9 +112,9 @@ def _hinge_radius_knob(brake: Brake) -> Knob | None:
     }
     if not hinges:
         return None
-    reach = nearest_1_2_5_power_of_ten(brake.size * 1e3 / 5)
+    reach = nearest_1_2_or_5_times_power_of_ten(brake.size * 1e3 / 5)
 
-    def hinges_at_knob_value(value: float) -> Changes:
+    def new_hinge_points_at_slider_value(value: float) -> Changes:
         """New places of all hinges, moved by the value [mm] along their radius."""
         made: Changes = {}
         for key, xy in hinges.items():
@@ -130,11 +130,11 @@ def _hinge_radius_knob(brake: Brake) -> Knob | None:
         high=reach,
         step=reach / 50,
         start=0.0,
-        changes=hinges_at_knob_value,
+        changes=new_hinge_points_at_slider_value,
     )
 
 
-def _thickness_knob(name: str, label: str, given: dict[str, float]) -> Knob | None:
+def _thickness_slider(name: str, label: str, given: dict[str, float]) -> Knob | None:
     """The slider of a thickness [mm], from half to twice that of the file; None if none is given.
 
     `given` are the thicknesses [m] of the file by their keys. Where they differ, the slider shows
@@ -152,7 +152,7 @@ def _thickness_knob(name: str, label: str, given: dict[str, float]) -> Knob | No
         unit="mm",
         low=0.5 * start,
         high=2 * start,
-        step=nearest_1_2_5_power_of_ten(start / 200),
+        step=nearest_1_2_or_5_times_power_of_ten(start / 200),
         start=start,
         changes=proportional,
     )

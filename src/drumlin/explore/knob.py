@@ -20,18 +20,18 @@ brake file would show them. Fewer digits would change the torque in the digits t
 """
 
 
-def rounded_numbers(value: Any) -> Any:
+def value_with_all_numbers_rounded(value: Any) -> Any:
     """The value with all numbers in it rounded to SAVED_DIGITS; texts stay as they are."""
     if isinstance(value, float):
         return float(f"{value:.{SAVED_DIGITS}g}")
     if isinstance(value, dict):
-        return {key: rounded_numbers(item) for key, item in value.items()}
+        return {key: value_with_all_numbers_rounded(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [rounded_numbers(item) for item in value]
+        return [value_with_all_numbers_rounded(item) for item in value]
     return value
 
 
-def text_of_angle_in_degrees(angle: float) -> str:
+def rounded_brake_file_text_of_angle(angle: float) -> str:
     """An angle [rad] as the rounded text of a brake file, such as "10 deg"."""
     return f"{math.degrees(angle):.{SAVED_DIGITS}g} deg"
 
@@ -71,7 +71,7 @@ class Knob(NamedTuple):
         return min(max(value, self.low), self.high)
 
 
-def nearest_1_2_5_power_of_ten(value: float) -> float:
+def nearest_1_2_or_5_times_power_of_ten(value: float) -> float:
     """The number nearest to `value` (in ratio) that is 1, 2 or 5 times a power of ten."""
     return min(
         four_round_numbers_around_value(value), key=lambda number: abs(math.log(value / number))

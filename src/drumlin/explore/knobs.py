@@ -17,14 +17,14 @@ from drumlin.brake import vary
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.drive import Drive
-from drumlin.explore.geometry_knobs import geometry_knobs_for_brake
+from drumlin.explore.geometry_knobs import geometry_sliders_for_brake
 from drumlin.explore.knob import (
     Changes,
     Knob,
     linings_by_brake_file_key,
-    nearest_1_2_5_power_of_ten,
-    rounded_numbers,
-    text_of_angle_in_degrees,
+    nearest_1_2_or_5_times_power_of_ten,
+    rounded_brake_file_text_of_angle,
+    value_with_all_numbers_rounded,
 )
 from drumlin.fem.width.functions import has_parts_of_different_widths
 from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
@@ -129,7 +129,7 @@ def sliders_for_brake(brake: Brake) -> tuple[Knob, ...]:
     """
     R = brake.size * 1e3  # mm
     # The smallest steps of lengths are relative to the drum's radius.
-    fine = nearest_1_2_5_power_of_ten(R * 1e-5)
+    fine = nearest_1_2_or_5_times_power_of_ten(R * 1e-5)
     is_flat = brake.surface.is_plane_and_not_drum
     knobs = [
         _friction_coefficient_slider(brake),
@@ -140,19 +140,19 @@ def sliders_for_brake(brake: Brake) -> tuple[Knob, ...]:
         # On a plane there are no sliders of misfit and wear: a flat lining has no radius, and the
         # page computes no wear.
         None if is_flat else _lining_radius_misfit_slider(brake, fine),
-        None if is_flat else _wear_knob(brake),
+        None if is_flat else _wear_distance_slider(brake),
         _youngs_modulus_slider(brake, "lining", "lining modulus", "MPa", 1e6),
         _youngs_modulus_slider(brake, "shoe", "shoe modulus", "GPa", 1e9),
-        *geometry_knobs_for_brake(brake),
+        *geometry_sliders_for_brake(brake),
     ]
     return tuple(knob for knob in knobs if knob is not None)
 
 
 def _friction_coefficient_slider(brake: Brake) -> Knob:
     """The slider of the friction coefficient between lining and drum."""
-    own = brake.key_of_first_lining_with_own_friction() is not None
+    own = brake.first_key_that_gives_lining_its_own_friction() is not None
 
-    def changes_of_all_frictions_in_proportion(value: float) -> Changes:
+    def new_friction_coefficients_at_slider_value(value: float) -> Changes:
         """New friction of the brake, `value`; linings' own frictions change in proportion."""
         changes: dict[str, Any] = {"friction": value}
         for i, shoe in enumerate(brake.shoes):
@@ -169,7 +169,7 @@ def _friction_coefficient_slider(brake: Brake) -> Knob:
         high=max(1.0, 2 * brake.friction),
         step=FRICTION_STEP_OF_KNOB,
         start=brake.friction,
-        changes=changes_of_all_frictions_in_proportion,
+        changes=new_friction_coefficients_at_slider_value,
     )
 
 
@@ -183,7 +183,7 @@ def _actuation_force_slider(brake: Brake) -> Knob | None:
         return None
     low, high = sorted([0.0, 3 * largest * 1e-3])
 
-    def actuation_forces_at_slider_value(value: float) -> Changes:
+    def new_actuation_forces_at_slider_value(value: float) -> Changes:
         """New forces on all shoes, in the brake file's proportion; the largest is `value` [kN]."""
         made: Changes = {}
         for i, force in enumerate(forces):
@@ -194,9 +194,9 @@ def _actuation_force_slider(brake: Brake) -> Knob | None:
     label = "force on each shoe" if len(forces) > 1 else "force"
     if len(set(forces)) > 1:
         label = "largest force"
-    step = nearest_1_2_5_power_of_ten(abs(largest) * 1e-5)
+    step = nearest_1_2_or_5_times_power_of_ten(abs(largest) * 1e-5)
     return Knob(
-        "force", label, "kN", low, high, step, largest * 1e-3, actuation_forces_at_slider_value
+        "force", label, "kN", low, high, step, largest * 1e-3, new_actuation_forces_at_slider_value
     )
 
 
@@ -215,7 +215,7 @@ def _cylinder_or_cam_slider(drive: Drive) -> Knob:
     # above the pressure at which the shoes are not pushed.
     low, high = sorted([lower_slider_end_over_brake_file_value(drive, key) * start, 3 * start])
 
-    def new_drive_pressure_force_or_torque(value: float) -> Changes:
+    def new_drive_pressure_force_or_torque_at_slider_value(value: float) -> Changes:
         """New pressure of the cylinder, or force or torque of the cam; `value` in slider's unit."""
         return {f"actuation.{key}": value * factor}
 
@@ -225,9 +225,9 @@ def _cylinder_or_cam_slider(drive: Drive) -> Knob:
         unit,
         low,
         high,
-        nearest_1_2_5_power_of_ten(abs(start) * 1e-2),
+        nearest_1_2_or_5_times_power_of_ten(abs(start) * 1e-2),
         start,
-        new_drive_pressure_force_or_torque,
+        new_drive_pressure_force_or_torque_at_slider_value,
     )
 
 
@@ -254,9 +254,9 @@ def _line_of_action_shift_slider(brake: Brake, R: float) -> Knob:
         name="shift",
         label="line of the force, moved away from the hinge",
         unit="mm",
-        low=-nearest_1_2_5_power_of_ten(R / 5),
-        high=nearest_1_2_5_power_of_ten(R / 5),
-        step=nearest_1_2_5_power_of_ten(R / 400),
+        low=-nearest_1_2_or_5_times_power_of_ten(R / 5),
+        high=nearest_1_2_or_5_times_power_of_ten(R / 5),
+        step=nearest_1_2_or_5_times_power_of_ten(R / 400),
         start=0.0,
         changes=lambda value: _new_points_of_shifted_forces(brake, value * 1e-3),
     )
@@ -297,7 +297,7 @@ def _new_directions_of_turned_forces(brake: Brake, by: float) -> Changes:
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
         direction = shoe.actuation.direction + shoe.frame.sense * by
-        changes[f"shoe[{i}].actuation.direction"] = text_of_angle_in_degrees(direction)
+        changes[f"shoe[{i}].actuation.direction"] = rounded_brake_file_text_of_angle(direction)
     return changes
 
 
@@ -312,7 +312,7 @@ def _lining_clearance_slider(brake: Brake, step: float) -> Knob:
     same = len(set(given)) == 1 and isinstance(given[0], float | int)
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
 
-    def lining_clearances_at_slider_value(value: float) -> Changes:
+    def new_lining_clearances_at_slider_value(value: float) -> Changes:
         """New clearances of all linings for the slider at `value` [mm]; all change equally."""
         more = (value - start) * 1e-3
         made: Changes = {}
@@ -328,7 +328,14 @@ def _lining_clearance_slider(brake: Brake, step: float) -> Knob:
     reach = max(100 * step, 2 * abs(start))
     label = "gap between lining and drum" if same else "gap, added to the file's"
     return Knob(
-        "clearance", label, "mm", -reach, 2 * reach, step, start, lining_clearances_at_slider_value
+        "clearance",
+        label,
+        "mm",
+        -reach,
+        2 * reach,
+        step,
+        start,
+        new_lining_clearances_at_slider_value,
     )
 
 
@@ -347,7 +354,7 @@ def _lining_radius_misfit_slider(brake: Brake, step: float) -> Knob:
     same = len(set(given)) == 1
     start = given[0] * 1e3 if same else 0.0
 
-    def lining_radii_at_slider_value(value: float) -> Changes:
+    def new_lining_radii_at_slider_value(value: float) -> Changes:
         """New radii of all linings for the slider at `value` [mm]; all change equally."""
         more = (value - start) * 1e-3
         made: Changes = {}
@@ -357,10 +364,10 @@ def _lining_radius_misfit_slider(brake: Brake, step: float) -> Knob:
 
     reach = max(200 * step, 2 * abs(start))
     label = "lining radius minus drum radius" + ("" if same else ", added to the file's")
-    return Knob("misfit", label, "mm", -reach, reach, step, start, lining_radii_at_slider_value)
+    return Knob("misfit", label, "mm", -reach, reach, step, start, new_lining_radii_at_slider_value)
 
 
-def _wear_knob(brake: Brake) -> Knob | None:
+def _wear_distance_slider(brake: Brake) -> Knob | None:
     """The slider for the wear of the linings: a sliding distance in kilometres.
 
     It changes no key of the brake file. The linings of the brake that the other sliders make are
@@ -413,7 +420,7 @@ def _youngs_modulus_slider(
         return None
     largest = max(moduli.values())
 
-    def elastic_moduli_at_slider_value(value: float) -> Changes:
+    def new_elastic_moduli_at_slider_value(value: float) -> Changes:
         """Changes that scale the moduli of all linings or shoes, so that the largest is `value`.
 
         `value` has the unit of the slider.
@@ -434,7 +441,7 @@ def _youngs_modulus_slider(
         start * 100,
         0.01,
         start,
-        elastic_moduli_at_slider_value,
+        new_elastic_moduli_at_slider_value,
         log=True,
     )
 
@@ -501,7 +508,7 @@ def brake_at_slider_setting(brake: Brake, knobs: Sequence[Knob], setting: KnobSe
         radius = changes.get(f"{key}.misfit.radius", lining.misfit.radius)
         if radius is not None:
             changes[f"{key}.misfit.radius"] = radius + growth
-    return vary(brake, rounded_numbers(changes)) if changes else brake
+    return vary(brake, value_with_all_numbers_rounded(changes)) if changes else brake
 
 
 def link_query_of_slider_setting(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
@@ -542,7 +549,9 @@ def slider_setting_from_link_query(
     }
     for name, text in query.items():
         if name in knob_of:
-            setting, line = _setting_with_slider_moved_by_link_text(knob_of[name], text, setting)
+            setting, line = _setting_and_message_after_slider_is_moved_by_link_text(
+                knob_of[name], text, setting
+            )
             lines += [line] if line else []
         elif name in words and text in words[name]:
             setting = _setting_with_law_model_or_motion_from_link(name, text, setting)
@@ -571,7 +580,7 @@ def _setting_with_law_model_or_motion_from_link(
     return replace(setting, model=text) if name == "model" else replace(setting, sense=text)
 
 
-def _setting_with_slider_moved_by_link_text(
+def _setting_and_message_after_slider_is_moved_by_link_text(
     knob: Knob, text: str, setting: KnobSetting
 ) -> tuple[KnobSetting, str]:
     """A copy of the setting with a slider moved to the value `text` of a link, and a message.

@@ -23,12 +23,12 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Part, Point
 from drumlin.brake.writing import brake_file_text
 from drumlin.explore.answers import ExploredAnswer, Explorer
-from drumlin.explore.geometry_knobs import geometry_knobs_for_brake
+from drumlin.explore.geometry_knobs import geometry_sliders_for_brake
 from drumlin.explore.knob import (
     Knob,
     linings_by_brake_file_key,
-    rounded_numbers,
-    text_of_angle_in_degrees,
+    rounded_brake_file_text_of_angle,
+    value_with_all_numbers_rounded,
 )
 from drumlin.explore.knobs import (
     LONGEST_LINK,
@@ -46,9 +46,9 @@ from drumlin.explore.picture import (
     centre_of_picture,
     drawing_lines_of_brake,
     error_of_finite_elements_as_html,
-    half_side_of_picture,
+    half_side_length_of_picture,
     html_table_of_text_rows,
-    lowest_and_highest_place_of_linings,
+    lowest_and_highest_angle_or_position_of_linings,
     picture_of_brake_at_slider_setting,
     pressure_curve_as_whole_numbers,
     self_locking_as_html,
@@ -134,7 +134,7 @@ def path_and_query_of_address(address: str) -> tuple[str, dict[str, str]]:
 def _reply_with_html_page(request: _Request) -> Reply:
     """The HTML page with its sliders and with the drawing of the brake, which no slider changes."""
     setting, brake = request.setting, request.explorer.brake
-    low, high = lowest_and_highest_place_of_linings(brake)
+    low, high = lowest_and_highest_angle_or_position_of_linings(brake)
     is_flat, size = brake.surface.is_plane_and_not_drum, brake.size * 1e3
     # Dashed lines show where the highest pressure of the scale is drawn: circles with these radii
     # [mm] on a drum, a straight line at this height [mm] on a plane.
@@ -162,7 +162,7 @@ def _reply_with_html_page(request: _Request) -> Reply:
         fixed={
             key: svg_path_of_lines(lines) for key, lines in drawing_lines_of_brake(brake).items()
         },
-        reach=half_side_of_picture(brake),
+        reach=half_side_length_of_picture(brake),
         centre=centre_of_picture(brake),
         flat=is_flat,
         size=size,
@@ -258,7 +258,7 @@ def _reply_with_picture_data(request: _Request) -> Reply:
 
 def _drawing_of_changed_shape(request: _Request, brake: Brake | None) -> dict[str, Any] | None:
     """The drawing of a brake whose shape differs from the file's; None where it does not."""
-    names = {knob.name for knob in geometry_knobs_for_brake(request.explorer.brake)}
+    names = {knob.name for knob in geometry_sliders_for_brake(request.explorer.brake)}
     if brake is None or not names & set(request.setting.values):
         return None
     lines = drawing_lines_of_brake(brake)
@@ -276,7 +276,9 @@ def _reply_with_self_locking_limit_and_errors(request: _Request) -> Reply:
     answer = explorer.fem_and_law_answer_at_slider_setting(request.setting)
     locking = None
     if answer.brake is not None:
-        locking = explorer.self_locking_friction_of_groups(answer.brake, answer.setting.model)
+        locking = explorer.cached_self_locking_friction_of_shoe_groups(
+            answer.brake, answer.setting.model
+        )
     data = {
         "locking": self_locking_as_html(answer, locking),
         "error": error_of_finite_elements_as_html(
@@ -315,7 +317,7 @@ def _brake_with_rounded_worn_clearances(answer: ExploredAnswer) -> Brake:
     for key, lining in linings_by_brake_file_key(answer.brake).items():
         if isinstance(lining.clearance, tuple):
             tables[f"{key}.clearance"] = [
-                [text_of_angle_in_degrees(angle), f"{depth * 1e3:.6g} mm"]
+                [rounded_brake_file_text_of_angle(angle), f"{depth * 1e3:.6g} mm"]
                 for angle, depth in lining.clearance
             ]
     return vary(answer.brake, tables) if tables else answer.brake
@@ -327,7 +329,12 @@ def _part_with_rounded_points(part: Part) -> Part:
     A point that the file gives by radius and angle has coordinates with all digits.
     """
     if isinstance(part, Point):
-        return part.model_copy(update={"x": rounded_numbers(part.x), "y": rounded_numbers(part.y)})
+        return part.model_copy(
+            update={
+                "x": value_with_all_numbers_rounded(part.x),
+                "y": value_with_all_numbers_rounded(part.y),
+            }
+        )
 
     def round_points_of_value(value: Any) -> Any:
         """The value of a field, with rounded points in its parts."""

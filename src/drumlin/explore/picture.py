@@ -15,7 +15,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.round_numbers import four_round_numbers_around_value
-from drumlin.base.texts import error_as_text, number_as_text
+from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
 from drumlin.explore.answers import (
@@ -145,7 +145,7 @@ def picture_of_brake_at_slider_setting(answer: ExploredAnswer, brake: Brake) -> 
         forces=_lines_of_force_arrows(
             shown if answer.found is None else brake_with_forces_of_response(shown, answer.found)
         ),
-        scale=highest_pressure_of_scale(max(peaks, default=0.0) * PAGE_MPA),
+        scale=highest_pressure_of_picture_scale(max(peaks, default=0.0) * PAGE_MPA),
         motion=_arrow_character_of_motion(shown),
         head=torque_line_as_html(answer),
         rows=table_rows_by_shoe_and_model(answer, shown),
@@ -170,7 +170,7 @@ def pressure_curve_as_whole_numbers(curve: PressureCurve, scale: float) -> dict[
     return {"at": at.astype(int).tolist(), "p": p.astype(int).tolist(), "sign": curve.sign}
 
 
-def highest_pressure_of_scale(peak: float) -> float:
+def highest_pressure_of_picture_scale(peak: float) -> float:
     """The highest pressure [MPa] of the picture's scale, for curves with a highest `peak` [MPa].
 
     It is the smallest number not below the peak that is 1, 2 or 5 times a power of ten, so that the
@@ -349,7 +349,7 @@ def _relative_error_as_text(error: float) -> str:
     """A relative error in per cent, or "less than 0.0001 %" below SMALLEST_SHOWN_ERROR."""
     if error < SMALLEST_SHOWN_ERROR:
         return f"less than {SMALLEST_SHOWN_ERROR * 100:.4f} %"
-    return error_as_text(error)
+    return error_text_in_percent(error)
 
 
 def table_rows_by_shoe_and_model(
@@ -426,17 +426,17 @@ def drawing_lines_of_brake(brake: Brake) -> Mapping[str, Lines]:
     # Each hinge is drawn as a line of a single point. A shoe on a guide has no hinge.
     hinges = [shoe.pin.xy[:, None] * PAGE_MM for shoe in brake.shoes if shoe.guide is None]
     return {
-        "drum": _line_of_drum_or_plane(brake),
+        "drum": _drawing_line_of_drum_or_plane(brake),
         "linings": Lines.lines_from_point_arrays(linings),
         "bodies": Lines.lines_from_point_arrays(bodies),
         "hinges": Lines.lines_from_point_arrays(hinges),
     }
 
 
-def _line_of_drum_or_plane(brake: Brake) -> Lines:
+def _drawing_line_of_drum_or_plane(brake: Brake) -> Lines:
     """The drum's circle, or the plane as a straight line, in mm."""
     if brake.surface.is_plane_and_not_drum:
-        (x, _), reach = centre_of_picture(brake), half_side_of_picture(brake)
+        (x, _), reach = centre_of_picture(brake), half_side_length_of_picture(brake)
         return Lines([np.array([x - reach, x + reach])], [np.zeros(2)])
     R, circle = brake.size * PAGE_MM, np.linspace(0, 2 * math.pi, 361)
     return Lines([R * np.cos(circle)], [R * np.sin(circle)])
@@ -456,7 +456,7 @@ def _angles_or_positions_of_lining_ends(brake: Brake) -> Floats:
     return np.ravel(ends)
 
 
-def lowest_and_highest_place_of_linings(brake: Brake) -> tuple[float, float]:
+def lowest_and_highest_angle_or_position_of_linings(brake: Brake) -> tuple[float, float]:
     """The lowest and highest angle [deg], on a plane length [mm], of all linings, with a margin."""
     ends = _angles_or_positions_of_lining_ends(brake) * brake.surface.shown
     room = 0.04 * brake.size * PAGE_MM if brake.surface.is_plane_and_not_drum else 2.0 + ARC_REACH
@@ -498,7 +498,7 @@ def _points_that_plane_picture_must_hold(brake: Brake) -> Floats:
     )
 
 
-def half_side_of_picture(brake: Brake) -> float:
+def half_side_length_of_picture(brake: Brake) -> float:
     """Half the side [mm] of the picture, which is a square around the point `centre_of_picture`.
 
     The square holds shoes, hinges, pressure curves and force arrows.

@@ -19,13 +19,13 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.heat import note_on_heated_parts_of_brake
 from drumlin.brake.one_sided import SupportForce
-from drumlin.brake.units import mm_text
+from drumlin.brake.units import text_in_mm
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.pressure_friction import solve_shoe_group_with_lining_friction
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
 from drumlin.fem.equilibrium.springs import (
-    displacement_of_spring_points_along_pulls,
+    displacements_of_spring_points_along_pulls,
     find_spring_pulls_that_fit_shoe_motions,
     notes_on_spring_pulls,
 )
@@ -38,12 +38,12 @@ from drumlin.fem.preparation.bodies import (
 )
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
 from drumlin.fem.preparation.load_places import has_load_columns_of_forces_and_mass
-from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
+from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time_of_block_to_phase
 from drumlin.laws.rigid import notes_on_cam_force_of_unlike_linings
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
     moments_that_scale_imbalance_on_guide,
-    relative_sums_of_forces_and_moments,
+    relative_magnitudes_of_force_and_moment_sums,
 )
 from drumlin.response.response import (
     NEITHER,
@@ -52,7 +52,7 @@ from drumlin.response.response import (
     ShoeChange,
     ShoeResponse,
     length_of_uncompared_edge_zone,
-    notes_on_forces_of_supports,
+    notes_on_forces_of_one_sided_supports,
     reference_force_of_reaction_errors,
     response_of_pressed_elastic_shoe,
     response_of_shoe_without_contact,
@@ -157,15 +157,18 @@ def solve_prepared_model(
     if brake is not scene.brake:
         _check_brake_matches_prepared_model(scene, brake)
     if not any(spring.rate for spring in brake.springs):
-        return _solve_under_known_spring_pulls(scene, brake, penalty, start)[0]
+        return _solve_response_and_spring_motions_under_known_pulls(scene, brake, penalty, start)[0]
     response, pulls = find_spring_pulls_that_fit_shoe_motions(
-        brake, lambda under: _solve_under_known_spring_pulls(scene, under, penalty, start)
+        brake,
+        lambda under: _solve_response_and_spring_motions_under_known_pulls(
+            scene, under, penalty, start
+        ),
     )
     notes = (*response.notes, *notes_on_spring_pulls(brake, pulls))
     return replace(response, spring_pulls=pulls, notes=notes)
 
 
-def _solve_under_known_spring_pulls(
+def _solve_response_and_spring_motions_under_known_pulls(
     scene: PreparedModel, brake: Brake, penalty: float, start: Response | None
 ) -> tuple[Response, Floats]:
     """Solve a brake whose springs have known pulls; parameters as in `solve_prepared_model`.
@@ -174,7 +177,7 @@ def _solve_under_known_spring_pulls(
     nearer to each other.
     """
     seconds = dict(scene.seconds)
-    with add_elapsed_time(seconds, "contact"):
+    with add_elapsed_time_of_block_to_phase(seconds, "contact"):
         answers: dict[int, _ShoeResult] = {}
         for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
             answers |= _solve_group_of_coupled_shoes(group, start)
@@ -196,7 +199,7 @@ def _solve_under_known_spring_pulls(
             *_warnings_on_overlap_of_mesh_and_drum(scene, brake),
             *_notes_on_mesh_files(scene, brake, [answer.response for answer in in_order]),
             *(answer.note for answer in in_order),
-            *notes_on_forces_of_supports([answer.response for answer in in_order]),
+            *notes_on_forces_of_one_sided_supports([answer.response for answer in in_order]),
             *_notes_on_supports_of_shoe_bodies(brake),
             *_notes_on_loads_moved_to_actuation_point(scene, brake),
             *notes_on_cam_force_of_unlike_linings(brake),
@@ -238,11 +241,12 @@ def _warnings_on_overlap_of_mesh_and_drum(scene: PreparedModel, brake: Brake) ->
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:
             continue
-        deep = -float(shoe.distance_from_friction_surface(body.line.xy, brake.size).min())
+        deep = -float(shoe.distances_from_friction_surface(body.line.xy, brake.size).min())
         if deep > LARGEST_SILENT_OVERLAP * shoe.lining.thickness:
             yield (
                 f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to "
-                f"{mm_text(deep)} in the {shoe.surface.word}; its pressure is that of the lining "
+                f"{text_in_mm(deep)} in the {shoe.surface.word}; its pressure is that of the "
+                "lining "
                 "squeezed out of there"
             )
 
@@ -304,15 +308,17 @@ def _support_of_elastic_shoe_body_as_text(shoe: Shoe, bar: Bar, size: float) -> 
         # the brake file, all of it is gripped.
         length = (grip[1] - grip[0]) * shoe.length_along_shoe_back_per_unit_of_phi(size)
         return (
-            f"its {shoe.kind_of_support} grips {mm_text(round(length, 4))} of the back of its body"
+            f"its {shoe.kind_of_support} grips {text_in_mm(round(length, 4))} of the back of its "
+            "body"
         )
     away = math.dist(
-        shoe.middle_of_supported_end_face_of_shoe_body(size), shoe.pin_position_in_shoe_frame
+        shoe.middle_of_supported_or_loaded_end_face_of_body(size), shoe.pin_position_in_shoe_frame
     )
     joined = "" if away < 0.5 * bar.depth else ", joined by a rigid arm"
     holder = "pin" if shoe.kind_of_support == "hinge" else "foot"
     return (
-        f"its {holder} holds the end face of its body, {mm_text(round(away, 4))} from the face's "
+        f"its {holder} holds the end face of its body, {text_in_mm(round(away, 4))} from the "
+        "face's "
         f"middle{joined}"
     )
 
@@ -406,7 +412,9 @@ def _solve_group_of_coupled_shoes(
     # The contact algorithm starts from the nodes that touch in the earlier response.
     first = None
     if start is not None:
-        parts = [_mark_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))]
+        parts = [
+            _mask_of_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))
+        ]
         first = np.concatenate(parts)
     settled = solve_shoe_group_with_lining_friction(group, first)
     solution = _group_solution_under_brake_forces(*settled)
@@ -416,7 +424,7 @@ def _solve_group_of_coupled_shoes(
         if not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
             balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
             raise LostDigits(
-                f"{settled.group.names_of_shoes}: lost digits, {balance}; {TOO_FAR_REASON}"
+                f"{settled.group.names_of_shoes_as_text}: lost digits, {balance}; {TOO_FAR_REASON}"
             )
         return answers
     # Any other group is refined if its round-off error or its imbalance is too large.
@@ -425,27 +433,27 @@ def _solve_group_of_coupled_shoes(
     # be refined.
     strict = refinable or settled.group.scene.model == "solid"
     if refinable and not LONG_DOUBLE_IS_WIDER:
-        return _shoe_results_without_long_double(settled.group, answers)
+        return _shoe_results_with_note_if_round_off_is_large(settled.group, answers)
     most = LARGEST_UNREFINED_ROUND_OFF if strict else LARGEST_REFINED_ROUND_OFF
-    lost = _largest_round_off_of_pressure(answers)
+    lost = _largest_relative_round_off_of_pressure(answers)
     if lost < most and _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
         return answers
     if not refinable:
-        raise _lost_digits_of_group(settled.group, answers, most)
-    return _shoe_results_after_refinement(solution, settled.contact)
+        raise _error_that_round_off_of_group_is_too_large(settled.group, answers, most)
+    return _refine_full_system_and_return_shoe_results(solution, settled.contact)
 
 
-def _lost_digits_of_group(
+def _error_that_round_off_of_group_is_too_large(
     group: ShoeGroup, answers: dict[int, _ShoeResult], most: float
 ) -> LostDigits:
     """The exception for a group whose round-off error exceeds `most`, or that does not balance."""
-    lost = _largest_round_off_of_pressure(answers)
+    lost = _largest_relative_round_off_of_pressure(answers)
     balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
     why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
-    return LostDigits(f"{group.names_of_shoes}: lost digits, {why}; {TOO_FAR_REASON}")
+    return LostDigits(f"{group.names_of_shoes_as_text}: lost digits, {why}; {TOO_FAR_REASON}")
 
 
-def _shoe_results_without_long_double(
+def _shoe_results_with_note_if_round_off_is_large(
     group: ShoeGroup, answers: dict[int, _ShoeResult]
 ) -> dict[int, _ShoeResult]:
     """The results of a group that long double would refine, with a note if round-off is large.
@@ -457,9 +465,9 @@ def _shoe_results_without_long_double(
         body.line.interpolation_degree_along_contact_line for body in group.substructures_of_shoes
     ]
     most = LARGEST_UNREFINED_ROUND_OFF if max(degrees) <= 2 else LARGEST_REFINED_ROUND_OFF
-    lost = _largest_round_off_of_pressure(answers)
+    lost = _largest_relative_round_off_of_pressure(answers)
     if lost >= most or not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
-        error = _lost_digits_of_group(group, answers, most)
+        error = _error_that_round_off_of_group_is_too_large(group, answers, most)
         raise LostDigits(f"{error}; {NO_LONG_DOUBLE_REASON}")
     if lost < LARGEST_UNREFINED_ROUND_OFF:
         return answers
@@ -483,7 +491,7 @@ def _group_solution_under_brake_forces(group: ShoeGroup, contact: Contact) -> _G
             group.support_forces_on_shoe(contact.p, k) for k in range(len(group.members))
         ],
         pressure_errors=size
-        * _pressure_errors_by_penalty_and_round_off(group, contact, coordinates),
+        * _pressure_errors_due_to_penalty_and_round_off(group, contact, coordinates),
         steps=contact.steps,
         refined=False,
     )
@@ -506,7 +514,7 @@ def _can_full_system_be_refined(group: ShoeGroup) -> bool:
     return group.scene.model != "solid" and small and not group.one_sided_supports
 
 
-def _shoe_results_after_refinement(
+def _refine_full_system_and_return_shoe_results(
     solution: _GroupSolution, contact: Contact
 ) -> dict[int, _ShoeResult]:
     """Solve the full system of a group by iterative refinement, and return each shoe's result.
@@ -519,7 +527,7 @@ def _shoe_results_after_refinement(
         refined = solve_full_system_of_group_by_refinement(group, contact.active)
     except NoAnswer as error:
         raise LostDigits(
-            f"{group.names_of_shoes}: lost digits, {TOO_FAR_REASON}; refined: {error}"
+            f"{group.names_of_shoes_as_text}: lost digits, {TOO_FAR_REASON}; refined: {error}"
         ) from error
     by_penalty = solution.pressure_errors[0]
     last_correction = size * np.concatenate(refined.last_correction)
@@ -544,16 +552,17 @@ def _shoe_results_after_refinement(
     ):
         lost, most = refined.correction, LARGEST_UNREFINED_ROUND_OFF
     else:
-        lost, most = _largest_round_off_of_pressure(answers), LARGEST_REFINED_ROUND_OFF
+        lost, most = _largest_relative_round_off_of_pressure(answers), LARGEST_REFINED_ROUND_OFF
     if lost >= most or not imbalance < LARGEST_ANSWER_IMBALANCE:
         raise LostDigits(
-            f"{group.names_of_shoes}: lost digits, even refined its pressure is certain only to "
+            f"{group.names_of_shoes_as_text}: lost digits, even refined its pressure is certain "
+            "only to "
             f"{lost:.1e} and balances to {imbalance:.1e}; {TOO_FAR_REASON}"
         )
     return answers
 
 
-def _largest_round_off_of_pressure(answers: dict[int, _ShoeResult]) -> float:
+def _largest_relative_round_off_of_pressure(answers: dict[int, _ShoeResult]) -> float:
     """The largest relative round-off error of the pressure among several shoes."""
     return max(answer.response.lost.pressure for answer in answers.values())
 
@@ -635,18 +644,18 @@ def _result_of_one_shoe_in_solved_group(solution: _ShoeSolution, steps: int) -> 
         and solution.force < LARGEST_FORCE_THAT_DOES_NOT_PUSH * group.largest_actuation_force
     ):
         raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL_TEXT}")
-    acting = _forces_on_shoe_by_pressure_and_actuation(solution)
+    acting = _forces_on_shoe_due_to_pressure_and_actuation(solution)
     errors = _penalty_and_round_off_errors(solution, acting)
     return _ShoeResult(
         response=_response_of_shoe_in_brake_frame(solution, acting, errors),
-        balance=_force_and_moment_imbalance_of_shoe(solution, acting),
+        balance=_relative_force_and_moment_imbalance_of_shoe(solution, acting),
         steps=steps,
         note=_note_on_accuracy_of_shoe_contact(solution, errors),
-        spring_motion=_motion_of_shoe_along_spring_pulls(solution),
+        spring_motion=_spring_point_displacements_of_shoe_along_pulls(solution),
     )
 
 
-def _motion_of_shoe_along_spring_pulls(solution: _ShoeSolution) -> Floats:
+def _spring_point_displacements_of_shoe_along_pulls(solution: _ShoeSolution) -> Floats:
     """The displacement (springs,) [m] of each spring's point on a shoe along the spring's pull."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     brake, shoe, body = group.brake, group.shoes[k], group.substructures_of_shoes[k]
@@ -656,10 +665,10 @@ def _motion_of_shoe_along_spring_pulls(solution: _ShoeSolution) -> Floats:
     elastic = body.load_motion_by_load @ load - body.closure_by_load.T @ p
     if body.load_motion_by_friction is not None:
         drag = brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
-        dragging = group.friction_stress_over_coefficient_of_shoe(k, p)
+        dragging = group.friction_stress_over_friction_coefficient_of_shoe(k, p)
         elastic = elastic + drag * (body.load_motion_by_friction @ dragging)
     pin_motion = group.rigid_body_modes_of_shoes[k].pin_motion @ solution.coordinates
-    return displacement_of_spring_points_along_pulls(brake, shoe, body, elastic, pin_motion)
+    return displacements_of_spring_points_along_pulls(brake, shoe, body, elastic, pin_motion)
 
 
 class _ForcesOnShoe(NamedTuple):
@@ -687,7 +696,7 @@ class _ForcesOnShoe(NamedTuple):
     guide_moment: float
 
 
-def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _ForcesOnShoe:
+def _forces_on_shoe_due_to_pressure_and_actuation(solution: _ShoeSolution) -> _ForcesOnShoe:
     """Compute the forces on a shoe from its pressures and its actuation force."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, body = group.shoes[k], group.substructures_of_shoes[k]
@@ -697,8 +706,8 @@ def _forces_on_shoe_by_pressure_and_actuation(solution: _ShoeSolution) -> _Force
         moment += moment_of_loads_besides_actuation_about_pin(shoe)
     push = sum_of_forces_with_load_column_factors(body, shoe, load)
     drag = group.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
-    dragging = group.friction_stress_over_coefficient_of_shoe(k, p)
-    normal, dragged = body.resultants_of_contact_node_forces
+    dragging = group.friction_stress_over_friction_coefficient_of_shoe(k, p)
+    normal, dragged = body.resultants_of_unit_nodal_pressures_and_tractions
     normal, dragged = normal @ p, dragged @ dragging
     contact = drag * dragged - normal
     if solution.support_forces:
@@ -733,7 +742,9 @@ def _resultant_of_support_forces_at_pin(shoe: Shoe, supports: Sequence[SupportFo
     return total
 
 
-def _force_and_moment_imbalance_of_shoe(solution: _ShoeSolution, acting: _ForcesOnShoe) -> Balance:
+def _relative_force_and_moment_imbalance_of_shoe(
+    solution: _ShoeSolution, acting: _ForcesOnShoe
+) -> Balance:
     """The imbalance of the forces and of the moments on a shoe, relative to the largest of them."""
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     pin = shoe.pin_position_in_shoe_frame
@@ -756,15 +767,17 @@ def _force_and_moment_imbalance_of_shoe(solution: _ShoeSolution, acting: _Forces
         ]
     elif shoe.anchors:
         moments.append(acting.guide_moment)
-    balance = relative_sums_of_forces_and_moments(
+    balance = relative_magnitudes_of_force_and_moment_sums(
         [acting.force_of_drum[:2], acting.support_force, acting.actuation_force], moments
     )
     if shoe.kind_of_support == "hinge":
         return balance
-    return Balance(balance.force, max(balance.moment, _virtual_work_imbalance(solution)))
+    return Balance(
+        balance.force, max(balance.moment, _largest_relative_virtual_work_imbalance(solution))
+    )
 
 
-def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
+def _largest_relative_virtual_work_imbalance(solution: _ShoeSolution) -> float:
     """The largest relative residual of virtual work among a shoe's test modes.
 
     A test mode is a rigid-body motion on which the support of the shoe does no work. The residual
@@ -775,7 +788,7 @@ def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
     coupling, modes = group.substructures_of_shoes[k].coupling, group.rigid_body_modes_of_shoes[k]
     drag = group.brake.signed_friction_stress_over_pressure_in_shoe_frame(group.shoes[k])
     nodal = (
-        drag * (coupling.T.T @ group.friction_stress_over_coefficient_of_shoe(k, p))
+        drag * (coupling.T.T @ group.friction_stress_over_friction_coefficient_of_shoe(k, p))
         - coupling.N.T @ p
     )
     by_actuation = abs(solution.force) * modes.actuation_work + modes.further_work
@@ -856,7 +869,7 @@ def _response_of_shoe_in_brake_frame(
         brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
     )
     phi, on_lining = line.node_angles_with_mask_of_linings
-    dragging = group.friction_stress_over_coefficient_of_shoe(k, p)
+    dragging = group.friction_stress_over_friction_coefficient_of_shoe(k, p)
     mean = np.zeros(len(phi))
     mean[on_lining] = line.angles_and_mean_pressures(p)[1]
     stress = None
@@ -885,7 +898,7 @@ def _response_of_shoe_in_brake_frame(
         reaction_moment=frame.sense * acting.guide_moment,
         supports=solution.support_forces,
         motion=None if shoe.kind_of_support == "hinge" else tuple(pin_motion.tolist()),
-        surface=line.pressure_over_arc_and_width(p),
+        surface=line.pressure_distribution_over_arc_and_width(p),
         friction_stress=stress,
         softness=errors.penalty,
         lost=errors.round_off,
@@ -901,7 +914,7 @@ def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
     drag = group.brake.signed_friction_stress_over_pressure_in_shoe_frame(group.shoes[k])
     closures, dragging = (
         group.gap_closures_of_test_modes[k],
-        group.friction_stress_over_coefficient_of_shoe(k, p),
+        group.friction_stress_over_friction_coefficient_of_shoe(k, p),
     )
     if group.shoes[k].anchors:
         work = [
@@ -922,7 +935,7 @@ def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
 # The following functions estimate the penalty error and the round-off error.
 
 
-def _pressure_errors_by_penalty_and_round_off(
+def _pressure_errors_due_to_penalty_and_round_off(
     group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]
 ) -> Floats:
     """The first-order change (2, n) of all pressures: by the penalty, and by round-off.
@@ -969,7 +982,7 @@ def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -
     shoe, body = group.shoes[k], group.substructures_of_shoes[k]
     ratios = group.node_friction_over_shoe_friction(k)
     area, lever = body.coupling.areas_of_contact_nodes, body.coupling.lever * ratios
-    weight = _node_areas_outside_edge_zones(shoe, body.line.phi, area)
+    weight = _node_areas_with_zero_in_edge_zones(shoe, body.line.phi, area)
     if weight @ p < 0.5 * (area @ p):
         weight = area
     # The reaction changes by the changed pressures alone, while the actuation stays.
@@ -995,7 +1008,7 @@ def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -
     return [ShoeChange(*row) for row in relative.tolist()]
 
 
-def _node_areas_outside_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
+def _node_areas_with_zero_in_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
     """The areas (n,) [m^2] of a shoe's contact nodes, 0 for nodes near the ends of a lining.
 
     Parameters
@@ -1011,7 +1024,7 @@ def _node_areas_outside_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -> Flo
     return np.where(inside, area, 0.0)
 
 
-def _mark_nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response) -> Bools:
+def _mask_of_nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response) -> Bools:
     """Mark the contact nodes (n_k,) of a shoe that touched in an earlier response.
 
     Parameters

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from drumlin.base.errors import BadInput
-from drumlin.base.files import require_name_of_fields_file
+from drumlin.base.files import require_fields_file_name_ends_in_vtu
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
 from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_between_zero_and_one
@@ -52,7 +52,7 @@ def solve(
         if the contact has no solution, and if a given tolerance is not reached
     """
     require_positive_penalty(penalty)
-    require_name_of_fields_file(fields)
+    require_fields_file_name_ends_in_vtu(fields)
     if across is not None and not 1 <= across <= LARGEST_STATED_DEGREE:
         raise BadInput(f"--across = {across}: must be from 1 to {LARGEST_STATED_DEGREE}")
     asked = DEFAULT_SOLID_TOLERANCE
@@ -80,8 +80,10 @@ def solve(
     if fields is not None:
         # The modules of the fields take time to import, and are needed only for a file of fields.
         from drumlin.fem.analysis.fields import write_fields_to_vtu_file  # noqa: PLC0415
-        from drumlin.fem.analysis.solid_fields import recover_stresses_in_all_solid_shoes  # noqa: PLC0415
+        from drumlin.fem.analysis.solid_fields import recover_stresses_in_half_of_each_solid_shoe  # noqa: PLC0415
 
-        recovered = recover_stresses_in_all_solid_shoes(solved.scene, brake, solved.response)
+        recovered = recover_stresses_in_half_of_each_solid_shoe(
+            solved.scene, brake, solved.response
+        )
         write_fields_to_vtu_file(fields, recovered)
     return response_with_figures_of_merit(brake, solved.response)

@@ -10,11 +10,11 @@ from dataclasses import replace
 from functools import partial
 
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.texts import error_as_text
+from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake
-from drumlin.brake.friction import key_of_pressure_dependent_friction
+from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
-from drumlin.fem.equilibrium.locking import distance_of_friction_from_self_locking
+from drumlin.fem.equilibrium.locking import compare_friction_with_self_locking_limits
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
     Tolerance,
@@ -26,14 +26,14 @@ from drumlin.fem.error_control.degrees import (
     prepared_model_of_mesh_files,
     solve_brake_on_mesh_files,
 )
-from drumlin.fem.error_control.first_level import solve_on_first_level
+from drumlin.fem.error_control.first_level import solve_brake_on_first_refinement_level
 from drumlin.fem.error_control.levels import LEVELS, SolvedLevel
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
+from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time_of_block_to_phase
 from drumlin.fem.width.correction import (
     correct_response_for_shoe_widths,
     require_that_width_model_applies_to_brake,
@@ -114,28 +114,28 @@ def solve(
     if use_model is not None:
         use_model(scene, response)
     if finite_width:
-        with add_elapsed_time(seconds, "correction for the widths"):
+        with add_elapsed_time_of_block_to_phase(seconds, "correction for the widths"):
             response = correct_response_for_shoe_widths(
                 brake, response, penalty=penalty, cache=cache
             )
     elif not brake.surface.is_plane_and_not_drum:
         response = _response_with_note_on_curve_balance(brake, response)
-    if self_locking and key_of_pressure_dependent_friction(brake) is None:
+    if self_locking and first_key_of_pressure_dependent_friction(brake) is None:
         # If the limit of the elastic brake is not found, the response is returned without it.
-        with add_elapsed_time(seconds, "self-locking"), suppress(NoAnswer):
+        with add_elapsed_time_of_block_to_phase(seconds, "self-locking"), suppress(NoAnswer):
             # While the friction grows, the springs keep the pulls that they have in the response.
             under = brake_with_loads_assigned_to_shoes(brake, response.spring_pulls or None)
-            found = distance_of_friction_from_self_locking(scene, under, penalty)
+            found = compare_friction_with_self_locking_limits(scene, under, penalty)
             response = replace(response, self_locking=found)
     if model_error and not finite_width:
-        with add_elapsed_time(seconds, "error of plane stress"):
+        with add_elapsed_time_of_block_to_phase(seconds, "error of plane stress"):
             own = estimate_error_of_plane_stress(brake, response, penalty=penalty, cache=cache)
         response = replace(response, plane_stress_error=own)
     response = replace(response, seconds=seconds)
     return response_with_figures_of_merit(brake, response)
 
 
-def solve_first_level_of_brake(
+def solve_brake_on_first_level_without_error_estimate(
     brake: Brake,
     *,
     penalty: float = PENALTY,
@@ -149,7 +149,9 @@ def solve_first_level_of_brake(
     require_positive_penalty(penalty)
     brake.check_shoes_can_be_meshed()
     answer = partial(solve_prepared_model, penalty=penalty)
-    response = response_with_figures_of_merit(brake, solve_on_first_level(brake, answer, cache))
+    response = response_with_figures_of_merit(
+        brake, solve_brake_on_first_refinement_level(brake, answer, cache)
+    )
     if not model_error:
         return response
     own = estimate_error_of_plane_stress(brake, response, penalty=penalty, cache=cache)
@@ -280,7 +282,8 @@ def _response_with_note_on_curve_balance(brake: Brake, response: Response) -> Re
     if max(more_force, more_moment) <= REPORTED_IMBALANCE:
         return response
     note = (
-        f"p(theta) on the round drum balances to {error_as_text(curve.force)} (force) and "
-        f"{error_as_text(curve.moment)} (moment) only: the lining's elements are not quite as round"
+        f"p(theta) on the round drum balances to {error_text_in_percent(curve.force)} (force) and "
+        f"{error_text_in_percent(curve.moment)} (moment) only: the lining's elements are not "
+        "quite as round"
     )
     return replace(response, notes=(*response.notes, note))

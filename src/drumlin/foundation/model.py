@@ -31,8 +31,8 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
-from drumlin.brake.friction import reason_against_pressure_dependent_friction
-from drumlin.brake.further_loads import reason_against_loads_besides_actuation
+from drumlin.brake.friction import reason_if_friction_depends_on_pressure
+from drumlin.brake.further_loads import reason_if_loads_besides_actuation_act
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.brake.ring_support import reason_if_ring_edge_is_not_fixed_or_free
@@ -110,7 +110,8 @@ EFFECTS_OF_AN_ELASTIC_RING = frozenset({"thick-ring", "all-modes", "own-pressure
 def reason_against_foundation_model(brake: Brake) -> str | None:
     """The reason why the foundation model does not apply to a brake; None if it applies."""
     refusal = (
-        brake.surface.reason_why_not_on_surface(DRUM) or brake.reason_why_cam_or_strut_sets_forces
+        brake.surface.reason_why_surface_is_not_required_one(DRUM)
+        or brake.reason_why_cam_or_strut_sets_forces
     )
     if refusal is not None:
         return refusal
@@ -119,10 +120,10 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
             return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'
     model = "the foundation model"
     return (
-        reason_against_loads_besides_actuation(brake, model)
+        reason_if_loads_besides_actuation_act(brake, model)
         or reason_if_any_part_is_orthotropic(brake, model)
         or reason_if_any_shoe_is_heated(brake, model)
-        or reason_against_pressure_dependent_friction(brake, model)
+        or reason_if_friction_depends_on_pressure(brake, model)
         or reason_if_ring_edge_is_not_fixed_or_free(brake, model)
     )
 
@@ -146,7 +147,7 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
             lacking["wedge"] = "needs shoe.body.thickness"
     if brake.ring is not None and brake.ring.section is None:
         lacking["thick-ring"] = "needs drum.ring.thickness, width and material"
-    own_friction = brake.key_of_first_lining_with_own_friction()
+    own_friction = brake.first_key_that_gives_lining_its_own_friction()
     if own_friction is not None:
         lacking["ring-friction"] = f"takes one friction for all shoes, not {own_friction}"
     for name in sorted(names & set(lacking)):
@@ -437,7 +438,7 @@ def _solve_contact_of_shoe_group(
         """The contact problem of the group at a given friction coefficient."""
         if friction == brake.friction:
             return parts.problem
-        other = brake.brake_with_scaled_friction(friction)
+        other = brake.brake_with_new_friction_coefficient(friction)
         return contact_problem_of_shoe_group(other, group, sections, names).problem
 
     # `law` is the lowest friction at which one of the shoes, if rigid, locks itself (mu_lock). The
@@ -456,11 +457,11 @@ def _solve_contact_of_shoe_group(
             brake_words="on the foundation",
         )
     except NoAnswer as error:
-        raise NoAnswer(f"{brake.names_of_shoes_with_indices(group)}: {error}") from error
+        raise NoAnswer(f"{brake.text_with_names_of_shoes_at_indices(group)}: {error}") from error
     turn = float(np.abs(found.y).max())
     if turn > LARGEST_SHOE_TURN:
         raise NoAnswer(
-            f"{brake.names_of_shoes_with_indices(group)}: it would have to turn by "
+            f"{brake.text_with_names_of_shoes_at_indices(group)}: it would have to turn by "
             f"{math.degrees(turn):.3g} deg; "
             f"small displacements hold up to {math.degrees(LARGEST_SHOE_TURN):.3g} deg"
         )

@@ -101,7 +101,7 @@ def divide_shoe_into_stations_and_sectors(
         (np.sort(axis.angle(np.array(arc))) for arc in shoe.lining.arcs), key=itemgetter(0)
     )
     places = [axis.foot + R * np.sin(arc) for arc in arcs]
-    x, stations = places_of_beam_stations(axis.length, places, sections)
+    x, stations = places_of_beam_stations_and_indices_under_linings(axis.length, places, sections)
     angles = [
         _angles_of_sectors_at_places(x[own], axis, R, arc)
         for own, arc in zip(stations, arcs, strict=True)
@@ -113,7 +113,7 @@ def divide_shoe_into_stations_and_sectors(
     )
     c, s = np.cos(theta), np.sin(theta)
     offset = body.neutral_axis_offset_at_distances_from_hinge(x)
-    arm_x, arm_y = _levers_of_sectors_about_stations(
+    arm_x, arm_y = _levers_along_and_across_beam_of_sectors_about_stations(
         x, under, angles, offset[:, None] + (axis.distance - R * c)
     )
     along, towards = axis.vector_components_along_and_across_beam(shoe.actuation.force_vector)
@@ -127,7 +127,7 @@ def divide_shoe_into_stations_and_sectors(
         theta=theta,
         sector=sector,
         k=lining.width * R * sector / soft,
-        gap=clearance.gap_between_unloaded_lining_and_surface(
+        gap=clearance.gaps_between_unloaded_lining_and_surface(
             brake, shoe, brake_angles_from_beam_angles(axis, shoe, theta)
         ),
         pressed=pressed,
@@ -164,7 +164,7 @@ def _weights_of_beam_stations(x: Floats) -> Floats:
     return weights
 
 
-def _levers_of_sectors_about_stations(
+def _levers_along_and_across_beam_of_sectors_about_stations(
     x: Floats, under: Ints, angles: list[Floats], depth: Floats
 ) -> tuple[Floats, Floats]:
     """The levers (m, n) [m] of n sectors about m stations, along the beam and towards the drum.
@@ -204,7 +204,7 @@ def _fractions_of_sectors_beyond_stations(x: Floats, under: Ints, angles: list[F
     return beyond
 
 
-def places_of_beam_stations(
+def places_of_beam_stations_and_indices_under_linings(
     length: float, linings: Sequence[Floats], sections: int
 ) -> tuple[Floats, list[Ints]]:
     """The places (m,) [m] of a beam's stations, and the indices (n_k,) of those under each lining.

@@ -29,13 +29,13 @@ from drumlin.brake.one_sided import (
     HeldMotions,
     OneSidedSupport,
     SupportForce,
-    choices_of_supports_that_bear,
+    all_choices_of_bearing_supports,
     divide_motions_into_held_and_free,
     do_linings_resist_free_motions,
     forces_of_one_sided_supports_on_shoe,
     groups_of_shoes_on_anchors,
-    names_of_supports_that_bear,
     one_sided_supports_of_brake,
+    text_with_names_of_bearing_supports,
     work_of_support_push_in_rigid_body_modes,
 )
 from drumlin.brake.support import Freedoms
@@ -46,7 +46,7 @@ from drumlin.laws.shoe_contact import (
     arcs_of_positive_pressure_on_linings,
     are_contact_arcs_equal,
     equilibrium_matrices_of_rigid_shoe,
-    smallest_singular_friction,
+    smallest_friction_with_singular_equilibrium,
 )
 
 MOST_HALVED_FRICTIONS = 30
@@ -254,7 +254,7 @@ def _solve_rigid_shoes_on_given_supports(
     if settled is None:
         return None
     (normal, friction), free, y = settled.matrices, motions.free, settled.y
-    mu_lock = smallest_singular_friction(
+    mu_lock = smallest_friction_with_singular_equilibrium(
         free.T @ normal @ free, free.T @ friction @ free, brake.sign_of_motion
     )
     forces = np.zeros(len(bearing))
@@ -304,7 +304,7 @@ def _equilibria_of_shoes_on_anchors(
     """
     on = _collect_shoes_on_anchors(brake, members)
     found: list[Floats] = []
-    for bearing in choices_of_supports_that_bear(len(on.supports)):
+    for bearing in all_choices_of_bearing_supports(len(on.supports)):
         solved = _solve_rigid_shoes_on_given_supports(brake, on, bearing)
         if solved is None:
             continue
@@ -321,7 +321,7 @@ def _first_equilibrium_of_shoes_on_anchors(
     first = next(_equilibria_of_shoes_on_anchors(brake, members), None)
     if first is not None:
         return first
-    names = brake.names_of_shoes_with_indices(members)
+    names = brake.text_with_names_of_shoes_at_indices(members)
     limit = _locking_friction_of_anchored_shoe_group(brake, members)
     if brake.friction >= limit:
         raise NoAnswer(
@@ -340,7 +340,9 @@ def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, .
     friction = brake.friction
     for _ in range(MOST_HALVED_FRICTIONS):
         found = next(
-            _equilibria_of_shoes_on_anchors(brake.brake_with_scaled_friction(friction), members),
+            _equilibria_of_shoes_on_anchors(
+                brake.brake_with_new_friction_coefficient(friction), members
+            ),
             None,
         )
         if found is not None:
@@ -431,10 +433,11 @@ def solve_shoes_on_anchors(brake: Brake) -> AnchoredAnswer:
             )
         if len(found) > 1:
             choices = "; ".join(
-                names_of_supports_that_bear(each.shoes.supports, each.bearing) for each in found
+                text_with_names_of_bearing_supports(each.shoes.supports, each.bearing)
+                for each in found
             )
             warnings.append(
-                f"warning: {brake.names_of_shoes_with_indices(members)}: more than one "
+                f"warning: {brake.text_with_names_of_shoes_at_indices(members)}: more than one "
                 "equilibrium by the rigid-shoe "
                 f"law, on the supports {choices}; the law takes the first"
             )

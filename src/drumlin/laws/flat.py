@@ -24,7 +24,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOVES
 from drumlin.brake.surface import PLANE
-from drumlin.brake.units import mm_text
+from drumlin.brake.units import text_in_mm
 from drumlin.laws.rigid import NEGLECTED_BY_RIGID_LAWS, note_on_shoe_without_contact
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
 from drumlin.response.merit import response_with_figures_of_merit
@@ -160,9 +160,9 @@ FLAT_SHORT = FlatLaw(
 )
 
 
-def lining_ends_from_hinge_foot(shoe: Shoe) -> tuple[float, float]:
+def distances_of_lining_ends_from_hinge_foot(shoe: Shoe) -> tuple[float, float]:
     """Distances (x_min, x_max) [m] of the lining's two ends from the hinge's foot on the plane."""
-    ends = shoe.frame.distance_along_surface_from_pin(
+    ends = shoe.frame.distances_along_surface_from_pin(
         np.array([shoe.lining.start, shoe.lining.end])
     )
     return float(ends.min()), float(ends.max())
@@ -171,14 +171,17 @@ def lining_ends_from_hinge_foot(shoe: Shoe) -> tuple[float, float]:
 def lengths_of_flat_shoe(brake: Brake, shoe: Shoe) -> FlatLayout:
     """The lengths of a shoe on a plane that the formulas of a law need."""
     return FlatLayout(
-        *lining_ends_from_hinge_foot(shoe), h=shoe.pin.y, s=brake.sign_of_motion * shoe.frame.sense
+        *distances_of_lining_ends_from_hinge_foot(shoe),
+        h=shoe.pin.y,
+        s=brake.sign_of_motion * shoe.frame.sense,
     )
 
 
 def reason_against_flat_law(law: FlatLaw, brake: Brake) -> str | None:
     """The reason why a law of shoes on a plane does not apply to a brake; None if it applies."""
     refusal = (
-        brake.surface.reason_why_not_on_surface(PLANE) or brake.reason_why_cam_or_strut_sets_forces
+        brake.surface.reason_why_surface_is_not_required_one(PLANE)
+        or brake.reason_why_cam_or_strut_sets_forces
     )
     if refusal is not None:
         return refusal
@@ -186,11 +189,11 @@ def reason_against_flat_law(law: FlatLaw, brake: Brake) -> str | None:
         if shoe.kind_of_support != "hinge":
             return f"shoe {shoe.name!r}: {MOVES[shoe.kind_of_support]}"
         # The pressure of the linear law is proportional to x: behind the hinge it would be tension.
-        x_min, x_max = lining_ends_from_hinge_foot(shoe)
+        x_min, x_max = distances_of_lining_ends_from_hinge_foot(shoe)
         if law is LINEAR and x_min < 0:
             return (
                 f"shoe {shoe.name!r}: the lining must lie on one side of the hinge, "
-                f"not reach {mm_text(-x_min)} beyond"
+                f"not reach {text_in_mm(-x_min)} beyond"
             )
         if x_min + x_max <= 0:
             return (
@@ -221,7 +224,7 @@ def solve_brake_on_plane_by_law(law: FlatLaw, brake: Brake) -> Response:
 def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
     """The response of one shoe on a plane by a law. Raises NoAnswer if the shoe locks itself."""
     pad, w = lengths_of_flat_shoe(brake, shoe), shoe.lining.width
-    mu = brake.friction_of_shoe(shoe)
+    mu = brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
     moment = -shoe.frame.sense * shoe.moment_of_all_loads_about_point(shoe.pin)
     # Without a force, or under a force that lifts the lining off the plane, nothing touches.
     if moment <= 0:
@@ -246,5 +249,5 @@ def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeRe
         - N * np.array([mu * brake.sign_of_motion, 1.0]),
         contact_arcs=((shoe.lining.start, shoe.lining.end),),
         theta=x,
-        pressure=amplitude * law.pressure(shoe.frame.distance_along_surface_from_pin(x), pad),
+        pressure=amplitude * law.pressure(shoe.frame.distances_along_surface_from_pin(x), pad),
     )

@@ -19,7 +19,7 @@ from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOVES
 from drumlin.brake.surface import DRUM
-from drumlin.brake.units import deg_text
+from drumlin.brake.units import text_in_degrees
 from drumlin.laws.rigid import NEGLECTED_BY_RIGID_LAWS, PRESSURE_NODES, note_on_shoe_without_contact
 from drumlin.laws.shapes import SINE, Law, Layout, Load, ratio_of_equivalent_friction
 from drumlin.response.balance import (
@@ -64,8 +64,9 @@ def self_locking_friction_of_hinged_shoe(brake: Brake, shoe: Shoe, law: Law = SI
 
 def reason_against_hinged_shoe_law(law: Law, brake: Brake) -> str | None:
     """The reason why a law of hinged shoes does not apply to a brake; None if it applies."""
-    refusal = brake.reason_why_cam_or_strut_sets_forces or brake.surface.reason_why_not_on_surface(
-        DRUM
+    refusal = (
+        brake.reason_why_cam_or_strut_sets_forces
+        or brake.surface.reason_why_surface_is_not_required_one(DRUM)
     )
     if refusal is None and law.load_on_part is None:
         refusal = brake.reason_if_several_linings_are_not_allowed(
@@ -90,11 +91,11 @@ def _reason_against_law_for_shoe(law: Law, shoe: Shoe) -> str | None:
         if phi_1 < -ANGLE_ROUND_OFF or phi_2 > math.pi + ANGLE_ROUND_OFF:
             return (
                 "the lining must lie within 0 to 180 deg of the hinge, "
-                f"not {deg_text(phi_1)} to {deg_text(phi_2)}"
+                f"not {text_in_degrees(phi_1)} to {text_in_degrees(phi_2)}"
             )
         return None
     if phi_2 - phi_1 > math.pi + ANGLE_ROUND_OFF:
-        return f"the lining's arc {deg_text(phi_2 - phi_1)} must not be more than 180 deg"
+        return f"the lining's arc {text_in_degrees(phi_2 - phi_1)} must not be more than 180 deg"
     middle = 0.5 * (phi_1 + phi_2)
     if not ANGLE_ROUND_OFF < middle < math.pi - ANGLE_ROUND_OFF:
         return "the normal force passes through the hinge, so that no moment can press the lining"
@@ -151,7 +152,10 @@ def _notes_on_shoe_response(
 def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResponse:
     """The response of shoe `index` by a law. Raises NoAnswer if the shoe locks itself."""
     shoe = brake.shoes[index]
-    arc, mu = angles_and_radii_of_hinged_shoe(brake, shoe), brake.friction_of_shoe(shoe)
+    arc, mu = (
+        angles_and_radii_of_hinged_shoe(brake, shoe),
+        brake.friction_coefficient_of_shoe_at_zero_pressure(shoe),
+    )
     moment = actuation_moment_towards_drum(shoe)
     # Without a force, or under a force that turns the shoe away from the drum, nothing touches.
     if moment <= 0:
@@ -191,7 +195,7 @@ def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
         force = shoe.sign * float(
             shoe.sum_of_forces_of_all_loads @ [math.cos(middle), math.sin(middle)]
         )
-        lumped = brake.friction_of_shoe(shoe) * float(
+        lumped = brake.friction_coefficient_of_shoe_at_zero_pressure(shoe) * float(
             ratio_of_equivalent_friction(
                 angles_and_radii_of_hinged_shoe(brake, shoe).half_of_lining_arc
             )

@@ -22,7 +22,7 @@ def name_of_rigid_shoe_law(brake: Brake) -> str:
     return "rigid"
 
 
-def reason_why_no_law_is_named_rigid(brake: Brake) -> str | None:
+def reason_why_brake_has_no_law_named_rigid(brake: Brake) -> str | None:
     """The reason why a brake has no law named "rigid"; None if it has.
 
     It has none if the rigid-shoe law of this brake has a closed form with its own name, such as

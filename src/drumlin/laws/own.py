@@ -40,7 +40,7 @@ NEGLIGIBLE_PRESSURE = 1e-12
 is zero at an end of the lining."""
 
 
-def make_law_of_shape(name: str, assumes: str, shape: Shape) -> Law:
+def make_law_from_pressure_shape(name: str, assumes: str, shape: Shape) -> Law:
     """Make the law of hinged shoes on a drum whose pressure has the given shape.
 
     Parameters

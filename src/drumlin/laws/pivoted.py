@@ -10,7 +10,7 @@ lever's pin H (UWA notes, hinged shoe with a pivot G):
     [ M_N - dD mu M_F ]_H A + [ M_N - dD mu M_F ]_H B = M / (b R)
 
 Each bracket holds the moments of the pressure cos phi (before A) or sin phi (before B), as
-`normal_and_friction_moments_about_point` computes them; dD is the sign of `Layout`. With phi
+`scaled_normal_and_friction_moments_about_point` computes them; dD is the sign of `Layout`. With phi
 counted from the lining's middle, B vanishes only if G lies on the middle radius at the distance
 `pivot_radius_for_cosine_pressure`.
 
@@ -30,7 +30,7 @@ from drumlin.laws.shapes import (
     Layout,
     integrals_of_cos_phi_pressure,
     integrals_of_sine_pressure,
-    normal_and_friction_moments_about_point,
+    scaled_normal_and_friction_moments_about_point,
 )
 
 PIVOTED_ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no moment about the pivot"
@@ -73,7 +73,7 @@ def _matrices_of_normal_and_friction_moments(
     normal, friction = [], []
     for point in ((x, y), (arc.a, 0.0)):
         for load in (integrals_of_cos_phi_pressure, integrals_of_sine_pressure):
-            M_N, M_F = normal_and_friction_moments_about_point(load(arc), arc.R, *point)
+            M_N, M_F = scaled_normal_and_friction_moments_about_point(load(arc), arc.R, *point)
             normal.append(M_N)
             friction.append(M_F)
     return _MatricesOfMoments(MomentEquilibriumMatrix(*normal), MomentEquilibriumMatrix(*friction))
@@ -170,7 +170,8 @@ def self_locking_friction_of_pivoted_shoe(arc: Layout, x: float, y: float) -> fl
 def reason_against_pivoted_shoe_law(brake: Brake) -> str | None:
     """The reason why the law of pivoted shoes does not apply to a brake; None if it applies."""
     refusal = (
-        brake.surface.reason_why_not_on_surface(DRUM) or brake.reason_why_cam_or_strut_sets_forces
+        brake.surface.reason_why_surface_is_not_required_one(DRUM)
+        or brake.reason_why_cam_or_strut_sets_forces
     )
     if refusal is not None:
         return refusal

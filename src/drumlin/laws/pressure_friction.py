@@ -14,8 +14,8 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import (
     FrictionCurve,
-    key_of_pressure_dependent_friction,
-    reason_against_pressure_dependent_friction,
+    first_key_of_pressure_dependent_friction,
+    reason_if_friction_depends_on_pressure,
 )
 from drumlin.response.response import Response
 
@@ -29,14 +29,14 @@ LawSolver = Callable[[Brake], Response]
 """A function that solves a brake by a law."""
 
 
-def reason_if_law_has_uneven_pressure(name: str, brake: Brake) -> str | None:
+def reason_why_law_cannot_take_pressure_dependent_friction(name: str, brake: Brake) -> str | None:
     """Why a law cannot solve a brake whose friction depends on the pressure; None if it can.
 
     `name` is the name of the law.
     """
     if name in EVEN_PRESSURE_LAWS:
         return None
-    return reason_against_pressure_dependent_friction(
+    return reason_if_friction_depends_on_pressure(
         brake, f"the law {name!r}, whose pressure varies,"
     )
 
@@ -46,28 +46,32 @@ def solve_brake_by_law_of_even_pressure(solve: LawSolver, brake: Brake) -> Respo
 
     Raises NoAnswer if a shoe has no equilibrium.
     """
-    if key_of_pressure_dependent_friction(brake) is None:
+    if first_key_of_pressure_dependent_friction(brake) is None:
         return solve(brake)
     count = len(brake.shoes)
     # While one shoe is solved, the other shoes get no friction, so that they cannot lock
     # themselves.
     frictions = []
     for i, shoe in enumerate(brake.shoes):
-        curve = brake.friction_over_pressure_of_shoe(shoe)
+        curve = brake.friction_coefficient_curve_of_shoe(shoe)
 
         def pressure(mu: float, index: int = i) -> float:
             """Pressure [Pa] of shoe `index` at the friction mu; inf if the shoe locks itself."""
             alone = [mu if k == index else 0.0 for k in range(count)]
             try:
-                return solve(_brake_with_friction_of_shoes(brake, alone)).shoes[index].peak_pressure
+                return (
+                    solve(_brake_with_friction_coefficient_of_each_shoe(brake, alone))
+                    .shoes[index]
+                    .peak_pressure
+                )
             except NoAnswer:
                 return np.inf
 
-        frictions.append(_friction_at_equilibrium(curve, pressure, shoe.name))
-    return solve(_brake_with_friction_of_shoes(brake, frictions))
+        frictions.append(_friction_at_equilibrium_of_smallest_pressure(curve, pressure, shoe.name))
+    return solve(_brake_with_friction_coefficient_of_each_shoe(brake, frictions))
 
 
-def _brake_with_friction_of_shoes(brake: Brake, frictions: list[float]) -> Brake:
+def _brake_with_friction_coefficient_of_each_shoe(brake: Brake, frictions: list[float]) -> Brake:
     """A copy of a brake with a friction coefficient for the lining of each shoe."""
     shoes = []
     for shoe, friction in zip(brake.shoes, frictions, strict=True):
@@ -77,7 +81,7 @@ def _brake_with_friction_of_shoes(brake: Brake, frictions: list[float]) -> Brake
     return brake.model_copy(update=changes)
 
 
-def _friction_at_equilibrium(
+def _friction_at_equilibrium_of_smallest_pressure(
     curve: FrictionCurve, pressure: Callable[[float], float], name: str
 ) -> float:
     """The friction coefficient at the smallest pressure at which a shoe is in equilibrium.
@@ -101,7 +105,7 @@ def _friction_at_equilibrium(
     def pressure_minus_pressure_by_its_friction(p: float) -> float:
         """The pressure p less the pressure that its friction leads to."""
         # A shoe that locks itself has an infinite pressure, so that every finite p is too small.
-        reached = pressure(float(curve.friction_coefficient_at_pressures(np.array(p))))
+        reached = pressure(float(curve.friction_coefficients_at_pressures(np.array(p))))
         return p - reached if np.isfinite(reached) else -max(p, 1.0)
 
     # Between two pressures of the table the coefficient is linear in p, so that `brentq` finds a
@@ -117,7 +121,7 @@ def _friction_at_equilibrium(
                 xtol=PRESSURE_ROUND_OFF * high,
                 rtol=PRESSURE_ROUND_OFF,
             )
-            return float(curve.friction_coefficient_at_pressures(np.array(p)))
+            return float(curve.friction_coefficients_at_pressures(np.array(p)))
     # Beyond the table the coefficient is constant.
     last = float(curve.mu[-1])
     if not np.isfinite(pressure(last)):

@@ -47,7 +47,7 @@ from drumlin.response.response import (
     NEITHER,
     Response,
     ShoeResponse,
-    notes_on_forces_of_supports,
+    notes_on_forces_of_one_sided_supports,
     response_of_shoe_without_contact,
 )
 from drumlin.response.resultants import (
@@ -106,7 +106,7 @@ def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
     return SelfLocking(
         brake.friction,
         first_shoes_to_lock(limits),
-        scaled=brake.key_of_first_lining_with_own_friction() or "",
+        scaled=brake.first_key_that_gives_lining_its_own_friction() or "",
     )
 
 
@@ -199,7 +199,7 @@ def _find_contact_for_friction_sense(
         if the shoe locks itself, or no pressure on its lining balances the actuation
     """
     free, linings = shoe.rigid_body_modes_of_support(sense), shoe.lining.arcs
-    mu = brake.friction_of_shoe(shoe)
+    mu = brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
     shapes = face.gap_closing_factors_of_rigid_body_motions(free.motions)
     locking_friction_on = partial(
         self_locking_friction_on_arcs, face, free, shoe.lining.width, spin=brake.sign_of_motion
@@ -296,7 +296,7 @@ def response_of_rigid_shoe(
     # shoe friction is self-energising if it does positive work in the motion of the shoe.
     if has_moment:
         drag = brake.signed_friction_stress_over_pressure(shoe)
-        helping = _friction_work_in_motion_above_round_off(drag, found)
+        helping = _friction_work_minus_round_off_threshold(drag, found)
     return ShoeResponse(
         name=shoe.name,
         torque=0.0 if flat else abs(contact.moment),
@@ -306,7 +306,7 @@ def response_of_rigid_shoe(
         hinge_reaction=-shoe.sum_of_forces_of_all_loads - contact.force,
         contact_arcs=found.arcs,
         theta=place,
-        pressure=pressure_of_rigid_shoe_at_places(found, place) * on_lining,
+        pressure=pressures_of_rigid_shoe_at_places(found, place) * on_lining,
         slots=slots_between_nodes(place, on_lining),
         pivot_reaction=None
         if shoe.pivot is None
@@ -315,7 +315,7 @@ def response_of_rigid_shoe(
     )
 
 
-def _friction_work_in_motion_above_round_off(drag: float, found: RigidShoeContact) -> float:
+def _friction_work_minus_round_off_threshold(drag: float, found: RigidShoeContact) -> float:
     """Work of the friction in the motion of a shoe, minus NEITHER times the work of the pressure.
 
     The result is positive if friction is self-energising. If the guide is square to the surface,
@@ -328,7 +328,7 @@ def _friction_work_in_motion_above_round_off(drag: float, found: RigidShoeContac
     return drag * dragged - NEITHER * closed
 
 
-def pressure_of_rigid_shoe_at_places(found: RigidShoeContact | None, place: Floats) -> Floats:
+def pressures_of_rigid_shoe_at_places(found: RigidShoeContact | None, place: Floats) -> Floats:
     """Pressure [Pa] of a rigid shoe at places of its lining, in the shape of `place`.
 
     The pressure is 0 where the lining does not touch. It is 0 everywhere if `found` is None, which
@@ -528,7 +528,7 @@ def solve_brake_by_rigid_shoe_law(
         left_out=NEGLECTED_BY_RIGID_LAWS[word],
         notes=(
             *apart,
-            *notes_on_forces_of_supports(shoes),
+            *notes_on_forces_of_one_sided_supports(shoes),
             *anchored.warnings,
             *notes_on_cam_force_of_unlike_linings(brake),
         ),

@@ -77,7 +77,7 @@ class Layout(NamedTuple):
         return np.asarray(0.5 * (self.phi_2 - self.phi_1))
 
 
-def normal_and_friction_moments_about_point(
+def scaled_normal_and_friction_moments_about_point(
     load: Load, R: Values, x: Values, y: Values = 0.0
 ) -> tuple[Floats, Floats]:
     """Moments M_N and M_F [m] about a point, of pressure and friction, divided by b R p_0.
@@ -239,12 +239,12 @@ class Law:
         places = np.array([np.clip(top, part.phi_1, part.phi_2) for part in arc.linings])
         return float(places[np.argmax(self.pressure(places, arc))])
 
-    def normal_and_friction_moments_about_hinge(self, arc: Layout) -> tuple[Floats, Floats]:
+    def scaled_normal_and_friction_moments_about_hinge(self, arc: Layout) -> tuple[Floats, Floats]:
         """Moments M_N of pressure and M_F of friction about the hinge, divided by b R p_0 [m].
 
         M_N opposes the actuation. M_F is the moment at mu = 1; with dD = 1 it helps the actuation.
         """
-        M_N, M_F = normal_and_friction_moments_about_point(
+        M_N, M_F = scaled_normal_and_friction_moments_about_point(
             self.pressure_integrals_over_all_linings(arc), arc.R, arc.a
         )
         return M_N, self.friction(arc) * M_F
@@ -255,7 +255,7 @@ class Law:
         This is the moment of pressure and friction about the hinge that the actuation must balance.
         It is zero or negative if the shoe locks itself.
         """
-        M_N, M_F = self.normal_and_friction_moments_about_hinge(arc)
+        M_N, M_F = self.scaled_normal_and_friction_moments_about_hinge(arc)
         return M_N - arc.dD * mu * M_F
 
     def pressure_amplitude(self, moment: Values, width: Values, mu: Values, arc: Layout) -> Floats:
@@ -291,7 +291,7 @@ class Law:
 
         S is nan if the shoe locks itself.
         """
-        M_N, _ = self.normal_and_friction_moments_about_hinge(arc)
+        M_N, _ = self.scaled_normal_and_friction_moments_about_hinge(arc)
         resistance = self.actuation_moment_over_pressure_amplitude(mu, arc)
         return M_N / np.where(resistance > 0, resistance, np.nan)
 
@@ -300,7 +300,7 @@ class Law:
 
         It is inf if friction does not help the actuation.
         """
-        M_N, M_F = self.normal_and_friction_moments_about_hinge(arc)
+        M_N, M_F = self.scaled_normal_and_friction_moments_about_hinge(arc)
         helps = arc.dD * M_F > 0
         # If the friction force passes almost through the hinge, the quotient overflows to inf,
         # which is the right limit.
@@ -308,7 +308,7 @@ class Law:
             return np.where(helps, M_N / np.where(helps, arc.dD * M_F, 1.0), np.inf)
 
 
-def short_shoe_moments_over_torque(
+def short_shoe_pressure_and_friction_moments_over_torque(
     mu: Values, theta_m: Values, r: Values, a: Values
 ) -> tuple[Floats, Floats]:
     """Dimensionless moments m and n of the pressure and the friction on a short shoe.

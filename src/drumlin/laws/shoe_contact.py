@@ -81,12 +81,12 @@ def self_locking_friction_on_arcs(
     arcs : arcs of the lining in contact
     spin : sense s in which the drum or the sliding body moves, +1 or -1
     """
-    return smallest_singular_friction(
+    return smallest_friction_with_singular_equilibrium(
         *equilibrium_matrices_of_rigid_shoe(face, free, width, arcs), spin
     )
 
 
-def smallest_singular_friction(N: Floats, F: Floats, spin: int) -> float:
+def smallest_friction_with_singular_equilibrium(N: Floats, F: Floats, spin: int) -> float:
     """The smallest friction coefficient mu > 0 at which N - mu s F is singular; inf without one.
 
     N and F (k, k) are the matrices of `equilibrium_matrices_of_rigid_shoe`, and `spin` is the sense

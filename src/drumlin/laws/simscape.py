@@ -26,7 +26,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.brake.file import make_drum_brake_from_data
-from drumlin.brake.units import deg_text, mm_text
+from drumlin.brake.units import text_in_degrees, text_in_mm
 from drumlin.laws.shapes import SINE, Layout
 
 SIMSCAPE_LINING = Material(E=300e6, nu=0.25)
@@ -75,22 +75,22 @@ class DoubleShoe:
         # Each rule holds the parameter's name, the function that writes its value, whether the
         # value is allowed, and the text of the message.
         rules = (
-            ("r_D", mm_text, self.r_D > 0, "must be greater than 0"),
-            ("r_a", mm_text, self.r_a > 0, "must be greater than 0"),
-            ("r_p", mm_text, self.r_p > 0, "must be greater than 0"),
-            ("theta_p", deg_text, self.theta_p >= 0, "must be at least 0"),
+            ("r_D", text_in_mm, self.r_D > 0, "must be greater than 0"),
+            ("r_a", text_in_mm, self.r_a > 0, "must be greater than 0"),
+            ("r_p", text_in_mm, self.r_p > 0, "must be greater than 0"),
+            ("theta_p", text_in_degrees, self.theta_p >= 0, "must be at least 0"),
             (
                 "theta_sb",
-                deg_text,
+                text_in_degrees,
                 0 <= self.theta_sb <= widest,
-                f"must be from 0 to 180 deg - theta_p = {deg_text(widest)}",
+                f"must be from 0 to 180 deg - theta_p = {text_in_degrees(widest)}",
             ),
             (
                 "theta_s",
-                deg_text,
+                text_in_degrees,
                 least < self.theta_s <= widest - self.theta_sb,
-                f"must be above {deg_text(least)} and at most "
-                f"180 deg - theta_p - theta_sb = {deg_text(widest - self.theta_sb)}",
+                f"must be above {text_in_degrees(least)} and at most "
+                f"180 deg - theta_p - theta_sb = {text_in_degrees(widest - self.theta_sb)}",
             ),
             ("mu_Coulomb", "{:g}".format, self.mu_Coulomb > 0, "must be greater than 0"),
             ("mu_visc", "{:g} N m s/rad".format, self.mu_visc >= 0, "must be at least 0"),
@@ -122,7 +122,7 @@ class DoubleShoe:
         phi_1, phi_2 = self.arc
         if phi_2 - phi_1 >= math.radians(45) - 1e-9:
             return ()
-        said = f"contact angle {deg_text(phi_2 - phi_1)}"
+        said = f"contact angle {text_in_degrees(phi_2 - phi_1)}"
         return (f"{said}: below 45 deg the long-shoe approximation is less accurate",)
 
     @property

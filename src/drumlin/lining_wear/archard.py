@@ -21,8 +21,8 @@ does not grow where p is zero.
 
 The foot of a shoe may rest on a rough abutment. The friction there either opposes the slide of the
 foot in one of two directions, or holds the foot. Each of these three cases has a contact problem of
-its own, which is called a `Footing`. A stage of a step first tries the case of the stage before. If
-the solution contradicts this case, the stage tries the other cases.
+its own, which is called a `AbutmentFrictionCase`. A stage of a step first tries the case of the
+stage before. If the solution contradicts this case, the stage tries the other cases.
 
 After a long sliding distance wear becomes steady: the pressure no longer changes. Every point of
 the lining then wears as fast as the rigid-body motions y' of the shoe bring it nearer to the drum.
@@ -130,7 +130,7 @@ def accept_any_contact_solution(_: Contact) -> bool:
     return True
 
 
-class Footing(NamedTuple):
+class AbutmentFrictionCase(NamedTuple):
     """One case of friction at abutments: each shoe's foot slides one way or the other, or sticks.
 
     Attributes
@@ -173,16 +173,16 @@ class WearInterface(NamedTuple):
     area: Floats
     torque: Floats
     stands: Callable[[Contact], bool] = accept_any_contact_solution
-    others: tuple[Footing, ...] = ()
+    others: tuple[AbutmentFrictionCase, ...] = ()
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
 
     @property
-    def abutment_friction_cases(self) -> tuple[Footing, ...]:
+    def abutment_friction_cases(self) -> tuple[AbutmentFrictionCase, ...]:
         """All cases of friction at the abutments, each with its contact problem.
 
         The first case has the contact problem `problem`, the further cases are `others`.
         """
-        return (Footing(self.problem, self.stands), *self.others)
+        return (AbutmentFrictionCase(self.problem, self.stands), *self.others)
 
 
 class WearLaw(NamedTuple):
@@ -305,7 +305,7 @@ def wear_linings_over_sliding_distance(
     while not wear_run.has_reached_sliding_distance and not until(wear_run.last_wear_state):
         if len(wear_run.states) > MAX_WEAR_STEPS:
             raise NoAnswer(f"not converged: the wear is not settled after {MAX_WEAR_STEPS} steps")
-        wear_run.take_wear_step()
+        wear_run.try_wear_step_and_append_state()
     return wear_run.states
 
 
@@ -369,7 +369,7 @@ class _WearRunInProgress:
         """Whether the wear run has reached its sliding distance, up to round-off."""
         return self.last_wear_state.s >= self._distance * (1 - 1e-12)
 
-    def take_wear_step(self) -> None:
+    def try_wear_step_and_append_state(self) -> None:
         """Try a step: append the state after it, or shorten the next try if its error is too large.
 
         Raises NoAnswer if the step has no solution or becomes too short.
@@ -450,9 +450,9 @@ def wear_linings_in_given_steps(
 def join_contact_problems_of_lining_groups(interfaces: WearInterfaces) -> WearInterface:
     """Join several groups of linings into one group, with one common contact problem.
 
-    The friction at the abutments of a group may have several cases (`Footing`): each foot slides
-    one way or the other, or sticks. The joint group has a case for every combination of its groups'
-    cases.
+    The friction at the abutments of a group may have several cases (`AbutmentFrictionCase`): each
+    foot slides one way or the other, or sticks. The joint group has a case for every combination of
+    its groups' cases.
     """
     combinations = product(*(interface.abutment_friction_cases for interface in interfaces))
     first, *others = map(_join_abutment_friction_cases, combinations)
@@ -466,7 +466,9 @@ def join_contact_problems_of_lining_groups(interfaces: WearInterfaces) -> WearIn
         torque=_concatenate_attribute_of_objects(interfaces, "torque"),
         stands=first.stands,
         others=tuple(others),
-        settle=partial(_find_contact_of_all_worn_linings, interfaces) if all_settle else None,
+        settle=partial(_find_friction_case_and_contact_of_all_worn_linings, interfaces)
+        if all_settle
+        else None,
     )
 
 
@@ -475,7 +477,7 @@ def _concatenate_attribute_of_objects(owners: Iterable[Any], name: str) -> Float
     return np.concatenate(list(map(attrgetter(name), owners)))
 
 
-def _join_abutment_friction_cases(footings: Sequence[Footing]) -> Footing:
+def _join_abutment_friction_cases(footings: Sequence[AbutmentFrictionCase]) -> AbutmentFrictionCase:
     """Join one friction case of each group of linings to a friction case of the joint group.
 
     The matrices of the joint contact problem are block diagonal.
@@ -487,10 +489,14 @@ def _join_abutment_friction_cases(footings: Sequence[Footing]) -> Footing:
         C=block_diag(*map(attrgetter("problem.C"), footings)),
         h=_concatenate_attribute_of_objects(footings, "problem.h"),
     )
-    return Footing(problem, partial(_is_friction_consistent_at_all_abutments, footings))
+    return AbutmentFrictionCase(
+        problem, partial(_is_friction_consistent_at_all_abutments, footings)
+    )
 
 
-def _is_friction_consistent_at_all_abutments(footings: Sequence[Footing], contact: Contact) -> bool:
+def _is_friction_consistent_at_all_abutments(
+    footings: Sequence[AbutmentFrictionCase], contact: Contact
+) -> bool:
     """Whether the solution of a joint contact problem agrees with the friction at all abutments.
 
     `footings` holds the friction case that was assumed for each group of linings.
@@ -503,7 +509,7 @@ def _is_friction_consistent_at_all_abutments(footings: Sequence[Footing], contac
     return True
 
 
-def _find_contact_of_all_worn_linings(
+def _find_friction_case_and_contact_of_all_worn_linings(
     interfaces: WearInterfaces, depth: Floats
 ) -> tuple[int, Bools]:
     """Solve the contact of several groups of worn linings, each group without a first guess.
@@ -566,7 +572,7 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
 
 
 def _solve_steady_wear_for_abutment_friction(
-    interface: WearInterface, footing: Footing, law: WearLaw
+    interface: WearInterface, footing: AbutmentFrictionCase, law: WearLaw
 ) -> Contact:
     """Solve the steady wear of linings under the friction case `footing` at the abutments.
 
@@ -632,7 +638,7 @@ def _solve_steady_power_law_wear(
     guess = motions * float(np.abs(h).max() / load) ** exponent
     size = np.maximum(np.abs(guess), 1e-9 * np.abs(guess).max())
 
-    def unbalanced_loads_under_motions(z: Any) -> Floats:
+    def relative_load_imbalances_under_motions(z: Any) -> Floats:
         """The imbalance of each load, relative to the largest load, for motions z times `size`."""
         return (
             C @ contact_unknowns_at_wear_rates(contact_with_wear_rates_as_pressures(z * size).p) - h
@@ -641,7 +647,7 @@ def _solve_steady_power_law_wear(
     # scipy.optimize takes time to load, and only a wear exponent other than 1 needs it.
     from scipy.optimize import root as root_of_equations  # noqa: PLC0415
 
-    root = root_of_equations(unbalanced_loads_under_motions, guess / size, tol=1e-13)
+    root = root_of_equations(relative_load_imbalances_under_motions, guess / size, tol=1e-13)
     if not root.success:
         raise NoAnswer("no worn-in pressure in equilibrium found")
     contact = contact_with_wear_rates_as_pressures(root.x * size)
@@ -763,7 +769,7 @@ class _WearStepper:
 
     A step has two stages, and each stage solves the contact. The unknowns in contact at a stage are
     the first guess for the next stage, which also tries the same friction case at the abutments
-    (`Footing`) first.
+    (`AbutmentFrictionCase`) first.
 
     Parameters
     ----------
@@ -874,7 +880,7 @@ class _WearStepper:
         # of the pressure.
         depth_error = GAMMA * ds * (second.rate - first.rate)
         error = self._norm_of_pressure_over_all_linings(
-            self._pressure_change_by_worn_depth(second.tangents, depth_error)
+            self._pressure_change_due_to_worn_depth(second.tangents, depth_error)
         )
         # This derivative is valid only if the same unknowns were in contact, with the same friction
         # at the abutments, throughout the step.
@@ -897,7 +903,9 @@ class _WearStepper:
         )
         return self._make_wear_state(state.s + ds, depth, second.p, integrals), error
 
-    def _pressure_change_by_worn_depth(self, tangents: Sequence[Tangent], depth: Floats) -> Floats:
+    def _pressure_change_due_to_worn_depth(
+        self, tangents: Sequence[Tangent], depth: Floats
+    ) -> Floats:
         """The change of the pressure (n,) [Pa] by a small change of the worn depth.
 
         Parameters
@@ -979,10 +987,10 @@ class _WearStepper:
     def _solve_contact_of_lining_group(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
         """Solve the contact of lining group `i` at a stage of a wear step.
 
-        The friction cases at the abutments (`Footing`) are tried until a solution agrees with its
-        case. Raises NoAnswer if no solution does. `depth` (n,) [m] is the worn depth before the
-        stage. In the stage the linings wear further over the distance `ds` [m], at the rate of the
-        pressure that is solved for.
+        The friction cases at the abutments (`AbutmentFrictionCase`) are tried until a solution
+        agrees with its case. Raises NoAnswer if no solution does. `depth` (n,) [m] is the worn
+        depth before the stage. In the stage the linings wear further over the distance `ds` [m], at
+        the rate of the pressure that is solved for.
         """
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
@@ -1087,7 +1095,7 @@ def wear_linings_by_explicit_euler(
     return states
 
 
-def amplitude_of_node_to_node_pressure_ripple(p: Floats, margin: int = 5) -> float:
+def relative_amplitude_of_node_to_node_pressure_ripple(p: Floats, margin: int = 5) -> float:
     """How much nodal pressures p (n,) alternate from node to node, relative to p (a checkerboard).
 
     It is the norm of the fourth difference (1, -4, 6, -4, 1)/16 of p, divided by the norm of p. For

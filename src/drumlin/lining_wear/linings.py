@@ -28,7 +28,11 @@ from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import brake_angles_from_beam_angles
 from drumlin.laws.hinged import actuation_moment_towards_drum
-from drumlin.lining_wear.archard import Footing, WearInterface, find_contact_set_from_soft_linings
+from drumlin.lining_wear.archard import (
+    AbutmentFrictionCase,
+    WearInterface,
+    find_contact_set_from_soft_linings,
+)
 
 AnyBrake = TypeVar("AnyBrake", bound=Brake)
 
@@ -187,7 +191,7 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
     """The contact problem of a group of coupled shoes, for steps of wear.
 
     Friction at an abutment may act in several ways: the shoe's foot slides one way or the other,
-    or sticks. The result has a contact problem (`Footing`) for each of these cases.
+    or sticks. The result has a contact problem (`AbutmentFrictionCase`) for each of these cases.
     """
     first, *others = group.groups_with_each_abutment_friction_direction()
     couplings = list(map(attrgetter("coupling"), group.substructures_of_shoes))
@@ -202,17 +206,17 @@ def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
         torque=group.brake.friction * group.torque_of_each_shoe_per_nodal_pressure.sum(axis=1),
         stands=partial(_are_abutment_friction_and_supports_as_assumed, first),
         others=tuple(
-            Footing(
+            AbutmentFrictionCase(
                 _contact_problem_in_newtons(way),
                 partial(_are_abutment_friction_and_supports_as_assumed, way),
             )
             for way in others
         ),
-        settle=partial(_find_contact_of_worn_lining_group, (first, *others)),
+        settle=partial(_find_friction_case_and_contact_of_worn_lining_group, (first, *others)),
     )
 
 
-def _find_contact_of_worn_lining_group(
+def _find_friction_case_and_contact_of_worn_lining_group(
     ways: Sequence[ShoeGroup], depth: Floats
 ) -> tuple[int, Bools]:
     """Solve the contact of worn linings without a first guess.
@@ -261,7 +265,7 @@ def brake_with_added_worn_depths(
     for place, (theta, depth) in depths.items():
         lining = brake.shoes[place[0]].lining
         clearances[place] = table_rows_from_coordinates_and_values(
-            theta, lining.clearance_at_surface_coordinates(theta) + depth
+            theta, lining.clearances_at_surface_coordinates(theta) + depth
         )
     return brake_with_given_lining_clearances(brake, clearances)
 
@@ -344,7 +348,7 @@ def wear_setup_by_foundation_model(
             shoe = brake.shoes[i]
             gaps.append(post.gap)
             areas.append(shoe.lining.width * brake.size * post.sector)
-            torques.append(brake.friction_of_shoe(shoe) * areas[-1])
+            torques.append(brake.friction_coefficient_of_shoe_at_zero_pressure(shoe) * areas[-1])
             theta = brake_angles_from_beam_angles(post.axis, shoe, post.theta)
             for own in np.split(theta, post.further_linings):
                 k = _position_of_lining_at_angles(shoe, own)
@@ -376,7 +380,7 @@ def brake_with_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
         for key in ("hinge", "pivot", "abutment"):
             changes[f"shoe[{i}].{key}"] = None
         changes[f"shoe[{i}].guide"] = {
-            "direction": shoe.direction_in_which_lining_middle_closes_gap
+            "direction": shoe.angle_of_direction_in_which_lining_closes_gap
         }
     return vary(brake, changes)
 

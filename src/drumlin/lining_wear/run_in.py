@@ -19,18 +19,18 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.texts import error_as_text, number_as_text
+from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import first_key_of_loads_besides_actuation
-from drumlin.brake.units import mm_text
+from drumlin.brake.units import text_in_mm
 from drumlin.laws import rigid
 from drumlin.laws.shoe_contact import RigidShoeContact
 from drumlin.lining_wear import archard
 from drumlin.lining_wear.archard import WearLaw, WearState, solve_steady_wear
 from drumlin.lining_wear.linings import WearSetup, WornLining, brake_with_added_worn_depths
 from drumlin.response.response import (
-    largest_nodal_pressure_outside_zones,
-    length_of_edge_zone_without_peak,
+    largest_nodal_pressure_outside_end_zones,
+    length_of_edge_zone_left_out_of_peak_search,
 )
 from drumlin.response.resultants import polynomial_values_at_gauss_points
 
@@ -64,7 +64,7 @@ class WearTarget(NamedTuple):
     torque: float
 
 
-def final_pressure_and_torque_by_rigid_shoe_law(
+def final_wear_pressure_and_torque_by_rigid_shoe_law(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
 ) -> WearTarget:
     """The pressure and the torque to which wear tends as the mesh is refined.
@@ -92,7 +92,7 @@ def final_pressure_and_torque_by_rigid_shoe_law(
     total: float = 0
     for surface in setup.surfaces:
         pressed = rigid.find_contact_of_rigid_shoe(forced, forced.shoes[surface.shoe])
-        even = rigid.pressure_of_rigid_shoe_at_places(pressed, surface.theta)
+        even = rigid.pressures_of_rigid_shoe_at_places(pressed, surface.theta)
         pressures.append(np.repeat(even, len(surface.across)))
         if pressed:
             total += _lining_torque_by_rigid_shoe_law(setup, surface, pressed)
@@ -154,14 +154,14 @@ def _lining_torque_by_rigid_shoe_law(
     pressed : contact of the rigid shoe
     """
     brake, shoe = setup.brake, setup.brake.shoes[surface.shoe]
-    lining, mu = shoe.lining, brake.friction_of_shoe(shoe)
+    lining, mu = shoe.lining, brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
     start, end = lining.arcs[surface.lining]
     own = tuple(arc for arc in pressed.arcs if start <= arc[0] and arc[1] <= end)
     theta = rigid.node_places_of_pressure_along_lining((start, end), own, rigid.PRESSURE_NODES - 1)
     # The law's pressure is interpolated by parabolas between nodes. The Gauss rule integrates these
     # parabolas exactly.
     _, p, weight = polynomial_values_at_gauss_points(
-        theta, rigid.pressure_of_rigid_shoe_at_places(pressed, theta), 2
+        theta, rigid.pressures_of_rigid_shoe_at_places(pressed, theta), 2
     )
     return float(mu * lining.width * brake.scale_factor**2 * (p * weight).sum())
 
@@ -185,12 +185,16 @@ def relative_differences_from_end_of_wear(
 ) -> TargetDistance:
     """The relative differences in pressure and torque of a state from their final values `goal`."""
     return TargetDistance(
-        pressure=largest_pressure_difference_of_linings(setup, state.pressure, goal.pressure),
+        pressure=largest_relative_pressure_difference_of_linings(
+            setup, state.pressure, goal.pressure
+        ),
         torque=state.torque / goal.torque - 1 if goal.torque else 0.0,
     )
 
 
-def largest_pressure_difference_of_linings(setup: WearSetup, p: Floats, goal: Floats) -> float:
+def largest_relative_pressure_difference_of_linings(
+    setup: WearSetup, p: Floats, goal: Floats
+) -> float:
     """The relative L2 difference of pressures p (n,) from `goal` (n,), on the worst lining.
 
     The difference is computed for each lining, without one element at each end. The largest
@@ -226,7 +230,7 @@ def norm_along_lining_without_end_elements(surface: WornLining, values: Floats) 
     return math.sqrt(float((at_points**2 * weight).sum()))
 
 
-def make_test_for_end_of_wear(
+def make_function_that_tests_for_end_of_wear(
     setup: WearSetup, goal: WearTarget, within: float = WEAR_SETTLED
 ) -> Callable[[WearState], bool]:
     """Make a function that tells whether a state of worn linings has reached the end of wear.
@@ -284,7 +288,7 @@ def wear_brake_linings_until_worn_in(
             raise BadInput(
                 "a brake whose drum turns both ways does not settle: a distance must be given"
             )
-        until = make_test_for_end_of_wear(
+        until = make_function_that_tests_for_end_of_wear(
             setup, final_pressure_and_torque_of_wear_on_mesh(setup, law, torque)
         )
     return archard.wear_linings_over_sliding_distance(
@@ -359,7 +363,7 @@ def require_linings_not_worn_through(setup: WearSetup, states: Sequence[WearStat
         if deepest[-1] > thickness:
             after = float(np.interp(thickness, deepest, s))
             worn_through.append(
-                (after, f"shoe {surface.name!r}: its lining of {mm_text(thickness)}")
+                (after, f"shoe {surface.name!r}: its lining of {text_in_mm(thickness)}")
             )
     if worn_through:
         after, lining = min(worn_through)
@@ -443,8 +447,8 @@ class RunChecks(NamedTuple):
         coefficient k and the friction coefficient mu. None if mu is 0 or not the same for all
         shoes, or if the exponent of the wear law is not 1.
     ripple : largest fraction of the pressure that alternates from node to node, by
-        `archard.amplitude_of_node_to_node_pressure_ripple`, in all states after the first; None if
-        the linings have too few nodes
+        `archard.relative_amplitude_of_node_to_node_pressure_ripple`, in all states after the first;
+        None if the linings have too few nodes
     """
 
     volume: float
@@ -464,7 +468,7 @@ def compute_checks_of_wear_run(
     for state in states[1:]:
         for surface in setup.surfaces:
             rows = surface.lining_values_over_arc_and_width(state.pressure).T
-            own = map(archard.amplitude_of_node_to_node_pressure_ripple, rows)
+            own = map(archard.relative_amplitude_of_node_to_node_pressure_ripple, rows)
             # The ripple of a lining with too few nodes is nan.
             ripples += [ripple for ripple in own if not math.isnan(ripple)]
     return RunChecks(
@@ -490,7 +494,11 @@ def _imbalance_of_wear_and_friction_energy(
     scale : volume [m^3] to which the difference is relative
     """
     brake = setup.brake
-    if brake.friction == 0 or brake.key_of_first_lining_with_own_friction() or law.exponent != 1:
+    if (
+        brake.friction == 0
+        or brake.first_key_that_gives_lining_its_own_friction()
+        or law.exponent != 1
+    ):
         return None
     # The worn volume of a lining is the integral of the worn depth over its face, an arc or plane.
     volumes = []
@@ -517,11 +525,11 @@ def peak_nodal_pressure_of_wear_state(setup: WearSetup, state: WearState) -> flo
     """
     peaks = []
     for surface in setup.surfaces:
-        zone = length_of_edge_zone_without_peak(
+        zone = length_of_edge_zone_left_out_of_peak_search(
             setup.brake.shoes[surface.shoe], setup.brake.scale_factor
         )
         peaks.append(
-            largest_nodal_pressure_outside_zones(
+            largest_nodal_pressure_outside_end_zones(
                 surface.contact_angles_in_growing_order,
                 surface.lining_values_by_growing_angle(state.pressure),
                 zone,
@@ -626,7 +634,7 @@ def report_lines_of_wear_run(
     for i in np.unique(np.rint(np.linspace(0, len(states) - 1, lines)).astype(int)):
         text.append(_table_line_of_wear_state(setup, states[i], goal, law))
     text.append(f"worn in (law): {surface.effect} {goal.torque:.6g} {surface.effect_unit}")
-    text += _note_on_difference_of_wear_end_from_law(setup, goal, law)
+    text += _notes_on_difference_of_wear_end_from_law(setup, goal, law)
     if law.coefficient > 0:
         spent = compute_life_of_linings(setup, states, goal, law)
         text.append(
@@ -637,13 +645,16 @@ def report_lines_of_wear_run(
             f"the torque for {_fraction_of_lining_life_as_text(spent.torque)}"
         )
     balance = compute_checks_of_wear_run(setup, states, law)
-    energy = "" if balance.energy is None else f", energy {error_as_text(balance.energy)}"
+    energy = "" if balance.energy is None else f", energy {error_text_in_percent(balance.energy)}"
     ripple = (
-        "" if balance.ripple is None else f"checkerboard at most {error_as_text(balance.ripple)}; "
+        ""
+        if balance.ripple is None
+        else f"checkerboard at most {error_text_in_percent(balance.ripple)}; "
     )
     text.append(
         f"worn volume {states[-1].removed * 1e9:.5g} mm^3; "
-        f"balance: volume {error_as_text(balance.volume)}{energy}; {ripple}{len(states) - 1} steps"
+        f"balance: volume {error_text_in_percent(balance.volume)}{energy}; "
+        f"{ripple}{len(states) - 1} steps"
     )
     return text
 
@@ -684,7 +695,7 @@ def _table_line_of_wear_state(
     )
 
 
-def _note_on_difference_of_wear_end_from_law(
+def _notes_on_difference_of_wear_end_from_law(
     setup: WearSetup, goal: WearTarget, law: WearLaw
 ) -> list[str]:
     """A line of text on how far the end of wear on this mesh is from the rigid-shoe law.
@@ -694,7 +705,9 @@ def _note_on_difference_of_wear_end_from_law(
     """
     end = final_pressure_and_torque_of_wear_on_mesh(setup, law)
     factor = goal.torque / end.torque if end.torque else 1.0
-    off = largest_pressure_difference_of_linings(setup, end.pressure * factor, goal.pressure)
+    off = largest_relative_pressure_difference_of_linings(
+        setup, end.pressure * factor, goal.pressure
+    )
     if off <= WEAR_SETTLED:
         return []
     return [

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
-from drumlin.base.texts import error_as_text
+from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake
-from drumlin.brake.units import command_option_text_in_si
+from drumlin.brake.units import number_in_si_from_command_option_text
 from drumlin.lining_wear.archard import DEFAULT_WEAR_STEP_ERROR, WearLaw, WearState
 from drumlin.lining_wear.linings import (
     WearSetup,
@@ -22,7 +22,7 @@ from drumlin.lining_wear.linings import (
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     WearTarget,
-    final_pressure_and_torque_by_rigid_shoe_law,
+    final_wear_pressure_and_torque_by_rigid_shoe_law,
     report_lines_of_wear_run,
     require_linings_not_worn_through,
     sliding_distance_of_e_fold_pressure_change,
@@ -65,15 +65,16 @@ class WearRun:
     def lines(self) -> list[str]:
         """The run as lines of text: a table of some states, and the life of the linings."""
         lines = report_lines_of_wear_run(self.setup, self.states, self.target, self.law)
-        step = f"each step of wear: p at most {error_as_text(self.step_tolerance)} (L2)"
+        step = f"each step of wear: p at most {error_text_in_percent(self.step_tolerance)} (L2)"
         if self.start_error is None:
             unknown = "estimated error: not known on chosen elements and at a held torque"
             return [*lines, f"{unknown}; {step}"]
         start = self.start_error
         return [
             *lines,
-            f"estimated error of the unworn state: p {error_as_text(start['pressure'])} (L2), "
-            f"{self.setup.brake.surface.effect} {error_as_text(start['torque'])}; {step}",
+            f"estimated error of the unworn state: p {error_text_in_percent(start['pressure'])} "
+            "(L2), "
+            f"{self.setup.brake.surface.effect} {error_text_in_percent(start['torque'])}; {step}",
         ]
 
 
@@ -120,7 +121,9 @@ def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
     if coefficient is None:
         return WearLaw(DEFAULT_WEAR_COEFFICIENT, exponent)
     if isinstance(coefficient, str):
-        return WearLaw(command_option_text_in_si("--coefficient", coefficient, "1/Pa"), exponent)
+        return WearLaw(
+            number_in_si_from_command_option_text("--coefficient", coefficient, "1/Pa"), exponent
+        )
     return WearLaw(coefficient, exponent)
 
 
@@ -180,7 +183,7 @@ def sliding_distance_from_option(option: str, given: float | str, unit: float) -
     try:
         return float(given) * unit
     except ValueError:
-        return command_option_text_in_si(option, given, "m")
+        return number_in_si_from_command_option_text(option, given, "m")
 
 
 def wear_linings_of_whole_brake(
@@ -224,5 +227,5 @@ def wear_linings_of_whole_brake(
         options["distance"] = sliding_distance_from_option("--distance", distance, unit)
     states = wear_brake_linings_until_worn_in(setup, law, backward=backward, **options)
     require_linings_not_worn_through(setup, states)
-    goal = final_pressure_and_torque_by_rigid_shoe_law(setup, law, torque)
+    goal = final_wear_pressure_and_torque_by_rigid_shoe_law(setup, law, torque)
     return WearRun(setup, law, tuple(states), goal, tolerance or DEFAULT_WEAR_STEP_ERROR)

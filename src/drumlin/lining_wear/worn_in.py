@@ -104,7 +104,9 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
     turns, it wears the lining evenly if the whole lining stays in contact. `scene` holds the
     prepared finite elements of the brake. Raises NoAnswer for a self-locking shoe.
     """
-    setup = wear_setup_by_finite_elements(scene, brake_without_misfit(brake, drum=True))
+    setup = wear_setup_by_finite_elements(
+        scene, brake_without_misfit_and_clearance(brake, drum=True)
+    )
     gaps: dict[tuple[int, int], Rows] = {}
     for number, interface in enumerate(setup.interfaces):
         surfaces = [surface for surface in setup.surfaces if surface.interface == number]
@@ -118,7 +120,7 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
             gaps[surface.shoe, surface.lining] = table_rows_from_coordinates_and_values(
                 surface.contact_angles_in_growing_order, along
             )
-    return brake_with_given_lining_clearances(brake_without_misfit(brake), gaps)
+    return brake_with_given_lining_clearances(brake_without_misfit_and_clearance(brake), gaps)
 
 
 def _contact_unknowns_of_each_shoe(surfaces: Sequence[WornLining]) -> list[slice]:
@@ -218,13 +220,13 @@ def _motions_that_close_gap_best_and_most_evenly(
     return _RestingMotions(nearest, evenly)
 
 
-def brake_without_misfit(brake: Brake, *, drum: bool = False) -> Brake:
+def brake_without_misfit_and_clearance(brake: Brake, *, drum: bool = False) -> Brake:
     """The brake with linings that fit the drum exactly: without misfit and without clearance.
 
     If `drum` is true, an out-of-round drum is also made round.
     """
 
-    def shoe_without_misfit(shoe: Shoe) -> Shoe:
+    def shoe_without_misfit_and_clearance(shoe: Shoe) -> Shoe:
         """The shoe with linings without misfit and clearance."""
         no_misfit = type(shoe.lining.linings[0].misfit)()
         lining = shoe.lining.copy_of_lining_with_changed_fields(
@@ -232,7 +234,7 @@ def brake_without_misfit(brake: Brake, *, drum: bool = False) -> Brake:
         )
         return shoe.model_copy(update={"lining": lining})
 
-    shoes = tuple(map(shoe_without_misfit, brake.shoes))
+    shoes = tuple(map(shoe_without_misfit_and_clearance, brake.shoes))
     return (brake.brake_with_perfectly_round_drum() if drum else brake).model_copy(
         update={"shoes": shoes}
     )
@@ -258,7 +260,7 @@ def post_brake_with_worn_in_clearances(
         for a self-locking shoe
     """
     names, law = validated_names_of_effects_to_include(brake, lift), solve_brake_by_sine_law(brake)
-    fitting = brake_without_misfit(brake, drum=True)
+    fitting = brake_without_misfit_and_clearance(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
     gaps: dict[tuple[int, int], Rows] = {}
     # Shoes influence each other only if the model includes how each shoe's own pressure bends the

@@ -33,7 +33,7 @@ from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
 from drumlin.fem.substructure.interface import (
     ContactLine,
-    function_for_drum_normals_and_tangents,
+    function_that_returns_drum_normals_and_tangents,
     weak_coupling_of_contact_line,
 )
 from drumlin.peers.deck import (
@@ -51,8 +51,8 @@ from drumlin.peers.peer import (
     brake_response_from_shoe_responses,
     mesh_hinged_shoes_under_actuation,
     run_command_of_peer_program,
-    shoe_response_from_peer_forces,
-    zero_response_of_shoe_turned_away_from_drum,
+    shoe_response_and_imbalance_from_peer_forces,
+    zero_response_and_imbalance_of_shoe_turned_from_drum,
 )
 from drumlin.response.response import Balance, ShoeResponse
 
@@ -233,9 +233,11 @@ def solve_brake_by_calculix(
     points = []
     for loaded in mesh_hinged_shoes_under_actuation(brake, elements, kind, mesher):
         if not loaded.approaches:
-            tally.answers.append(zero_response_of_shoe_turned_away_from_drum(loaded))
+            tally.answers.append(zero_response_and_imbalance_of_shoe_turned_from_drum(loaded))
             continue
-        state, rotation = run_calculix_until_lining_slips(brake, loaded, setting or DeckSetting())
+        state, rotation = run_calculix_to_state_and_rotation_of_full_slip(
+            brake, loaded, setting or DeckSetting()
+        )
         tally.add_results_and_costs_of_shoe(loaded, state)
         points.append(
             f"shoe {loaded.shoe.name!r}: "
@@ -259,7 +261,7 @@ class RunTally:
 
     def add_results_and_costs_of_shoe(self, loaded: LoadedShoe, state: CalculixState) -> None:
         """Add the results of a shoe, and the iterations, unknowns and time of its run."""
-        self.answers.append(shoe_response_of_calculix_state(loaded, state))
+        self.answers.append(shoe_response_and_imbalance_of_calculix_state(loaded, state))
         self._iterations = max(self._iterations, state.iterations)
         self._unknowns += state.unknowns
         self._seconds += state.seconds
@@ -292,7 +294,7 @@ def plane_stress_deck_format(brake: Brake, loaded: LoadedShoe) -> DeckFormat:
     )
 
 
-def run_calculix_until_lining_slips(
+def run_calculix_to_state_and_rotation_of_full_slip(
     brake: Brake, loaded: LoadedShoe, setting: DeckSetting, posed: DeckFormat | None = None
 ) -> tuple[CalculixState, float]:
     """Run CalculiX with larger and larger rotations of the drum, until the whole lining slips.
@@ -313,7 +315,7 @@ def run_calculix_until_lining_slips(
         if CalculiX fails, or the lining sticks at the largest rotation
     """
     for _ in range(MOST_DOUBLINGS + 1):
-        state = run_calculix_on_deck_of_shoe(brake, loaded, setting, posed)
+        state = write_deck_of_shoe_and_run_calculix(brake, loaded, setting, posed)
         require_equilibrium_and_contact(loaded, state)
         if state.sticking <= MOST_STICKING:
             return state, setting.rotation
@@ -325,7 +327,7 @@ def run_calculix_until_lining_slips(
     )
 
 
-def run_calculix_on_deck_of_shoe(
+def write_deck_of_shoe_and_run_calculix(
     brake: Brake, loaded: LoadedShoe, setting: DeckSetting, posed: DeckFormat | None = None
 ) -> CalculixState:
     """Write the deck of a shoe into a temporary folder, run `ccx` on one thread, read its results.
@@ -445,7 +447,10 @@ def read_calculix_state(
     # Contact points with nearly no pressure say nothing about sticking.
     pressed = pressure > 1e-3 * pressure.max()
     sticks = (
-        shear[pressed] < STICKING_SHEAR_RATIO * brake.friction_of_shoe(shoe) * pressure[pressed]
+        shear[pressed]
+        < STICKING_SHEAR_RATIO
+        * brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
+        * pressure[pressed]
     )
     # Each row of the .sta file is an increment; its fourth number counts the iterations.
     increments = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
@@ -496,7 +501,7 @@ def _numbers_below_heading(blocks: dict[str, str], start: str) -> Floats:
 def require_equilibrium_and_contact(loaded: LoadedShoe, state: CalculixState) -> None:
     """Raise NoAnswer if a shoe's state is no equilibrium or has too few elements in contact."""
     name, lining = loaded.shoe.name, len(loaded.parts.line.pieces[0])
-    _, balance = shoe_response_of_calculix_state(loaded, state)
+    _, balance = shoe_response_and_imbalance_of_calculix_state(loaded, state)
     if not max(balance.force, balance.moment) < LARGEST_STATE_IMBALANCE:
         raise NoAnswer(
             f"shoe {name!r}: CalculiX ended normally where forces balance only to "
@@ -509,7 +514,7 @@ def require_equilibrium_and_contact(loaded: LoadedShoe, state: CalculixState) ->
         )
 
 
-def shoe_response_of_calculix_state(
+def shoe_response_and_imbalance_of_calculix_state(
     loaded: LoadedShoe, state: CalculixState
 ) -> tuple[ShoeResponse, Balance]:
     """The response of a shoe from CalculiX's results, and the relative imbalance of its forces.
@@ -527,7 +532,7 @@ def shoe_response_of_calculix_state(
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
     coupling = weak_coupling_of_contact_line(
-        line, shoe.lining.width, function_for_drum_normals_and_tangents(shoe.sign)
+        line, shoe.lining.width, function_that_returns_drum_normals_and_tangents(shoe.sign)
     )
     # Nodal forces of a unit pressure and of a unit shear at each node.
     pressing, dragging = -coupling.N.T, coupling.T.T
@@ -538,9 +543,11 @@ def shoe_response_of_calculix_state(
     torque = abs(float(xy[0] @ forces[:, 1] - xy[1] @ forces[:, 0]))
     held = np.array([*state.pin, 0.0])
     # If the actuation acts at the hinge, the springs of the pin carry it, too.
-    if not loaded.is_force_on_body:
+    if not loaded.does_actuation_act_on_body_end:
         held += [*loaded.force, loaded.couple]
     found = PeerForces(normal, friction, math.copysign(torque, loaded.drag), held, torque)
     lining = slice(2 * BEYOND_ELEMENTS, len(phi) - 2 * BEYOND_ELEMENTS)
     turn = np.array([state.turn])
-    return shoe_response_from_peer_forces(loaded, phi[lining], pressure[lining], 2, found, turn)
+    return shoe_response_and_imbalance_from_peer_forces(
+        loaded, phi[lining], pressure[lining], 2, found, turn
+    )

@@ -25,7 +25,7 @@ from drumlin.fem.mesh.arc import element_kind_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.interface import nodal_forces_of_unit_loads_on_loaded_end
+from drumlin.fem.substructure.interface import nodal_forces_of_unit_end_loads_and_end_centre
 from drumlin.peers.peer import LoadedShoe
 
 MM_PER_METRE = 1e3
@@ -316,7 +316,8 @@ def deck_lines_of_contact(
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
         f"{setting.penalty * unit:.12e}",
         "*FRICTION",
-        f"{brake.friction_of_shoe(loaded.shoe):.12e}, {setting.stick * unit:.12e}",
+        f"{brake.friction_coefficient_of_shoe_at_zero_pressure(loaded.shoe):.12e}, "
+        f"{setting.stick * unit:.12e}",
         "*CONTACT PAIR, INTERACTION=SLIDING, TYPE=SURFACE TO SURFACE",
         "SLINING, SDRUM",
     ]
@@ -385,7 +386,7 @@ def _deck_lines_of_actuation(loaded: LoadedShoe, setting: DeckSetting, grid: Dec
     if "actuation" not in grid.edges:
         return deck_lines_of_load_on_pin(loaded, setting, grid)
     parts = loaded.parts
-    unit, _ = nodal_forces_of_unit_loads_on_loaded_end(
+    unit, _ = nodal_forces_of_unit_end_loads_and_end_centre(
         parts.basis, parts.mesh.boundaries["actuation"]
     )
     nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
@@ -428,7 +429,7 @@ def deck_header_lines(
     name : name of the deck's file, without ending
     """
     # Names are put on one line and cut at 80 letters, so that they fit into a comment line.
-    friction = brake.friction_of_shoe(loaded.shoe)
+    friction = brake.friction_coefficient_of_shoe_at_zero_pressure(loaded.shoe)
     title, shoe = (" ".join(text.split())[:80] for text in (brake.title, loaded.shoe.name))
     return [
         f"** {title}",

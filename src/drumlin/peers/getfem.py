@@ -24,7 +24,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.further_loads import reason_against_loads_besides_actuation
+from drumlin.brake.further_loads import reason_if_loads_besides_actuation_act
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.mesh.edges import nodes_along_element_edges
@@ -41,11 +41,11 @@ from drumlin.peers.peer import (
     PeerForces,
     PeerMissing,
     brake_response_from_shoe_responses,
+    mesh_shoes_for_peer_program,
     meshed_shoe_with_actuation_and_support,
-    meshes_of_shoes_for_peer_program,
     run_command_of_peer_program,
-    shoe_response_from_peer_forces,
-    zero_response_of_shoe_turned_away_from_drum,
+    shoe_response_and_imbalance_from_peer_forces,
+    zero_response_and_imbalance_of_shoe_turned_from_drum,
 )
 from drumlin.response.response import Balance, ShoeResponse
 
@@ -131,7 +131,7 @@ def solve_brake_in_getfem_process(
             f"formulation = {formulation!r}: unknown; allowed: {', '.join(FORMULATIONS)}"
         )
     interpreter = path_of_python_with_getfem()
-    meshed = meshes_of_shoes_for_peer_program(brake, elements, kind, mesher)
+    meshed = mesh_shoes_for_peer_program(brake, elements, kind, mesher)
     solver = _Solver(interpreter, brake, meshed, formulation, repeats)
     answers = _solve_shoes_and_return_results_by_name(brake, solver)
     each = [answers[shoe.name][:2] for shoe in brake.shoes]
@@ -208,7 +208,7 @@ class _Solver:
         self._formulation, self._repeats = formulation, repeats
         self._runs: list[_Run] = []
 
-    def run(self, shoes: list[LoadedShoe]) -> list[dict[str, Any]]:
+    def run_getfem_script_for_shoes(self, shoes: list[LoadedShoe]) -> list[dict[str, Any]]:
         """Run the script for some shoes; returns its results, a dictionary for each shoe."""
         problem = _brake_data_for_getfem_script(self.brake, shoes, self._formulation, self._repeats)
         self._runs.append(_run_getfem_script(self._interpreter, problem))
@@ -264,11 +264,11 @@ def _solve_shoes_and_return_results_by_name(brake: Brake, solver: _Solver) -> di
     pushed_by = {link.to: link.source for link in brake.links}
     answers: dict[str, ShoeAnswer] = {}
     if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
-        refusal = reason_against_loads_besides_actuation(brake, "a cam in GetFEM")
+        refusal = reason_if_loads_besides_actuation_act(brake, "a cam in GetFEM")
         if refusal is not None:
             raise BadInput(refusal)
         both = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed_by}
-        answers |= _shoe_results_under_cam(
+        answers |= _find_cam_forces_and_return_shoe_results(
             brake.actuation.force_of_cylinder_or_sum_of_cam_forces, both, solver
         )
     # A shoe can be solved when its force is known: from the brake file, or as the support reaction
@@ -288,7 +288,7 @@ def _solve_shoes_and_return_results_by_name(brake: Brake, solver: _Solver) -> di
     return answers
 
 
-def _shoe_results_under_cam(
+def _find_cam_forces_and_return_shoe_results(
     total: float, shoes: Mapping[int, Shoe], solver: _Solver
 ) -> dict[str, ShoeAnswer]:
     """Find the forces of a cam that moves the loaded ends of two shoes by the same displacement.
@@ -366,14 +366,16 @@ def _solve_shoes_trying_abutment_friction_senses(
             )
         # One process solves all shoes that are pressed on the drum.
         touching = [loaded for loaded in tried.values() if loaded.approaches]
-        found = iter(solver.run(touching) if touching else ())
+        found = iter(solver.run_getfem_script_for_shoes(touching) if touching else ())
         for i, loaded in tried.items():
             if loaded.approaches:
                 answer = _shoe_result_if_abutment_friction_sense_fits(
                     solver.brake, loaded, attempt, next(found)
                 )
             else:
-                answer = ShoeAnswer(*zero_response_of_shoe_turned_away_from_drum(loaded), 0.0)
+                answer = ShoeAnswer(
+                    *zero_response_and_imbalance_of_shoe_turned_from_drum(loaded), 0.0
+                )
             if answer is not None:
                 answers[loaded.shoe.name] = answer
                 del left[i]
@@ -477,11 +479,11 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
     shoe, parts, R = loaded.shoe, loaded.parts, brake.size
     E, width = shoe.lining.material.E_through, shoe.lining.width
     line = parts.line
-    modes = _rigid_body_modes_in_drum_radii(loaded, R)
+    modes = _rigid_body_modes_scaled_by_drum_radius(loaded, R)
     work = loaded.work_of_loads_on_rigid_shoe_holder / modes.test_sizes / (E * R**2 * width)
     gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe) / R
     open_by = (
-        clearance.gap_between_unloaded_lining_and_surface(brake, shoe, shoe.frame.theta(line.phi))
+        clearance.gaps_between_unloaded_lining_and_surface(brake, shoe, shoe.frame.theta(line.phi))
         / R
     )
     return {
@@ -492,7 +494,7 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
         "motions": modes.motions.tolist(),
         "tests": modes.tests.tolist(),
         "work": work.tolist(),
-        "on_body": loaded.is_force_on_body,
+        "on_body": loaded.does_actuation_act_on_body_end,
         "force": (loaded.force / (E * R * width)).tolist(),
         "couple": loaded.couple / (E * R**2 * width),
         "centre": (parts.load_centre / R).tolist(),
@@ -523,7 +525,7 @@ class _Modes(NamedTuple):
     test_sizes: Floats
 
 
-def _rigid_body_modes_in_drum_radii(loaded: LoadedShoe, R: float) -> _Modes:
+def _rigid_body_modes_scaled_by_drum_radius(loaded: LoadedShoe, R: float) -> _Modes:
     """Scale a shoe's modes to norm 1, with displacements divided by the drum's radius R [m]."""
     unit = np.array([R, R, 1.0])
     motion_sizes = np.linalg.norm(loaded.motions / unit, axis=1)
@@ -583,8 +585,10 @@ def _shoe_result_in_si_units(brake: Brake, loaded: LoadedShoe, found: dict[str, 
     amounts = np.array(found["amounts"]) / mode_sizes
     pressure = E * np.array(found["pressure"])[order]
     degree = loaded.parts.line.interpolation_degree_along_contact_line
-    answer = shoe_response_from_peer_forces(loaded, phi[order], pressure, degree, forces, amounts)
+    answer = shoe_response_and_imbalance_from_peer_forces(
+        loaded, phi[order], pressure, degree, forces, amounts
+    )
     tip = float(loaded.tip @ amounts)
-    if loaded.is_force_on_body:
+    if loaded.does_actuation_act_on_body_end:
         tip = size * R * found["load_work"] / (abs(shoe.actuation.force) or 1.0)
     return ShoeAnswer(*answer, tip)

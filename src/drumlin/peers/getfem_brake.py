@@ -141,7 +141,9 @@ class PeerBody:
         self.amounts = [f"amount{k}" for k in range(len(shoe["motions"]))]
         for region, name in REGIONS.items():
             if region != ACTUATION_REGION or self.loaded:
-                self._number_edges_between_points(region, points[problem[f"{name}{number}"]])
+                self._assign_region_number_to_edges_between_points(
+                    region, points[problem[f"{name}{number}"]]
+                )
         self.displacement = self.finite_element_space(self.kind.element, 2)
         self.scalar = self.finite_element_space(self.kind.element)
         self.inside = gf.MeshIm(self.mesh, gf.Integ(self.kind.inside))
@@ -157,7 +159,7 @@ class PeerBody:
         self.xy = self.scalar.basic_dof_nodes(self.nodes)
         self._add_contact_with_drum(shoe)
 
-    def _number_edges_between_points(self, region: int, points: Any) -> None:
+    def _assign_region_number_to_edges_between_points(self, region: int, points: Any) -> None:
         """Give the edges between the nodes at `points` (n, 2) the number `region`."""
         ids = self.mesh.pid_from_coords(points.T, 1e-12)
         self.mesh.set_region(region, self.mesh.faces_from_pid(ids))

@@ -22,7 +22,7 @@ from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.grading import LiningDivision, points_graded_to_both_ends
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
-from drumlin.fem.substructure.interface import nodal_forces_of_unit_loads_on_loaded_end
+from drumlin.fem.substructure.interface import nodal_forces_of_unit_end_loads_and_end_centre
 
 HEXAHEDRA_ALONG_LINING = 48
 """Default number of hexahedra along a lining; CalculiX's run time grows with its fourth power."""
@@ -74,7 +74,7 @@ class Solid:
     node: Ints
     half: Mapping[str, float]
 
-    def number_of_coordinates_z_in_subdomain(self, name: str) -> int:
+    def number_of_z_coordinates_in_half_width_of_subdomain(self, name: str) -> int:
         """Number of the coordinates `z` that lie within half the width of a subdomain."""
         return int(np.searchsorted(self.z, self.half[name] * (1 + 1e-9)))
 
@@ -219,7 +219,7 @@ def nodes_over_width_of_boundary(solid: Solid, boundary: str, part: str) -> Ints
     width of the subdomain `part`.
     """
     line = np.unique(nodes_along_element_edges(solid.plane, solid.section.boundaries[boundary]))
-    return solid.node[line, : solid.number_of_coordinates_z_in_subdomain(part)]
+    return solid.node[line, : solid.number_of_z_coordinates_in_half_width_of_subdomain(part)]
 
 
 def solid_nodes_that_move_with_pin(solid: Solid, shoe: Shoe) -> Ints:
@@ -241,7 +241,7 @@ def nodal_forces_of_unit_loads_on_solid_end(solid: Solid) -> Floats:
     force x, force y and couple. The loads are uniform across the width.
     """
     edges = solid.section.boundaries["actuation"]
-    line, _ = nodal_forces_of_unit_loads_on_loaded_end(solid.plane, edges)
+    line, _ = nodal_forces_of_unit_end_loads_and_end_centre(solid.plane, edges)
     nodes = np.unique(nodes_along_element_edges(solid.plane, edges))
     numbers = nodes_over_width_of_boundary(solid, "actuation", "shoe")
     z = solid.z[: numbers.shape[1]]

@@ -22,7 +22,7 @@ from drumlin.brake.friction import require_friction_independent_of_pressure
 from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
-from drumlin.fem.equilibrium.modes import pin_motions_by_rigid_body_motions
+from drumlin.fem.equilibrium.modes import pin_motions_in_rigid_body_motions
 from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import (
     load_column_factors_and_pin_moment_per_newton,
@@ -39,7 +39,7 @@ from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws import rigid
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
-    relative_sums_of_forces_and_moments,
+    relative_magnitudes_of_force_and_moment_sums,
 )
 from drumlin.response.response import (
     Balance,
@@ -142,7 +142,7 @@ class LoadedShoe:
     @property
     def work_of_loads_on_rigid_shoe_holder(self) -> Floats:
         """Work (k,) that the loads on the shoe's rigid holder do on the test modes."""
-        if self.is_force_on_body:
+        if self.does_actuation_act_on_body_end:
             return np.zeros_like(self.work)
         # Forces at their own points of the body do not act on the holder. Their work is subtracted.
         return self.work - self.tests @ self.resultant_about_pin_of_loads_at_places
@@ -162,7 +162,7 @@ class LoadedShoe:
         return np.array([fx.sum(), fy.sum(), x @ fy - y @ fx])
 
     @property
-    def is_force_on_body(self) -> bool:
+    def does_actuation_act_on_body_end(self) -> bool:
         """Whether the actuation acts on an end of the shoe's body, and not on its rigid holder."""
         return (
             "actuation" in self.parts.mesh.boundaries and not self.shoe.has_support_on_back_of_body
@@ -177,7 +177,7 @@ class LoadedShoe:
         return float(np.hypot(*line.xy).mean())
 
 
-def meshes_of_shoes_for_peer_program(
+def mesh_shoes_for_peer_program(
     brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
 ) -> list[MeshedShoe]:
     """Mesh the shoes of a brake by drumlin's mesher; returns their meshes and matrices.
@@ -202,7 +202,7 @@ def meshes_of_shoes_for_peer_program(
             "friction = 0: the peers are given a drum that slips; must be greater than 0"
         )
     for i, shoe in enumerate(brake.shoes):
-        if brake.friction_of_shoe(shoe) == 0:
+        if brake.friction_coefficient_of_shoe_at_zero_pressure(shoe) == 0:
             raise BadInput(
                 f"shoe[{i}].lining.friction = 0: the peers are given a drum that slips; "
                 "must be greater than 0"
@@ -269,8 +269,8 @@ def meshed_shoe_with_actuation_and_support(
         couple=float(load[2]),
         drag=brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
         approaches=approaches,
-        motions=pin_motions_by_rigid_body_motions(shoe, free.motions).T,
-        tests=pin_motions_by_rigid_body_motions(shoe, free.tests).T,
+        motions=pin_motions_in_rigid_body_motions(shoe, free.motions).T,
+        tests=pin_motions_in_rigid_body_motions(shoe, free.tests).T,
         work=free.work_of_all_loads_on_test_modes,
         tip=free.tip,
         at_places=at_places,
@@ -289,7 +289,7 @@ def mesh_hinged_shoes_under_actuation(
     if brake.surface.is_plane_and_not_drum:
         raise BadInput("CalculiX takes brakes on a drum: its shoes press on a plane")
     brake.check_all_shoes_are_hinged("CalculiX")
-    meshed = meshes_of_shoes_for_peer_program(brake, elements, kind, mesher)
+    meshed = mesh_shoes_for_peer_program(brake, elements, kind, mesher)
     return [
         meshed_shoe_with_actuation_and_support(brake, shoe, own)
         for shoe, own in zip(brake.shoes, meshed, strict=True)
@@ -315,7 +315,7 @@ class PeerForces(NamedTuple):
     torque: float
 
 
-def shoe_response_from_peer_forces(
+def shoe_response_and_imbalance_from_peer_forces(
     loaded: LoadedShoe,
     phi: Floats,
     pressure: Floats,
@@ -336,7 +336,7 @@ def shoe_response_from_peer_forces(
     """
     shoe, frame, tests = loaded.shoe, loaded.shoe.frame, loaded.tests
     load = loaded.actuation_resultant_about_pin
-    reaction = forces.held if loaded.is_force_on_body else forces.held - load
+    reaction = forces.held if loaded.does_actuation_act_on_body_end else forces.held - load
     drag = _friction_force_and_moment_about_pin(loaded, forces)
     response = response_of_pressed_elastic_shoe(
         shoe,
@@ -385,7 +385,7 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
     """
     pin, tests = loaded.shoe.pin_position_in_shoe_frame, loaded.tests
     push = loaded.resultant_about_pin_of_loads_at_places
-    if loaded.is_force_on_body:
+    if loaded.does_actuation_act_on_body_end:
         push = push + load
     normal_force = float(np.linalg.norm(forces.normal))
     moments = [
@@ -396,7 +396,7 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
     # The normal force times the radius is added with both signs. It enlarges the scale of the
     # relative imbalance, but not the sum of the moments.
     size = loaded.radius * normal_force
-    balance = relative_sums_of_forces_and_moments(
+    balance = relative_magnitudes_of_force_and_moment_sums(
         [forces.normal, forces.friction, forces.held[:2], push[:2]],
         [forces.moment, *moments, size, -size],
     )
@@ -407,7 +407,9 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
     return Balance(balance.force, moment)
 
 
-def zero_response_of_shoe_turned_away_from_drum(loaded: LoadedShoe) -> tuple[ShoeResponse, Balance]:
+def zero_response_and_imbalance_of_shoe_turned_from_drum(
+    loaded: LoadedShoe,
+) -> tuple[ShoeResponse, Balance]:
     """The response, with zero pressure, of a shoe that its actuation turns away from the drum."""
     return response_of_shoe_without_contact(
         loaded.shoe, -loaded.shoe.sum_of_forces_of_all_loads

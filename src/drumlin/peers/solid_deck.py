@@ -55,7 +55,7 @@ from drumlin.peers.peer import (
     LoadedShoe,
     Peer,
     mesh_hinged_shoes_under_actuation,
-    zero_response_of_shoe_turned_away_from_drum,
+    zero_response_and_imbalance_of_shoe_turned_from_drum,
 )
 
 SOLID_DRUM_ROTATION = 4e-3
@@ -116,7 +116,9 @@ def export_solid_calculix_decks(
     decks = []
     for loaded, solid in _mesh_solid_shoes_under_actuation(brake, elements, across):
         decks.append(
-            calculix.ShoeDeck(loaded, partial(solid_shoe_deck_text, brake, loaded, solid, setting))
+            calculix.ShoeDeck(
+                loaded, partial(deck_text_of_half_solid_shoe, brake, loaded, solid, setting)
+            )
         )
     return calculix.write_decks_of_shoes_pressed_on_drum(decks, folder, stem, "_solid")
 
@@ -146,13 +148,15 @@ def solve_solid_by_calculix(
     tally = calculix.RunTally()
     for loaded, solid in _mesh_solid_shoes_under_actuation(brake, elements, across):
         if not loaded.approaches:
-            tally.answers.append(zero_response_of_shoe_turned_away_from_drum(loaded))
+            tally.answers.append(zero_response_and_imbalance_of_shoe_turned_from_drum(loaded))
             continue
         pose = calculix.DeckFormat(
-            text=partial(solid_shoe_deck_text, brake, loaded, solid),
+            text=partial(deck_text_of_half_solid_shoe, brake, loaded, solid),
             along=partial(nodal_forces_on_drum_arc, loaded),
         )
-        state, _ = calculix.run_calculix_until_lining_slips(brake, loaded, start, pose)
+        state, _ = calculix.run_calculix_to_state_and_rotation_of_full_slip(
+            brake, loaded, start, pose
+        )
         tally.add_results_and_costs_of_shoe(loaded, state)
     return tally.result_of_brake_from_added_shoes(
         installed, (f"CalculiX {installed}, C3D20R, face-to-face penalty",)
@@ -184,7 +188,7 @@ def _mesh_solid_shoes_under_actuation(
     return posed
 
 
-def solid_shoe_deck_text(
+def deck_text_of_half_solid_shoe(
     brake: Brake, loaded: LoadedShoe, solid: Solid, setting: DeckSetting, name: str = "shoe"
 ) -> str:
     """The text of the CalculiX deck of half a three-dimensional shoe, in the brake's frame.
@@ -207,7 +211,7 @@ def solid_shoe_deck_text(
     points, cells = _points_and_cells_in_brake_frame(shoe, solid)
     used = np.unique(cells)
     held = np.intersect1d(solid_nodes_that_move_with_pin(solid, shoe), used)
-    grid = _solid_shoe_mesh_for_deck(loaded, points, cells, held)
+    grid = _half_solid_shoe_mesh_for_deck(loaded, points, cells, held)
     drum_mesh = mesh_solid_drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
     # The nodes of the mid-plane are fixed along z. In a rigid shoe the nodes at the back, where
     # lining or backing is bonded to the shoe, are fixed along z as well.
@@ -217,7 +221,7 @@ def solid_shoe_deck_text(
     lines = [
         *deck_header_lines(brake, loaded, setting, name),
         "** half of the shoe, z >= 0: what is called thickness above is that half",
-        *_deck_lines_of_solid_shoe_mesh(shoe, solid, points, grid),
+        *_deck_lines_of_half_solid_shoe_mesh(shoe, solid, points, grid),
         *drum_mesh.lines,
         *_deck_lines_of_solid_materials(shoe),
         *deck_lines_of_contact(
@@ -232,7 +236,7 @@ def solid_shoe_deck_text(
             setting,
             grid,
             drum_mesh.xy,
-            _deck_lines_of_solid_actuation(loaded, solid, setting, grid),
+            _deck_lines_of_half_solid_shoe_actuation(loaded, solid, setting, grid),
         ),
     ]
     return "\n".join(lines) + "\n"
@@ -252,7 +256,7 @@ def _points_and_cells_in_brake_frame(shoe: Shoe, solid: Solid) -> tuple[Floats, 
     return points, hexahedra_turned_to_positive_volume(points, cells)
 
 
-def _solid_shoe_mesh_for_deck(
+def _half_solid_shoe_mesh_for_deck(
     loaded: LoadedShoe, points: Floats, cells: Ints, held: Ints
 ) -> DeckGrid:
     """The mesh of half a three-dimensional shoe in the form of a CalculiX deck.
@@ -276,7 +280,7 @@ def _solid_shoe_mesh_for_deck(
     )
 
 
-def _deck_lines_of_solid_shoe_mesh(
+def _deck_lines_of_half_solid_shoe_mesh(
     shoe: Shoe, solid: Solid, points: Floats, grid: DeckGrid
 ) -> list[str]:
     """The lines of a deck for the nodes (n, 3) [mm] and the elements of half a shoe."""
@@ -332,7 +336,7 @@ def _deck_lines_of_solid_faces(cells: Ints, on: Ints) -> list[str]:
     return lines
 
 
-def _deck_lines_of_solid_actuation(
+def _deck_lines_of_half_solid_shoe_actuation(
     loaded: LoadedShoe, solid: Solid, setting: DeckSetting, grid: DeckGrid
 ) -> list[str]:
     """The lines of a deck for the actuation of half a shoe.

@@ -366,7 +366,7 @@ def _draw_plane_brake(axes: Axes, brake: Brake) -> None:
     struts = _names_of_shoes_whose_abutment_is_a_strut(brake)
     loads = {shoe.name: shoe.actuation.point.xy * MM_PER_M for shoe in brake.shoes}
     _draw_force_arrows_with_labels(axes, brake, loads, unit)
-    is_elastic = brake.reason_why_not_meshable() is None
+    is_elastic = brake.reason_why_shoes_cannot_be_meshed() is None
     places = [np.array([[left, -2 * unit], [right, 0]])]
     for shoe in brake.shoes:
         load = loads[shoe.name]
@@ -499,7 +499,7 @@ def _label_of_force_arrow(
         up = -up
     place = tip - 0.75 * along + 0.95 * unit * up
     alignment = "left" if abs(up[1]) < 0.5 else "center"
-    return _ForceLabel(place, force_as_text_with_unit(actuation.force), alignment)
+    return _ForceLabel(place, absolute_force_as_text_with_unit(actuation.force), alignment)
 
 
 def _draw_force_arrows_with_labels(
@@ -521,7 +521,7 @@ def _draw_force_arrows_with_labels(
     if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         middle = 0.5 * sum(tips[shoe.name] for shoe in pushed)
         force = brake.actuation.force_of_cylinder_or_sum_of_cam_forces
-        text = f"{force_as_text_with_unit(force)} in all"
+        text = f"{absolute_force_as_text_with_unit(force)} in all"
         _write_text_on_pale_box(axes, middle - np.array([0.0, 1.6 * unit]), text, color=FORCE_COLOR)
         return
     # Labels of the forces on internal shoes stand on the side of the arrow that faces the drum's
@@ -555,7 +555,7 @@ def _add_or_merge_force_label(labels: list[_ForceLabel], new: _ForceLabel, reach
     labels.append(new)
 
 
-def force_as_text_with_unit(force: float) -> str:
+def absolute_force_as_text_with_unit(force: float) -> str:
     """The absolute value of a force [N] as text, in kN if it is at least 1 kN, else in N."""
     return f"{abs(force) / 1e3:.4g} kN" if abs(force) >= 1e3 else f"{abs(force):.4g} N"
 

@@ -171,7 +171,7 @@ def _free_place_for_curve_name(heights: Floats, which: int) -> _FreePlace | None
     return best
 
 
-def mark_where_curve_leaves_axes(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
+def draw_triangles_where_curve_leaves_axes(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
     """Draw a triangle at each stretch in which a curve y (n,) over x (n,) lies above the axes.
 
     A pressure curve does so at a sharp edge of the lining, where the pressure is unbounded.
@@ -282,7 +282,7 @@ def _draw_pressure_panel(
         axes.plot(
             x, y, **line_style_of_model(model), lw=width, label=title_of_model_in_figures(model)
         )
-        mark_where_curve_leaves_axes(axes, x, y, color_of_model(model))
+        draw_triangles_where_curve_leaves_axes(axes, x, y, color_of_model(model))
         if model == "fem":
             axes.fill_between(x, y, color=color_of_model(model), alpha=0.12, lw=0)
     axes.set_xlim(theta[0] * unit - 3, theta[-1] * unit + 3)

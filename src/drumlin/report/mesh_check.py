@@ -20,17 +20,17 @@ from matplotlib.transforms import ScaledTranslation
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.units import mm_text
+from drumlin.brake.units import text_in_mm
 from drumlin.fem.mesh.arc import element_kind_of_mesh
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes
 from drumlin.fem.mesh.from_file import ShoeMesh
-from drumlin.report.drawing import draw_arrow_from_tail_to_tip, force_as_text_with_unit
+from drumlin.report.drawing import absolute_force_as_text_with_unit, draw_arrow_from_tail_to_tip
 from drumlin.report.figures import STYLE
 from drumlin.report.palette import BLUE, FAINT, GREEN, INK, PURPLE, RED
 from drumlin.report.signs import DRUM_COLOR, MM_PER_M, draw_support_of_shoe
-from drumlin.report.view import nodes_around_elements
+from drumlin.report.view import boundary_nodes_around_each_mesh_element
 
 GROUP_COLORS = {
     "lining": "#c89b6a",
@@ -120,18 +120,19 @@ def _text_about_contact_line(brake: Brake, checked: CheckedShoe) -> str:
     sides = len(checked.read.mesh.boundaries["contact"])
     text = (
         f"contact line of {sides} sides from {place(offsets.at[0])} to {place(offsets.at[-1])}, "
-        f"in the file up to {_text_in_micrometres(offsets.in_file)} off the {surface}"
+        f"in the file up to {_largest_length_as_text_in_micrometres(offsets.in_file)} off the "
+        f"{surface}"
     )
     moved = contact.rounded + contact.straight
     if moved:
-        gap = _text_in_micrometres(offsets.solved)
+        gap = _largest_length_as_text_in_micrometres(offsets.solved)
         text += f"; {moved} nodes are put on it, up to {gap} stays as a gap"
-    compression = mean_compression_under_actuation_force(brake, shoe)
-    compressed = _text_in_micrometres(compression)
+    compression = mean_lining_compression_under_actuation_force(brake, shoe)
+    compressed = _largest_length_as_text_in_micrometres(compression)
     return f"{text}; the force spread evenly compresses the lining by {compressed}"
 
 
-def _text_in_micrometres(lengths: Floats | float) -> str:
+def _largest_length_as_text_in_micrometres(lengths: Floats | float) -> str:
     """The largest absolute value of lengths [m] as text in micrometres; "0 um" for round-off."""
     largest = float(np.abs(lengths).max()) * UM_PER_M
     return f"{largest:.3g} um" if largest > 1e-4 else "0 um"
@@ -142,8 +143,8 @@ def _text_about_support_and_force(shoe: Shoe, mesh: Any) -> str:
     held = len(mesh.boundaries["hinge"])
     x, y = shoe.pin.xy.tolist()
     text = (
-        f"the {held} sides of the group hinge are a rigid line held at x = {mm_text(x)}, "
-        f"y = {mm_text(y)} ({shoe.kind_of_support}); "
+        f"the {held} sides of the group hinge are a rigid line held at x = {text_in_mm(x)}, "
+        f"y = {text_in_mm(y)} ({shoe.kind_of_support}); "
     )
     where = "the rigid line"
     if "actuation" in mesh.boundaries and not shoe.has_support_on_back_of_body:
@@ -153,10 +154,10 @@ def _text_about_support_and_force(shoe: Shoe, mesh: Any) -> str:
         return f"{text}no force of its own acts on {where}"
     angle = math.degrees(shoe.actuation.direction)
     sense = "against" if force < 0 else "at"
-    return f"{text}{force_as_text_with_unit(force)} {sense} {angle:.4g} deg act on {where}"
+    return f"{text}{absolute_force_as_text_with_unit(force)} {sense} {angle:.4g} deg act on {where}"
 
 
-def mean_compression_under_actuation_force(brake: Brake, shoe: Shoe) -> float:
+def mean_lining_compression_under_actuation_force(brake: Brake, shoe: Shoe) -> float:
     """The compression [m] of a lining if the actuation force is spread evenly over its face.
 
     Distances of the contact line from the drum matter if they are as large as this compression.
@@ -176,8 +177,8 @@ def _offsets_of_contact_nodes(brake: Brake, checked: CheckedShoe) -> _ContactOff
     order = np.argsort(at)
     return _ContactOffsets(
         at[order],
-        shoe.distance_from_friction_surface(in_file, brake.size)[order],
-        shoe.distance_from_friction_surface(solved, brake.size)[order],
+        shoe.distances_from_friction_surface(in_file, brake.size)[order],
+        shoe.distances_from_friction_surface(solved, brake.size)[order],
     )
 
 
@@ -207,7 +208,7 @@ def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedSh
     shoe, mesh = checked.shoe, checked.read.mesh
     basis = nodal_basis_of_mesh(mesh)
     xy = shoe.convert_points_to_brake_frame(basis.doflocs).T * MM_PER_M
-    around = nodes_around_elements(basis)
+    around = boundary_nodes_around_each_mesh_element(basis)
     # Thin lines keep the colours of fine meshes visible.
     width = 0.4 if mesh.nelements < 3000 else 0.15
     for name, elements in mesh.subdomains.items():
@@ -302,7 +303,7 @@ def _draw_force_at_loaded_sides(
         _draw_rigid_arm(axes, middle, tip, unit)
     tail = tip - 4 * unit * along
     draw_arrow_from_tail_to_tip(axes, tail, tip, PURPLE, width=0.12)
-    text = force_as_text_with_unit(shoe.actuation.force)
+    text = absolute_force_as_text_with_unit(shoe.actuation.force)
     place = tail - 0.4 * unit * along
     align = "right" if along[0] > 0.3 else "left" if along[0] < -0.3 else "center"
     axes.text(place[0], place[1], text, color=PURPLE, ha=align, va="center", fontsize=10, zorder=7)
@@ -337,7 +338,7 @@ def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe
     shoe = checked.shoe
     offsets = _offsets_of_contact_nodes(brake, checked)
     at = offsets.at * shoe.surface.shown
-    compression = mean_compression_under_actuation_force(brake, shoe) * UM_PER_M
+    compression = mean_lining_compression_under_actuation_force(brake, shoe) * UM_PER_M
     word = shoe.surface.word
     axes.axhline(0.0, color=INK, lw=1.2)
     if compression:

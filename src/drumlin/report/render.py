@@ -67,7 +67,7 @@ def draw_fields_and_return_failure_reason(
     -------
     None, or one line that says why the picture could not be drawn
     """
-    surface = _friction_surface_to_draw(brake)
+    surface = _friction_surface_line_and_symbol_scale(brake)
     pins: list[list[float]] = []
     for shoe in brake.shoes:
         pins += [list(point.xy) for point in _points_of_shoe_supports(shoe)]
@@ -83,10 +83,10 @@ def draw_fields_and_return_failure_reason(
         ],
         "title": title,
     }
-    return draw_picture_in_own_process(__name__, fields, picture, json.dumps(marks))
+    return draw_picture_in_new_process(__name__, fields, picture, json.dumps(marks))
 
 
-def draw_picture_in_own_process(
+def draw_picture_in_new_process(
     module: str, fields: Path, picture: Path, argument: str
 ) -> str | None:
     """Start a new process in which a module's `main` draws a .vtu file into a .png file.
@@ -137,7 +137,7 @@ class _SurfaceLine(NamedTuple):
     size: float
 
 
-def _friction_surface_to_draw(brake: Brake) -> _SurfaceLine:
+def _friction_surface_line_and_symbol_scale(brake: Brake) -> _SurfaceLine:
     """The line of a brake's friction surface, and the length by which drawn symbols are scaled.
 
     This length is the drum's radius, or, on a plane, half the length of the brake.

@@ -124,8 +124,8 @@ def draw_rigid_arms_of_shoe(
     drawn: Sequence[_Arm]
     if grip is None:
         # Without a grip, the arms start at the two end faces of the body.
-        held_face = shoe.middle_of_supported_end_face_of_shoe_body(radius)
-        loaded_face = shoe.middle_of_supported_end_face_of_shoe_body(radius, loaded=True)
+        held_face = shoe.middle_of_supported_or_loaded_end_face_of_body(radius)
+        loaded_face = shoe.middle_of_supported_or_loaded_end_face_of_body(radius, loaded=True)
         drawn = [_Arm(held_face, pin_at), _Arm(loaded_face, force)]
     else:
         # With a grip, the arms start at the middle of the gripped part of the back.

@@ -11,7 +11,7 @@ import numpy as np
 from drumlin.base.round_numbers import largest_round_number_not_above_value
 from drumlin.report.render import (
     STRESS_TITLE,
-    draw_picture_in_own_process,
+    draw_picture_in_new_process,
     draw_picture_named_by_arguments,
 )
 
@@ -30,7 +30,7 @@ def draw_solid_shoes_and_return_failure_reason(
 
     Returns None, or one line that says why the picture could not be drawn.
     """
-    return draw_picture_in_own_process(__name__, fields, picture, title)
+    return draw_picture_in_new_process(__name__, fields, picture, title)
 
 
 def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) -> None:

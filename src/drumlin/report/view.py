@@ -41,7 +41,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
         around = (
             body.mesh.boundary_nodes_around_each_element
             if isinstance(body.mesh, ColumnGrid)
-            else nodes_around_elements(body.basis)
+            else boundary_nodes_around_each_mesh_element(body.basis)
         )
         for name, elements in body.mesh.subdomains.items():
             polygons = PolyCollection(
@@ -55,7 +55,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     return figure
 
 
-def nodes_around_elements(basis: Any) -> Ints:
+def boundary_nodes_around_each_mesh_element(basis: Any) -> Ints:
     """The nodes on the boundary of each element of a mesh (k, elements), in order around it.
 
     The nodes are corners and middles of edges; linear elements have corners only. `basis` is the

@@ -83,7 +83,7 @@ def relative_imbalance_of_shoe(brake: Brake, index: int, response: ShoeResponse)
     if shoe.guide is not None:
         length = brake.scale_factor * (shoe.lining.end - shoe.lining.start)
         moments += moments_that_scale_imbalance_on_guide(shoe.largest_force_of_any_load, length)
-    return relative_sums_of_forces_and_moments(forces, moments)
+    return relative_magnitudes_of_force_and_moment_sums(forces, moments)
 
 
 def moments_that_scale_imbalance_on_guide(force: float, length: float) -> list[float]:
@@ -101,7 +101,9 @@ def moments_that_scale_imbalance_on_guide(force: float, length: float) -> list[f
     return [0.5 * force * length, -0.5 * force * length]
 
 
-def relative_sums_of_forces_and_moments(forces: list[Floats], moments: list[float]) -> Balance:
+def relative_magnitudes_of_force_and_moment_sums(
+    forces: list[Floats], moments: list[float]
+) -> Balance:
     """The magnitudes of the sum of forces and of the sum of moments, without unit.
 
     Each magnitude is relative to the largest single force or moment of its sum. If all forces or

@@ -6,10 +6,10 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
-from drumlin.response.response import Response, length_of_edge_zone_without_peak
+from drumlin.response.response import Response, length_of_edge_zone_left_out_of_peak_search
 from drumlin.response.resultants import (
     LiningWithoutEndZones,
-    length_of_edge_zone_without_pressure_errors,
+    length_of_edge_zone_left_out_of_pressure_errors,
 )
 
 
@@ -64,11 +64,11 @@ def pressure_on_face_of_lining(brake: Brake, response: Response, index: int) -> 
         return None
     z, pressure, widths = answer.surface
     theta = answer.theta
-    zone = length_of_edge_zone_without_pressure_errors(
+    zone = length_of_edge_zone_left_out_of_pressure_errors(
         theta,
         answer.pressure,
         answer.order,
-        length_of_edge_zone_without_peak(shoe, brake.scale_factor),
+        length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor),
     )
     lining = LiningWithoutEndZones(theta, answer.order, zone)
     half = np.arange(len(z) // 2, len(z))

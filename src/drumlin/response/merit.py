@@ -122,12 +122,14 @@ def barecki_shoe_factor(
 def mean_friction_of_shoe(brake: Brake, shoe: Shoe, response: ShoeResponse) -> float:
     """The friction coefficient of a shoe, as a mean weighted with the pressure if it varies."""
     if response.friction_stress is None:
-        return brake.friction_of_shoe(shoe)
+        return brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
     values = (response.friction_stress, response.pressure)
     stress, pressure = (
         integral_of_piecewise_polynomial(response.theta, each, response.order) for each in values
     )
-    return stress / pressure if pressure else brake.friction_of_shoe(shoe)
+    return (
+        stress / pressure if pressure else brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
+    )
 
 
 def figures_of_merit_of_shoe_on_plane(
@@ -189,7 +191,7 @@ def response_with_figures_of_merit(brake: Brake, response: Response) -> Response
     )
 
 
-def torque_sensitivity_by_differences(
+def torque_sensitivity_to_friction_by_differences(
     brake: Brake, solve: Callable[[Brake], Response], step: float = 1e-4
 ) -> float:
     """The sensitivity S = (mu/T) dT/dmu of a brake's torque to friction, at fixed actuation.
@@ -211,7 +213,7 @@ def torque_sensitivity_by_differences(
 
     def torque_or_force_at_friction(friction: float) -> float:
         """The torque [N m], or on a plane the braking force [N], at a friction coefficient."""
-        varied = brake.brake_with_scaled_friction(friction)
+        varied = brake.brake_with_new_friction_coefficient(friction)
         return response_with_figures_of_merit(varied, solve(varied)).effect
 
     high, low = (

@@ -8,7 +8,11 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.response.response import EDGE_ZONE, ShoeResponse
-from drumlin.response.resultants import GAUSS, WEIGHTS, length_of_edge_zone_without_pressure_errors
+from drumlin.response.resultants import (
+    GAUSS,
+    WEIGHTS,
+    length_of_edge_zone_left_out_of_pressure_errors,
+)
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,7 @@ class PressureDifference:
         off = (pa - pb).reshape(theta.shape)
         return cls(b, theta, half * WEIGHTS, off, pb.reshape(theta.shape))
 
-    def mark_pieces_outside_end_zones(self, zone: float) -> Bools:
+    def mask_of_pieces_outside_end_zones(self, zone: float) -> Bools:
         """Mark the pieces (pieces,) farther than `zone` [rad] from both ends of the lining.
 
         Pieces in a slot between two linings, or in a zone beside a slot, are not marked.
@@ -71,13 +75,13 @@ class PressureDifference:
             inside &= (middle < first - zone) | (middle > last + zone)
         return np.asarray(inside)
 
-    def relative_norm_outside_end_zones(self, zone: float) -> float:
+    def relative_norm_of_difference_outside_end_zones(self, zone: float) -> float:
         """The L2 norm of p_a - p_b relative to the L2 norm of p_b, outside the end zones [rad].
 
         If p_b vanishes outside the zones at the lining's ends, the result is 0 if p_a vanishes
         there, too, and infinite otherwise.
         """
-        inside = self.mark_pieces_outside_end_zones(zone)
+        inside = self.mask_of_pieces_outside_end_zones(zone)
         weight, off, p = self.weight[inside], self.off[inside], self.pressure[inside]
         size = float(np.vdot(weight, p**2))
         if size > 0:
@@ -85,12 +89,12 @@ class PressureDifference:
         return math.inf if off.any() else 0.0
 
     @property
-    def index_of_element_that_contains_each_piece(self) -> Ints:
+    def indices_of_elements_that_contain_pieces(self) -> Ints:
         """The numbers (pieces,) of the elements of response b that contain the pieces."""
         ends, starts = self.b.theta[:: self.b.order], self.theta[:, 0]
         return np.asarray(np.searchsorted(ends, starts, side="right") - 1)
 
-    def relative_force_with_random_signs(self) -> float:
+    def relative_force_as_if_elements_had_random_signs(self) -> float:
         """The relative force of p_a - p_b, as if the forces on the elements had random signs.
 
         It is the root of the sum of squares of the integrals of p_a - p_b over each element of
@@ -100,7 +104,7 @@ class PressureDifference:
         # The root mean square of a sum whose members have random signs is the root of the sum of
         # their squares.
         forces = np.bincount(
-            self.index_of_element_that_contains_each_piece, (self.weight * self.off).sum(axis=1)
+            self.indices_of_elements_that_contain_pieces, (self.weight * self.off).sum(axis=1)
         )
         return float(np.linalg.norm(forces) / np.vdot(self.weight, self.pressure))
 
@@ -110,8 +114,8 @@ class PressureDifference:
         Pressures within `zone` [rad] of the ends of the lining do not count.
         """
         inside, columns = (
-            self.mark_pieces_outside_end_zones(zone),
-            self.index_of_element_that_contains_each_piece,
+            self.mask_of_pieces_outside_end_zones(zone),
+            self.indices_of_elements_that_contain_pieces,
         )
         highest = np.where(inside, self.pressure.max(axis=1), -math.inf).argmax()
         off = self.off[inside & (columns == columns[highest])]
@@ -127,10 +131,12 @@ def relative_distance_of_pressures(
     `edge` [rad] at the lining's ends do not count, unless half of the force of p_b acts in the
     zones. If p_b vanishes, the distance is 0 if p_a vanishes, too, and infinite otherwise.
     """
-    edge = length_of_edge_zone_without_pressure_errors(b.theta, b.pressure, b.order, edge, b.slots)
+    edge = length_of_edge_zone_left_out_of_pressure_errors(
+        b.theta, b.pressure, b.order, edge, b.slots
+    )
     return PressureDifference.pressure_difference_of_two_responses(
         a, b, edge
-    ).relative_norm_outside_end_zones(edge)
+    ).relative_norm_of_difference_outside_end_zones(edge)
 
 
 def relative_distance_of_vectors(a: Floats, b: Floats) -> float:

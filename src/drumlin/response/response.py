@@ -395,7 +395,7 @@ class ShoeResponse(EqualByArrays):
         return data
 
 
-def notes_on_forces_of_supports(shoes: Sequence[ShoeResponse]) -> tuple[str, ...]:
+def notes_on_forces_of_one_sided_supports(shoes: Sequence[ShoeResponse]) -> tuple[str, ...]:
     """A note, as a tuple of one line, on the force that each one-sided support bears.
 
     The tuple is empty if the shoes have no one-sided supports.
@@ -655,7 +655,7 @@ def response_of_pressed_elastic_shoe(
     theta, pressure = theta[forward], pressure[forward]
     slots = () if on_lining is None else slots_between_nodes(theta, on_lining[forward])
     if peak is None:
-        zone = length_of_edge_zone_without_peak(shoe, scale_factor)
+        zone = length_of_edge_zone_left_out_of_peak_search(shoe, scale_factor)
         inner = LiningWithoutEndZones(theta, order, zone, slots)
         peak = _peak_pressure_outside_edge_zones(inner, pressure, located=located)
     arcs = contact_arcs_from_nodal_pressures(theta, pressure, order, located=located)
@@ -697,12 +697,12 @@ def _peak_pressure_outside_edge_zones(
     if located:
         return inner.peak_pressure_outside_end_zones(pressure)
     counts = inner.fraction_of_integral_outside_end_zones(pressure) > 0.5
-    return largest_nodal_pressure_outside_zones(
+    return largest_nodal_pressure_outside_end_zones(
         inner.theta, pressure, inner.zone if counts else 0.0, inner.slots
     )
 
 
-def length_of_edge_zone_without_peak(shoe: Shoe, scale_factor: float) -> float:
+def length_of_edge_zone_left_out_of_peak_search(shoe: Shoe, scale_factor: float) -> float:
     """The length of the zone at each end of a lining in which the peak pressure is not sought.
 
     In this zone a sharp edge makes the pressure steep. The zone is half a lining thickness long, or
@@ -715,14 +715,15 @@ def length_of_edge_zone_without_peak(shoe: Shoe, scale_factor: float) -> float:
     return zone if 2 * zone < length else 0.25 * length
 
 
-def edge_zone_angle_in_shoe_frame(shoe: Shoe, size: float) -> float:
+def angle_of_edge_zone_left_out_of_peak_search(shoe: Shoe, size: float) -> float:
     """The length of the edge zone without peak, as an angle phi [rad] in the shoe's own frame.
 
-    In the edge zone the peak pressure is not sought, see `length_of_edge_zone_without_peak`. `size`
-    [m] is the size of the brake, on a drum its radius.
+    In the edge zone the peak pressure is not sought, see
+    `length_of_edge_zone_left_out_of_peak_search`. `size` [m] is the size of the brake, on a drum
+    its radius.
     """
     unit = shoe.frame.unit
-    return length_of_edge_zone_without_peak(shoe, size / unit) / unit
+    return length_of_edge_zone_left_out_of_peak_search(shoe, size / unit) / unit
 
 
 def length_of_uncompared_edge_zone(length: float, unit: float = 1.0) -> float:
@@ -756,7 +757,7 @@ def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> 
     if not response.contact_arcs or not response.peak_pressure > 0:
         return None
     theta, pressure = response.curve()
-    zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
+    zone = length_of_edge_zone_left_out_of_peak_search(brake.shoes[index], brake.scale_factor)
     inside = which_angles_are_outside_end_zones(theta, theta[0], theta[-1], zone, response.slots)
     # A response does not tell whether its peak pressure was sought on the whole lining or outside
     # the end zones only. The largest value of the curve is found for both cases, and the case whose
@@ -768,7 +769,7 @@ def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> 
     return PeakPlace(float(theta[inside][highest]), zone)
 
 
-def largest_nodal_pressure_outside_zones(
+def largest_nodal_pressure_outside_end_zones(
     theta: Floats, pressure: Floats, zone: float, slots: Slots = ()
 ) -> float:
     """The largest nodal pressure [Pa] at nodes farther than `zone` [rad] from the lining's ends.

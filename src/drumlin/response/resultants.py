@@ -134,7 +134,7 @@ def lagrange_shape_function_derivatives(order: int, xi: Floats) -> Floats:
 
 
 @cache
-def shape_functions_at_gauss_points(order: int) -> tuple[Floats, Floats]:
+def shape_functions_and_derivatives_at_gauss_points(order: int) -> tuple[Floats, Floats]:
     """The Lagrange shape functions and their derivatives (order + 1, q) at the q points GAUSS."""
     return lagrange_shape_function_values(order, GAUSS), lagrange_shape_function_derivatives(
         order, GAUSS
@@ -144,7 +144,9 @@ def shape_functions_at_gauss_points(order: int) -> tuple[Floats, Floats]:
 @cache
 def _integrals_of_shape_functions(order: int) -> Floats:
     """The integrals (order + 1,) of the Lagrange shape functions over a piece of length 1."""
-    return np.asarray(shape_functions_at_gauss_points(order)[0] @ WEIGHTS / 2, dtype=float)
+    return np.asarray(
+        shape_functions_and_derivatives_at_gauss_points(order)[0] @ WEIGHTS / 2, dtype=float
+    )
 
 
 def polynomial_nodes_on_linings_and_slots(
@@ -208,7 +210,7 @@ def polynomial_values_at_gauss_points(theta: Floats, values: Floats, order: int)
     return GaussValues(
         places=ends[:-1, None] + half * (1 + GAUSS),
         values=arrange_nodal_values_by_piece(values, order)
-        @ shape_functions_at_gauss_points(order)[0],
+        @ shape_functions_and_derivatives_at_gauss_points(order)[0],
         weights=half * WEIGHTS,
     )
 
@@ -271,7 +273,7 @@ class LiningWithoutEndZones:
     slots: Slots = ()
 
     @cached_property
-    def nodal_weights_with_and_without_end_zones(self) -> Floats:
+    def integration_weights_with_and_without_end_zones(self) -> Floats:
         """The weights (2, n) of nodal values in two integrals over theta.
 
         The first row is for the integral over the whole lining, the second row for the integral
@@ -306,7 +308,7 @@ class LiningWithoutEndZones:
 
         `values` (n,) are the nodal values of a piecewise polynomial, such as pressures.
         """
-        whole, inside = (self.nodal_weights_with_and_without_end_zones @ values).tolist()
+        whole, inside = (self.integration_weights_with_and_without_end_zones @ values).tolist()
         return float(inside / (whole or 1.0))
 
     @cached_property
@@ -379,7 +381,7 @@ def largest_value_of_piecewise_polynomial(theta: Floats, values: Floats, order: 
     return LiningWithoutEndZones(theta, order, 0.0).largest_value_outside_end_zones(values)
 
 
-def length_of_edge_zone_without_pressure_errors(
+def length_of_edge_zone_left_out_of_pressure_errors(
     theta: Floats, pressure: Floats, order: int, zone: float, slots: Slots = ()
 ) -> float:
     """The length [rad] of the zone at each end of a lining in which pressure errors do not count.
@@ -438,7 +440,7 @@ def resultant_of_pressure_and_friction(
         surface.unit_normals_into_surface(rule.places),
         surface.unit_tangents_of_surface(rule.places),
     )
-    lever = surface.moments_of_unit_forces_on_surface(rule.places, size)
+    lever = surface.moments_of_unit_normal_and_tangential_forces(rule.places, size)
     moment = drag * np.sum(rubbing * lever[1]) - sign * np.sum(load * lever[0])
     return Resultant(
         normal=-sign * np.sum(load * normal, axis=(1, 2)),

@@ -63,9 +63,11 @@ class SelfLocking(NamedTuple):
         """A line that states the friction relative to the limits mu_lock."""
         known = []
         if self.elastic is not None and math.isfinite(self.elastic.friction):
-            known.append(self._text_of_percentage(self.elastic, "for the elastic brake"))
+            known.append(
+                self._friction_as_percentage_of_limit(self.elastic, "for the elastic brake")
+            )
         if math.isfinite(self.law.friction):
-            known.append(self._text_of_percentage(self.law, "by the rigid-shoe law"))
+            known.append(self._friction_as_percentage_of_limit(self.law, "by the rigid-shoe law"))
         if not known:
             known.append("no friction locks the brake by the rigid-shoe law")
         if self.elastic is not None and math.isinf(self.elastic.friction):
@@ -74,7 +76,7 @@ class SelfLocking(NamedTuple):
             known.append(f"all frictions in proportion, {self.scaled} too")
         return f"self-locking: {'; '.join(known)}"
 
-    def _text_of_percentage(self, limit: LockedShoes, whose: str) -> str:
+    def _friction_as_percentage_of_limit(self, limit: LockedShoes, whose: str) -> str:
         """Text such as "friction 0.3 is 60 % of mu_lock = 0.5 for the elastic brake".
 
         `whose` are the last words of the text.
@@ -87,7 +89,7 @@ class SelfLocking(NamedTuple):
         if self.elastic is not None and self.friction > WARNED_SHARE * self.elastic.friction:
             yield (
                 f"warning: {_shoe_names_as_text(self.elastic.shoes)}: "
-                f"{self._text_of_percentage(self.elastic, 'for the elastic brake')}, "
+                f"{self._friction_as_percentage_of_limit(self.elastic, 'for the elastic brake')}, "
                 "towards which the torque grows without bound"
             )
         shoe = _shoe_names_as_text(self.law.shoes)
@@ -98,7 +100,10 @@ class SelfLocking(NamedTuple):
                 "by which the shoe locks itself"
             )
         elif self.friction > WARNED_SHARE * self.law.friction:
-            yield f"warning: {shoe}: {self._text_of_percentage(self.law, 'by the rigid-shoe law')}"
+            yield (
+                f"warning: {shoe}: "
+                f"{self._friction_as_percentage_of_limit(self.law, 'by the rigid-shoe law')}"
+            )
 
 
 def first_shoes_to_lock(limits: Sequence[LockedShoes]) -> LockedShoes:

@@ -32,7 +32,7 @@ from drumlin.sweeps.certificate import (
     FIRST_LEVEL,
     Certificate,
     SampleMember,
-    first_level_of_sample_member,
+    kind_and_first_level_errors_of_sample_member,
     response_certified_by_sample,
 )
 from drumlin.sweeps.workers import SayLine, message_on_waiting_for_workers
@@ -154,13 +154,13 @@ def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> C
     error, a fault of drumlin, is not kept and not tried again.
     """
     try:
-        return CaseAnswer(_results_of_case(case, cache))
+        return CaseAnswer(_solve_case_and_return_results(case, cache))
     # An error in one case must not end the sweep. It is written into the row of the case.
     except Exception as error:
         return _answer_of_failed_case(case, error)
 
 
-def _results_of_case(case: SweepCase, cache: Cache | None) -> Row:
+def _solve_case_and_return_results(case: SweepCase, cache: Cache | None) -> Row:
     """The results of a case by name; the column CERTIFIED says whose levels state its errors."""
     # A case with a certificate is solved on the first level, and on all levels if it is of a kind
     # that the sample has not.
@@ -178,7 +178,9 @@ def _results_of_case(case: SweepCase, cache: Cache | None) -> Row:
         return row
     row = {"status": row["status"], CERTIFIED: "itself"} | row
     if isinstance(case.certify, SampleMember) and response.converged:
-        member = first_level_of_sample_member(brake, case.changes, response, case.options, cache)
+        member = kind_and_first_level_errors_of_sample_member(
+            brake, case.changes, response, case.options, cache
+        )
         if member is not None:
             row[FIRST_LEVEL] = member
     return row
@@ -379,7 +381,7 @@ def journal_keys_of_cases(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]
             "options": dict(case.options),
         }
         if case.certify is not None:
-            data["certify"] = case.certify.journal_data()
+            data["certify"] = case.certify.text_that_identifies_cases_in_journal()
         yield data
 
 

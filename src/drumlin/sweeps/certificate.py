@@ -14,12 +14,12 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.estimate import QUANTITIES
 from drumlin.fem.error_control.first_level import (
-    errors_of_first_level,
-    first_level_with_errors_of_sample,
-    kind_of_contact,
+    errors_of_first_refinement_level,
+    first_level_response_with_errors_of_sample,
+    text_that_identifies_kind_of_contact,
 )
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.solve import solve_first_level_of_brake
+from drumlin.fem.solve import solve_brake_on_first_level_without_error_estimate
 from drumlin.response.response import Response
 
 CERTIFIED = "certified"
@@ -44,7 +44,7 @@ The table of the sweep does not show it.
 class SampleMember(NamedTuple):
     """The mark of a case in the sample: it is solved on all levels and tells about its first."""
 
-    def journal_data(self) -> str:
+    def text_that_identifies_cases_in_journal(self) -> str:
         """The text by which the journal recognises cases with this mark."""
         return "sample"
 
@@ -54,7 +54,8 @@ class Certificate(NamedTuple):
 
     Attributes
     ----------
-    kinds : kinds of cases in the sample, see `_kind_of_case`; without kinds every case is solved
+    kinds : kinds of cases in the sample, see `_text_that_identifies_kind_of_case`; without kinds
+    every case is solved
         on all levels
     errors : largest relative errors of the first level in the sample, by the names of QUANTITIES
     """
@@ -62,7 +63,7 @@ class Certificate(NamedTuple):
     kinds: tuple[str, ...]
     errors: Mapping[str, float]
 
-    def journal_data(self) -> str:
+    def text_that_identifies_cases_in_journal(self) -> str:
         """A digest by which the journal recognises cases with this certificate."""
         text = json.dumps([self.kinds, self.errors], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
@@ -83,7 +84,7 @@ def certificate_of_sample(rows: Iterable[Mapping[str, Any]]) -> Certificate:
     return Certificate(tuple(kinds), largest)
 
 
-def first_level_of_sample_member(
+def kind_and_first_level_errors_of_sample_member(
     brake: Brake,
     changes: Mapping[str, Any],
     last: Response,
@@ -104,11 +105,11 @@ def first_level_of_sample_member(
     """
     plain = {name: value for name, value in options.items() if name != "model_error"}
     try:
-        first = solve_first_level_of_brake(brake, **plain, cache=cache)
+        first = solve_brake_on_first_level_without_error_estimate(brake, **plain, cache=cache)
     except NoAnswer:
         return None
-    errors = errors_of_first_level(brake, first, last)
-    return {"kind": _kind_of_case(brake, changes, first)} | errors
+    errors = errors_of_first_refinement_level(brake, first, last)
+    return {"kind": _text_that_identifies_kind_of_case(brake, changes, first)} | errors
 
 
 def response_certified_by_sample(
@@ -132,24 +133,31 @@ def response_certified_by_sample(
     cache : keeps the condensed bodies of earlier solves
     """
     try:
-        first = solve_first_level_of_brake(brake, **options, cache=cache)
+        first = solve_brake_on_first_level_without_error_estimate(brake, **options, cache=cache)
     except NoAnswer:
         return None
-    if not first.converged or _kind_of_case(brake, changes, first) not in certificate.kinds:
+    if (
+        not first.converged
+        or _text_that_identifies_kind_of_case(brake, changes, first) not in certificate.kinds
+    ):
         return None
-    return first_level_with_errors_of_sample(brake, first, certificate.errors)
+    return first_level_response_with_errors_of_sample(brake, first, certificate.errors)
 
 
-def _kind_of_case(brake: Brake, changes: Mapping[str, Any], first: Response) -> str:
+def _text_that_identifies_kind_of_case(
+    brake: Brake, changes: Mapping[str, Any], first: Response
+) -> str:
     """A text that is equal for cases of one kind: same changed words and tables, same contact.
 
     Changed words are values such as "clockwise". Changed tables are such as a clearance over the
     angle; unlike numbers they have no extreme values that the sample could contain.
     """
-    others = {key: value for key, value in changes.items() if not is_varied_number(value)}
-    return json.dumps([others, kind_of_contact(brake, first)], sort_keys=True, default=str)
+    others = {key: value for key, value in changes.items() if not is_varied_value_a_number(value)}
+    return json.dumps(
+        [others, text_that_identifies_kind_of_contact(brake, first)], sort_keys=True, default=str
+    )
 
 
-def is_varied_number(value: Any) -> bool:
+def is_varied_value_a_number(value: Any) -> bool:
     """Whether a changed value is a number, and not a word, a table or true or false."""
     return isinstance(value, int | float) and not isinstance(value, bool)

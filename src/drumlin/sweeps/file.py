@@ -40,7 +40,7 @@ from drumlin.foundation.model import validated_names_of_effects_to_include
 from drumlin.models import MODELS, model_options_given_by_user
 from drumlin.sweeps.cases import SweepCase, is_key_of_mesh_file, paths_of_mesh_files
 from drumlin.sweeps.options import MODEL_OPTIONS
-from drumlin.sweeps.sample import EVERY_CASE, positions_of_sample
+from drumlin.sweeps.sample import EVERY_CASE, positions_of_sample_cases
 
 MAX_FILE_NESTING = 50
 """Largest allowed depth of tables and lists within one another in a sweep file.
@@ -235,7 +235,7 @@ def sweep_from_file_data(
     for change in changes:
         cases += [SweepCase(brake, change, name, options) for name, options in models.items()]
     units = {key: si_unit_of_brake_key(brake, key) for key in specs}
-    sample = positions_of_sample(cases, file.certify, file.seed)
+    sample = positions_of_sample_cases(cases, file.certify, file.seed)
     return Sweep(file.title or brake.title, brake, units, cases, file.pressure, sample)
 
 
@@ -337,7 +337,7 @@ def _new_values_of_each_case(
     """
     draws = {}
     for key in plan.drawn:
-        draws[key] = _random_values_of_key(specs[key], key, file.seed, plan.repeats)
+        draws[key] = _draw_random_values_of_key(specs[key], key, file.seed, plan.repeats)
     lengths = list(map(len, plan.listed.values()))
     combinations = math.prod(lengths) if file.combine == "grid" else max(lengths, default=1)
     count = combinations * plan.repeats * models
@@ -494,7 +494,8 @@ def _values_of_key_given_as_distribution(
     for key in keys:
         nominal = values_of_brake_key(brake, key)
         specs[key] = _KeySpec(
-            None, _inverse_cumulative_function_returning_list(where, distribution, unit, nominal)
+            None,
+            _make_inverse_cumulative_function_that_returns_list(where, distribution, unit, nominal),
         )
     return specs
 
@@ -570,18 +571,19 @@ def _values_of_key_given_as_range(where: str, start: float, end: float, span: Ra
     )
 
 
-def _inverse_cumulative_function_returning_list(
+def _make_inverse_cumulative_function_that_returns_list(
     where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], list[float]]:
     """A function that turns random numbers u (n,) in (0, 1) into a list of values of a key.
 
-    The values have the given distribution; see `_inverse_cumulative_function` for the parameters.
+    The values have the given distribution; see `_make_inverse_cumulative_function` for the
+    parameters.
     """
-    inverse = _inverse_cumulative_function(where, distribution, unit, nominal)
+    inverse = _make_inverse_cumulative_function(where, distribution, unit, nominal)
     return lambda u: inverse(u).tolist()
 
 
-def _inverse_cumulative_function(
+def _make_inverse_cumulative_function(
     where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], Floats]:
     """The inverse of a distribution's cumulative function, for drawing random values.
@@ -602,12 +604,14 @@ def _inverse_cumulative_function(
             f"{where}.deviation", distribution.deviation, mean, unit
         )
         if isinstance(distribution, TruncatedNormal):
-            return _inverse_truncated_normal_distribution(
+            return _make_inverse_of_cumulative_truncated_normal_distribution(
                 where, distribution, unit, mean, deviation
             )
         if distribution.distribution == "lognormal":
-            return _inverse_lognormal_distribution(where, distribution, mean, deviation)
-        return _inverse_normal_distribution(mean, deviation)
+            return _make_inverse_of_cumulative_lognormal_distribution(
+                where, distribution, mean, deviation
+            )
+        return _make_inverse_of_cumulative_normal_distribution(mean, deviation)
     assert isinstance(distribution, Uniform)
     start = _limit_of_distribution_in_si(f"{where}.from", distribution.start, unit)
     end = _limit_of_distribution_in_si(f"{where}.to", distribution.to, unit)
@@ -620,7 +624,7 @@ def _inverse_cumulative_function(
     mode = _mean_or_mode_in_si(f"{where}.mode", distribution.mode, unit, nominal)
     if not start <= mode <= end:
         raise BadInput(f"{where}.mode = {mode:g}: must be from {start:g} to {end:g}")
-    return _inverse_triangular_distribution(start, mode, end)
+    return _make_inverse_of_cumulative_triangular_distribution(start, mode, end)
 
 
 def _mean_or_mode_in_si(
@@ -651,14 +655,16 @@ def _limit_of_distribution_in_si(where: str, given: float | str, unit: str) -> f
     return _value_of_sweep_file_as_number_in_si(where, given, unit)
 
 
-def _inverse_normal_distribution(mean: float, deviation: float) -> Callable[[Floats], Floats]:
+def _make_inverse_of_cumulative_normal_distribution(
+    mean: float, deviation: float
+) -> Callable[[Floats], Floats]:
     """The inverse of a normal distribution's cumulative function."""
     from scipy.special import ndtri  # noqa: PLC0415  (0.1 s)
 
     return lambda u: mean + deviation * ndtri(u)
 
 
-def _inverse_lognormal_distribution(
+def _make_inverse_of_cumulative_lognormal_distribution(
     where: str, distribution: Normal, mean: float, deviation: float
 ) -> Callable[[Floats], Floats]:
     """The inverse of a lognormal distribution's cumulative function.
@@ -679,7 +685,7 @@ def _inverse_lognormal_distribution(
     return lambda u: median * np.exp(spread * ndtri(u))
 
 
-def _inverse_truncated_normal_distribution(
+def _make_inverse_of_cumulative_truncated_normal_distribution(
     where: str, distribution: TruncatedNormal, unit: str, mean: float, deviation: float
 ) -> Callable[[Floats], Floats]:
     """The inverse of the cumulative function of a normal distribution that is cut off at both ends.
@@ -700,10 +706,12 @@ def _inverse_truncated_normal_distribution(
         raise BadInput(
             f"{where}.to = {distribution.to!r}: must be greater than from = {distribution.start!r}"
         )
-    return lambda u: mean + deviation * _inverse_truncated_standard_normal(u, low, high)
+    return lambda u: (
+        mean + deviation * _inverse_of_cumulative_truncated_standard_normal(u, low, high)
+    )
 
 
-def _inverse_triangular_distribution(
+def _make_inverse_of_cumulative_triangular_distribution(
     start: float, mode: float, end: float
 ) -> Callable[[Floats], Floats]:
     """The inverse of a triangular distribution's cumulative function."""
@@ -721,7 +729,7 @@ def _inverse_triangular_distribution(
     return values_at_cumulative_probability
 
 
-def _inverse_truncated_standard_normal(u: Floats, low: float, high: float) -> Floats:
+def _inverse_of_cumulative_truncated_standard_normal(u: Floats, low: float, high: float) -> Floats:
     """The inverse of the standard normal distribution's cumulative function, cut off at two ends.
 
     It turns cumulative probabilities u (n,) in (0, 1) into values (n,) between `low` and `high`.
@@ -733,7 +741,7 @@ def _inverse_truncated_standard_normal(u: Floats, low: float, high: float) -> Fl
     # If both ends are above the mean, mirror the distribution: probabilities near 0 are more
     # accurate than probabilities near 1.
     if low > 0:
-        return -_inverse_truncated_standard_normal(1 - u, -high, -low)
+        return -_inverse_of_cumulative_truncated_standard_normal(1 - u, -high, -low)
     below, above = log_ndtr(low), log_ndtr(high)
     # This is log(u (P(high) - P(low))), computed from log P(high) and log P(low).
     log_inside = np.log(u) + above + np.log1p(-np.exp(below - above))
@@ -764,7 +772,7 @@ def _standard_deviation_in_si(where: str, given: float | str, mean: float, unit:
     return value
 
 
-def _random_values_of_key(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
+def _draw_random_values_of_key(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
     """Draw `count` random values of a varied key.
 
     The values depend on the seed and on the name of the key only.

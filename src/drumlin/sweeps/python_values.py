@@ -17,7 +17,7 @@ KEYS_WITH_QUANTITIES = ("from", "to", "mean", "mode", "deviation")
 """Keys of a range or distribution that hold a quantity in the unit of the varied key."""
 
 
-def data_of_sweep_in_python(
+def sweep_file_data_from_python_values(
     brake: Brake,
     values: Mapping[str, Any],
     models: str | Sequence[str] | Mapping[str, Mapping[str, Any]],
@@ -45,12 +45,14 @@ def data_of_sweep_in_python(
             raise BadInput(f'vary: has the key {key!r}; a key is a text such as "friction"')
     options = _options_by_name_of_model(models)
     data = {name: value for name, value in keys.items() if value is not None}
-    vary_table = {key: _values_with_units(brake, key, given) for key, given in values.items()}
+    vary_table = {
+        key: _sweep_values_of_key_with_units(brake, key, given) for key, given in values.items()
+    }
     return {**data, "model": options, "vary": vary_table}
 
 
 def _options_by_name_of_model(models: Any) -> dict[str, Any]:
-    """The options of each model by its name; `models` as for `data_of_sweep_in_python`."""
+    """The options of each model by its name; see `sweep_file_data_from_python_values`."""
     if isinstance(models, str):
         return {models: {}}
     is_list = isinstance(models, Mapping | Sequence)
@@ -62,7 +64,7 @@ def _options_by_name_of_model(models: Any) -> dict[str, Any]:
     return dict(models) if isinstance(models, Mapping) else {name: {} for name in models}
 
 
-def _values_with_units(brake: Brake, key: str, given: Any) -> Any:
+def _sweep_values_of_key_with_units(brake: Brake, key: str, given: Any) -> Any:
     """The values of one key as a sweep file has them: a list, a range or a distribution."""
     try:
         unit = si_unit_of_brake_key(brake, key)

@@ -13,7 +13,7 @@ from drumlin.base.journal import Journal, checksum_of_source_and_libraries, jour
 from drumlin.models import BUILT_IN_MODELS
 from drumlin.sweeps.cases import Row, SweepCase, journal_keys_of_cases
 from drumlin.sweeps.file import Sweep
-from drumlin.sweeps.sample import solve_all_cases_with_sample
+from drumlin.sweeps.sample import solve_sample_cases_and_then_all_others
 from drumlin.sweeps.sweep_table import SweepTable
 from drumlin.sweeps.table import table_lines_of_cases
 from drumlin.sweeps.workers import provide_workers_for_cases_of_sweep
@@ -62,7 +62,7 @@ def solve_sweep_in_memory(
             f"--jobs = {jobs}: a law of your own ({', '.join(own_laws)}) is solved with jobs=1"
         )
     with provide_workers_for_cases_of_sweep(jobs) as (pool, workers):
-        solved = solve_all_cases_with_sample(
+        solved = solve_sample_cases_and_then_all_others(
             prepared.cases, prepared.sample, executor=pool, workers=workers, done=done
         )
     return table_of_solved_sweep(prepared, solved.rows, folder)
@@ -133,7 +133,7 @@ def solve_sweep_with_journal(
                 provide_workers_for_cases_of_sweep(jobs, scheduler, say) as (pool, workers),
                 progress(prepared.title) as done,
             ):
-                solved = solve_all_cases_with_sample(
+                solved = solve_sample_cases_and_then_all_others(
                     prepared.cases,
                     prepared.sample,
                     executor=pool,

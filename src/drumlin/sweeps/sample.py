@@ -27,7 +27,7 @@ from drumlin.sweeps.certificate import (
     Certificate,
     SampleMember,
     certificate_of_sample,
-    is_varied_number,
+    is_varied_value_a_number,
 )
 
 EVERY_CASE = "every case"
@@ -43,7 +43,7 @@ All other options choose the elements, or correct the answer of the last level.
 """
 
 
-def positions_of_sample(
+def positions_of_sample_cases(
     cases: Sequence[SweepCase], certify: str | int, seed: int
 ) -> tuple[int, ...]:
     """The positions of the cases in the sample, in growing order; none if each case is certified.
@@ -64,7 +64,7 @@ def positions_of_sample(
     shown = f"certify = {certify!r}"
     own = [i for i, case in enumerate(cases) if case.model == "fem"]
     _require_levels_that_sample_can_certify(cases, own, shown)
-    drawn = _number_of_drawn_cases(certify, len(own), shown)
+    drawn = _number_of_cases_to_draw(certify, len(own), shown)
     rng = random.Random(seed)
     positions = set()
     for k in range(drawn):
@@ -73,7 +73,7 @@ def positions_of_sample(
     return tuple(sorted(positions | _positions_of_extreme_values(cases, own)))
 
 
-def _number_of_drawn_cases(certify: str | int, count: int, shown: str) -> int:
+def _number_of_cases_to_draw(certify: str | int, count: int, shown: str) -> int:
     """The number of cases to draw of `count` cases; `shown` is the key in an error message."""
     allowed = 'allowed: "every case", "every 10th" or another number, or a number of cases'
     drawn = certify
@@ -119,7 +119,7 @@ def _positions_of_extreme_values(cases: Sequence[SweepCase], own: Sequence[int])
         values: list[tuple[Any, int]] = []
         for i in own:
             value = cases[i].changes[key]
-            if is_varied_number(value):
+            if is_varied_value_a_number(value):
                 values.append((value, i))
         if values:
             found.add(min(values)[1])
@@ -134,7 +134,7 @@ class SolvedSweep(NamedTuple):
     cases: list[SweepCase]
 
 
-def solve_all_cases_with_sample(
+def solve_sample_cases_and_then_all_others(
     cases: Sequence[SweepCase],
     sample: Sequence[int],
     *,
@@ -151,7 +151,7 @@ def solve_all_cases_with_sample(
     Parameters
     ----------
     cases : the cases
-    sample : positions of the cases in the sample, see `positions_of_sample`
+    sample : positions of the cases in the sample, see `positions_of_sample_cases`
     journal : file that keeps the row of each finished case; None: they are kept in memory
     done : called with the number of finished cases and the number of all cases
     say : called with a line when the sweep waits for workers, and if the sample is useless
@@ -165,7 +165,7 @@ def solve_all_cases_with_sample(
     rows_of_sample = solve_all_cases_of_sweep(
         members, done=lambda finished, _: done(finished, len(cases)), **options
     )
-    reason = _reason_against_sample(cases, sample, rows_of_sample)
+    reason = _reason_why_sample_must_not_certify_cases(cases, sample, rows_of_sample)
     if any(key not in journal for key in journal_keys_of_cases(members)):
         reason = "a case of the sample failed for a reason that may pass"
     if reason:
@@ -184,11 +184,11 @@ def solve_all_cases_with_sample(
     solved = dict(zip(places, [*members, *others], strict=True))
     order = range(len(cases))
     return SolvedSweep(
-        [_row_without_first_level(rows[i]) for i in order], [solved[i] for i in order]
+        [_row_without_first_level_errors(rows[i]) for i in order], [solved[i] for i in order]
     )
 
 
-def _reason_against_sample(
+def _reason_why_sample_must_not_certify_cases(
     cases: Sequence[SweepCase], sample: Sequence[int], rows_of_sample: Sequence[Row]
 ) -> str:
     """Why a solved sample must not certify other cases; "" if it may.
@@ -212,6 +212,6 @@ def _reason_against_sample(
     return ""
 
 
-def _row_without_first_level(row: Row) -> Row:
+def _row_without_first_level_errors(row: Row) -> Row:
     """A copy of a row without the errors of its first level, which the table does not show."""
     return {name: value for name, value in row.items() if name != FIRST_LEVEL}

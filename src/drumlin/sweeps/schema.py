@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from drumlin.brake.key_meanings import add_meanings_of_keys
+from drumlin.brake.key_meanings import add_key_meanings_to_json_schema
 from drumlin.brake.schema import DIALECT, UnitSchema, json_schema_without_entries_unfit_for_toml
 from drumlin.models import MODELS
 from drumlin.sweeps.certificate import SMALLEST_SAMPLE
@@ -70,5 +70,7 @@ def _json_schema_of_model_table() -> dict[str, Any]:
 def _json_schema_of_class(kind: type[Any]) -> dict[str, Any]:
     """The JSON schema of a class that reads a part of the sweep file."""
     made = dict(TypeAdapter(kind).json_schema(schema_generator=UnitSchema))
-    add_meanings_of_keys({kind.__name__: made, **made.get("$defs", {})}, KEYS_OF_SWEEP_FILE)
+    add_key_meanings_to_json_schema(
+        {kind.__name__: made, **made.get("$defs", {})}, KEYS_OF_SWEEP_FILE
+    )
     return made

@@ -230,7 +230,7 @@ class SweepTable(Sequence[Row]):
             rows.append((f"{one.model}: {heading}" if several else heading, *texts))
         return rows
 
-    def lines_of_outcome(self) -> list[str]:
+    def text_lines_on_outcome_of_cases(self) -> list[str]:
         """Lines of text: the number of solved and failed cases, and the most frequent reasons."""
         failures = self.failures
         count, failed = len(self.rows), failures.total()
@@ -247,7 +247,7 @@ class SweepTable(Sequence[Row]):
         try:
             check_table_file_is_writable(Path(path))
         except BadInput as error:
-            error.name_arguments_in_place_of_options()
+            error.replace_options_by_python_arguments_in_message()
             raise
         write_table_file(self.rows, Path(path))
 
@@ -279,7 +279,10 @@ class SweepTable(Sequence[Row]):
         BadInput
             for an unknown column, and for a column of texts
         """
-        drawn = [self.heading_of_column(x), self.heading_of_column(y or self._effect_heading())]
+        drawn = [
+            self.heading_of_column(x),
+            self.heading_of_column(y or self._heading_of_torque_or_braking_force()),
+        ]
         for heading in drawn:
             if any(isinstance(row.get(heading), str) for row in self.rows):
                 raise BadInput(f"column {heading!r}: has texts; only numbers can be drawn")
@@ -296,12 +299,12 @@ class SweepTable(Sequence[Row]):
         axes.legend()
         return axes
 
-    def _effect_heading(self) -> str:
+    def _heading_of_torque_or_braking_force(self) -> str:
         """The heading of the brake's torque, or on a plane of its braking force."""
         found = [heading for heading in self._headings_of_main_results() if "." not in heading]
         return found[0] if found else "torque"
 
-    def _shown_cells(self) -> list[tuple[str, ...]]:
+    def _cells_of_displayed_table(self) -> list[tuple[str, ...]]:
         """The headings and the first rows of the table: varied keys, model, results, status."""
         keys = [self.heading_of_column(key) for key in self.varied]
         main = [heading for heading in self._headings_of_main_results() if "." not in heading]
@@ -316,16 +319,18 @@ class SweepTable(Sequence[Row]):
 
     def __repr__(self) -> str:
         """The title, the outcome, the first rows and the statistics as text."""
-        lines = [self.title, *self.lines_of_outcome()]
-        lines += text_lines_of_aligned_columns(self._shown_cells())
+        lines = [self.title, *self.text_lines_on_outcome_of_cases()]
+        lines += text_lines_of_aligned_columns(self._cells_of_displayed_table())
         if len(self.rows) > MOST_SHOWN_ROWS:
             lines.append(f"... {len(self.rows) - MOST_SHOWN_ROWS} further cases")
         return "\n".join([*lines, *text_lines_of_aligned_columns(self.cells_of_statistics())])
 
     def _repr_html_(self) -> str:
         """The first rows and the statistics as two HTML tables, which notebooks display."""
-        outcome = self.lines_of_outcome()[0]
-        first = html_table_with_caption(f"{self.title}, {outcome}", self._shown_cells())
+        outcome = self.text_lines_on_outcome_of_cases()[0]
+        first = html_table_with_caption(
+            f"{self.title}, {outcome}", self._cells_of_displayed_table()
+        )
         return first + html_table_with_caption("statistics", self.cells_of_statistics())
 
 

@@ -60,7 +60,7 @@ def uniform_distribution(low: float, high: float) -> Any:
     return uniform(low, high - low)
 
 
-def random_deviations_of_brakes_in_all_samples(
+def draw_random_deviations_in_all_samples(
     tolerances: Sequence[ManufacturingTolerance], n: int, seed: int
 ) -> Floats:
     """Draw the deviations of all brakes of the samples A, B, AB_1 ... AB_d.
@@ -110,7 +110,7 @@ def cases_with_random_deviations(
     ----------
     brake : the base brake, without deviations
     tolerances : the d tolerances
-    deviates : deviations (..., d), as `random_deviations_of_brakes_in_all_samples` returns them
+    deviates : deviations (..., d), as `draw_random_deviations_in_all_samples` returns them
     model, options : model that solves the cases, and its options
 
     Raises
@@ -234,7 +234,7 @@ def sobol_indices_of_tolerances(
     ----------
     tolerances : the d tolerances
     values : the result (d + 2, n) of each brake in each sample of
-        `random_deviations_of_brakes_in_all_samples`
+        `draw_random_deviations_in_all_samples`
     seed : seed of the bootstrap
     confidence : probability of the confidence intervals
     resamples : number of bootstrap samples
@@ -309,5 +309,5 @@ def torque_and_peak_during_run_in(
         "peak_pressure": [
             run_in.peak_nodal_pressure_of_wear_state(setup, state) for state in states_at
         ],
-        "worn_in": run_in.final_pressure_and_torque_by_rigid_shoe_law(setup).torque,
+        "worn_in": run_in.final_wear_pressure_and_torque_by_rigid_shoe_law(setup).torque,
     }

@@ -12,11 +12,11 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.files import read_text
 from drumlin.base.tables import (
-    cell_rows_of_separated_text_table,
     decimal_sign_of_table,
     number_in_table_cell,
+    split_text_table_into_cell_rows,
 )
-from drumlin.base.texts import error_as_text, number_as_text
+from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import first_key_in_which_two_brakes_differ
 from drumlin.brake.friction import require_friction_independent_of_pressure
@@ -102,7 +102,7 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
     """
     text = read_text(path, LARGEST_REFERENCE_FILE, "a table of p(theta)")
     try:
-        lines = cell_rows_of_separated_text_table(text)
+        lines = split_text_table_into_cell_rows(text)
     except csv.Error as error:
         raise BadInput(f"{path}: is not a CSV file ({error})") from error
     surface = brake.surface
@@ -344,8 +344,12 @@ def _verdict_on_pressure_curve(
     worst = int(np.abs(off).argmax())
     require_friction_independent_of_pressure(brake, "check")
     # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
-    lever = brake.friction_of_shoe(spec) * spec.lining.width * brake.scale_factor**2
-    pieces = _slices_of_each_lining(spec, theta)
+    lever = (
+        brake.friction_coefficient_of_shoe_at_zero_pressure(spec)
+        * spec.lining.width
+        * brake.scale_factor**2
+    )
+    pieces = _slices_of_angles_on_each_lining(spec, theta)
     force_off = math.fsum(float(np.trapezoid(off[own], theta[own])) for own in pieces)
     torque_off, torque = abs(lever * force_off), known.torque.value
     return Verdict(
@@ -365,7 +369,7 @@ def _difference_relative_to_size(difference: float, size: float) -> float:
     return difference / size if size else math.inf if difference else 0.0
 
 
-def _slices_of_each_lining(shoe: Shoe, theta: Floats) -> list[slice]:
+def _slices_of_angles_on_each_lining(shoe: Shoe, theta: Floats) -> list[slice]:
     """The slices of growing angles `theta` (n,) [rad] that are on each lining of a shoe."""
     slices = []
     for start, end in shoe.lining.arcs:
@@ -383,7 +387,7 @@ def _pressure_integral_along_lining(shoe: Shoe, curve: PressureTable) -> float:
     """
     total = 0.0
     slots = shoe.lining.slots
-    slices = _slices_of_each_lining(shoe, curve.theta)
+    slices = _slices_of_angles_on_each_lining(shoe, curve.theta)
     for k, ((start, end), own) in enumerate(zip(shoe.lining.arcs, slices, strict=True)):
         # Points beyond the outer ends of all linings help to interpolate the pressure there.
         near = slice(own.start if k else 0, own.stop if k < len(slots) else None)
@@ -411,10 +415,10 @@ def text_lines_on_errors_of_pressure_table(
     for verdict in verdicts:
         text.append(
             f"shoe {verdict.shoe!r}: p off by {number_as_text(verdict.distance, '.2%')} in L2 "
-            f"(reference known to {error_as_text(verdict.floor)}), "
+            f"(reference known to {error_text_in_percent(verdict.floor)}), "
             f"at most by {number_as_text(verdict.largest, '.2%')} of the peak, at {verdict.at}; "
             f"that is {number_as_text(verdict.torque_error, '.2%')} of the {effect} "
-            f"(known to {error_as_text(verdict.torque_floor)}); "
+            f"(known to {error_text_in_percent(verdict.torque_floor)}); "
             f"{effect} of its points {verdict.torque:.7g} {unit}"
         )
     is_within = "within" if are_verdicts_within_tolerance(verdicts, tolerance) else "NOT within"

@@ -156,7 +156,7 @@ def _mesh_and_solve_brake(
 
 def _brake_with_less_friction(brake: Brake) -> Brake:
     """A copy of the brake with 0.9 times its friction coefficient, used as a further load case."""
-    return brake.brake_with_scaled_friction(0.9 * brake.friction)
+    return brake.brake_with_new_friction_coefficient(0.9 * brake.friction)
 
 
 def _seconds_to_assemble_and_factorise_stiffness(
@@ -215,7 +215,7 @@ def _result_of_call_in_new_process(task: Callable[..., Any], *arguments: Any) ->
         return process.submit(task, *arguments).result()
 
 
-def cost_by_size_table_lines(
+def table_lines_of_cost_by_number_of_unknowns(
     brake: Brake, sizes: tuple[int, ...] = COST_TABLE_UNKNOWNS
 ) -> Iterator[str]:
     """Yield the lines of a table of cost, with a row for each number of unknowns in `sizes`.
@@ -266,7 +266,7 @@ class _SolidCost(NamedTuple):
     further: float
 
 
-def solid_shoe_cost_table_lines(
+def table_lines_of_solid_shoe_cost_by_degree(
     brake: Brake, degrees: Sequence[int] = SOLID_COST_DEGREES
 ) -> Iterator[str]:
     """Yield the lines of a table of the cost of three-dimensional (solid) shoes.
@@ -328,9 +328,9 @@ def time_and_memory_report_lines(
         chooses = "--table" if by_size else "--model solid"
         raise BadInput(f"{chooses} chooses the elements itself; leave out --elements and --penalty")
     if model == "solid":
-        yield from solid_shoe_cost_table_lines(brake)
+        yield from table_lines_of_solid_shoe_cost_by_degree(brake)
     elif by_size:
-        yield from cost_by_size_table_lines(brake)
+        yield from table_lines_of_cost_by_number_of_unknowns(brake)
     else:
         yield from measured_time_and_memory_lines(brake, **options)
 

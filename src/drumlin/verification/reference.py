@@ -27,7 +27,7 @@ from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
 from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -36,7 +36,7 @@ from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import (
     Response,
     ShoeResponse,
-    length_of_edge_zone_without_peak,
+    length_of_edge_zone_left_out_of_peak_search,
     response_of_pressed_elastic_shoe,
     which_angles_are_outside_end_zones,
 )
@@ -143,8 +143,8 @@ def solve_brake_for_reference_values(
         last = step.response
     found = []
     for level in refinement.levels:
-        singular_points = singular_points_of_all_linings(
-            brake, last, error=level.pressure_error_by_column_ratio
+        singular_points = singular_points_of_each_shoe_shape(
+            brake, last, error=level.pressure_error_due_to_column_size_ratio
         )
         last = solve_exactly(make_prepared_model(brake, level, singular_points), brake, start=last)
         found.append(last)
@@ -169,7 +169,9 @@ def _brake_response_by_curved_triangle_elements(
         # The solver on triangles does not compute the pulls of springs. It uses the pulls that
         # `like` states, as constant forces.
         under = brake_with_springs_of_constant_pull(brake, like.spring_pulls)
-        *_, solutions = triangles.solve_on_triangle_level_sequence(under, refinement.triangles)
+        *_, solutions = triangles.solve_brake_on_sequence_of_triangle_meshes(
+            under, refinement.triangles
+        )
     except BadInput:
         return None
     shoes = []
@@ -180,7 +182,7 @@ def _brake_response_by_curved_triangle_elements(
             solution.theta,
             solution.pressure,
             order=solution.order,
-            on_lining=_nodes_on_linings(shoe, solution.theta),
+            on_lining=_which_nodes_are_on_linings(shoe, solution.theta),
             torque=solution.torque,
             normal_force=solution.normal_force,
             self_energising=own.self_energising,
@@ -190,7 +192,7 @@ def _brake_response_by_curved_triangle_elements(
     return replace(like, model="triangles", shoes=tuple(shoes))
 
 
-def _nodes_on_linings(shoe: Shoe, theta: Floats) -> Bools:
+def _which_nodes_are_on_linings(shoe: Shoe, theta: Floats) -> Bools:
     """Whether growing nodes (n,) [rad] are on a lining, and not in a slot between two linings."""
     on_lining = np.ones(len(theta), dtype=bool)
     for start, end in shoe.lining.slots:
@@ -366,8 +368,8 @@ def _contact_force_on_lining(brake: Brake, index: int, response: ShoeResponse) -
 def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses) -> ShoeReference:
     """The reference values of the shoe number `index` from the responses of the brake."""
     spec = brake.shoes[index]
-    edge = length_of_edge_zone_without_peak(spec, brake.scale_factor)
-    theta = _angles_of_listed_pressures(spec)
+    edge = length_of_edge_zone_left_out_of_peak_search(spec, brake.scale_factor)
+    theta = _whole_degree_angles_or_millimetre_positions_on_lining(spec)
     answers = [
         response.shoes[index] for response in (trio.value, *trio.responses_that_give_uncertainty)
     ]
@@ -404,7 +406,7 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
     )
 
 
-def _angles_of_listed_pressures(shoe: Shoe) -> Floats:
+def _whole_degree_angles_or_millimetre_positions_on_lining(shoe: Shoe) -> Floats:
     """The whole degrees (n,) [rad] on a lining, on a plane the whole millimetres [m]."""
     step = 1e-3 if shoe.flat else ONE_DEGREE
     first, last = shoe.lining.start / step, shoe.lining.end / step

@@ -58,7 +58,8 @@ def kill_and_finish_one_sweep(case: dict[str, Any]) -> dict[str, Any]:
         whole = _run_sweep_to_its_end(folder, "whole.csv", ["--jobs", "1"])
         with _sweep_command_options_for_way_of_running(case["way"], folder) as words:
             met = sum(
-                _kill_sweep_at_number_of_journal_cases(moment, folder, words) for moment in moments
+                _kill_sweep_at_case_count_and_say_if_it_was_running(moment, folder, words)
+                for moment in moments
             )
             table = _run_sweep_to_its_end(folder, "t.csv", words)
         keys = _keys_of_cases_in_sweep_journal(folder / "t.csv.journal")
@@ -138,7 +139,9 @@ def _run_sweep_to_its_end(folder: Path, output: str, words: list[str]) -> bytes:
     return (folder / output).read_bytes() if status == 0 else f"status {status}".encode()
 
 
-def _kill_sweep_at_number_of_journal_cases(moment: int, folder: Path, words: list[str]) -> bool:
+def _kill_sweep_at_case_count_and_say_if_it_was_running(
+    moment: int, folder: Path, words: list[str]
+) -> bool:
     """Start the sweep of a folder and kill it as soon as its journal has `moment` cases.
 
     Returns whether the sweep was still running when it was killed.

@@ -153,7 +153,7 @@ def can_be_process_argument(word: str) -> bool:
         return False
 
 
-def _verdicts_on_chunk_of_inputs(case: Case) -> dict[str, Any]:
+def _run_chunk_of_inputs_and_return_verdicts(case: Case) -> dict[str, Any]:
     """Run several inputs of a generator, the case of one journal entry; returns their verdicts."""
     numbers = range(case["first"], case["first"] + case["count"])
     generator, apart = case["generator"], case["apart"]
@@ -195,7 +195,7 @@ def run_and_judge_generators(
     everything = list(itertools.chain(*cases.values()))
     compute_cases_in_parallel_with_journal(
         everything,
-        _verdicts_on_chunk_of_inputs,
+        _run_chunk_of_inputs_and_return_verdicts,
         journal,
         say,
         processes,

@@ -101,20 +101,20 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     # The first term is the change of the torque at fixed pressures. The second term comes from the
     # change of the pressures, because the equations contain the friction.
     by_friction = lever.T @ contact.p - each.T @ (per_friction @ answer)
-    given = _torque_slope_by_actuation_forces_of_file(group, shoes)
+    given = _torque_slope_by_logarithm_of_actuation_forces(group, shoes)
     return GroupAdjoint(
         group=group,
         shoes=shoes,
         torques=size * mu * (lever.T @ contact.p),
         friction_slopes=size * by_friction,
-        ring_modulus_slope=_torque_slope_by_ring_modulus(group, a, contact.p),
-        given_forces_slope=size * group.relative_sum_of_cam_forces * float(c[-1])
+        ring_modulus_slope=_torque_slope_by_logarithm_of_ring_modulus(group, a, contact.p),
+        given_forces_slope=size * group.sum_of_cam_forces_over_largest_force * float(c[-1])
         if group.indices_of_shoes_under_cam
         else given,
     )
 
 
-def _torque_slope_by_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> float:
+def _torque_slope_by_logarithm_of_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> float:
     """The change of the torque [N m] by the logarithm of the elastic modulus of the drum ring.
 
     `a` are the gap multipliers and `p` the pressures (n,) of the group. A rigid drum gives 0.
@@ -127,7 +127,9 @@ def _torque_slope_by_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> flo
     )
 
 
-def _torque_slope_by_actuation_forces_of_file(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
+def _torque_slope_by_logarithm_of_actuation_forces(
+    group: ShoeGroup, shoes: list[ShoeAdjoint]
+) -> float:
     """The change of the torque by the logarithm of all actuation forces in the brake file [N m].
 
     The forces of struts are not in the brake file and do not count.
@@ -149,7 +151,7 @@ def _equation_matrix_of_shoe_group(group: ShoeGroup, friction: float) -> Floats:
     see `contact_matrix_with_forces_as_unknowns`.
     """
     blocks = group.contact_problem_with_given_actuation_forces(friction)
-    effects = group.contact_effects_of_actuation_force_per_shoe(friction)
+    effects = group.contact_effects_of_each_actuation_force(friction)
     return contact_matrix_with_forces_as_unknowns(
         blocks,
         effects,

@@ -30,7 +30,9 @@ from drumlin.fem.preparation.bodies import (
 )
 
 
-def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
+def make_stick_slip_problem_and_slip_per_drum_rotation(
+    group: ShoeGroup,
+) -> tuple[FrictionalProblem, Floats]:
     """The stick-slip problem of a group of shoes on a drum at rest, and the slip per drum rotation.
 
     The problem holds for pressures per newton of the group's actuation force. The second value (n,)
@@ -40,7 +42,7 @@ def make_stick_slip_problem_of_shoe_group(group: ShoeGroup) -> tuple[FrictionalP
     brake. The nodes of the linings come first, then one node for each foot on a rough abutment, see
     `FeetOnRoughAbutments`, then one frictionless node for each one-sided support.
     """
-    feet = FeetOnRoughAbutments.collect_shoe_ends_on_rough_abutments(group)
+    feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     still = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=feet.senses)
     shoes = [_matrices_of_tractions_on_lining(still, k) for k in range(len(group.members))]
     problem = feet.stick_slip_problem_with_abutment_nodes(
@@ -96,7 +98,7 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     # Y is L^-1 f for nodal forces f and the Cholesky factor L of the stiffness L L^T. The product
     # of two parts of Y is a flexibility: pressed^T dragged gives the weighted gaps that tractions
     # open.
-    Y = condensed.nodal_forces_over_cholesky_factor(
+    Y = condensed.inverse_cholesky_factor_times_nodal_forces(
         np.hstack([-coupling.N.T, T.T, condensed.load_on_contact])
     )
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
@@ -113,7 +115,7 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
             -shoe.frame.convert_vectors_to_brake_frame(nodal)
             @ shoe.unit_vector_of_smooth_abutment_force
         )
-    effects = group.contact_effects_of_actuation_force_per_shoe(0.0)[k]
+    effects = group.contact_effects_of_each_actuation_force(0.0)[k]
     return _TractionMatrices(
         # Displacements u of the contact nodes close the weighted gaps by N u. The nodal forces of
         # tractions t are T^T t.
@@ -196,7 +198,7 @@ class FeetOnRoughAbutments(NamedTuple):
     foot_compliance: Floats
 
     @classmethod
-    def collect_shoe_ends_on_rough_abutments(cls, group: ShoeGroup) -> "FeetOnRoughAbutments":
+    def collect_feet_on_rough_abutments(cls, group: ShoeGroup) -> "FeetOnRoughAbutments":
         """Collect the feet of a group's shoes on rough abutments."""
         # If the contact of the linings is exact (no penalty), a sticking foot needs a finite
         # contact stiffness nevertheless.
@@ -222,7 +224,7 @@ class FeetOnRoughAbutments(NamedTuple):
             abutment = shoe.abutment and shoe.abutment.model_copy(update={"friction": 0.0})
             shoes.append(shoe.model_copy(update={"abutment": abutment}))
         smooth = self.group.brake.model_copy(update={"shoes": tuple(shoes)})
-        return smooth.brake_with_scaled_friction(friction)
+        return smooth.brake_with_new_friction_coefficient(friction)
 
     def friction_coefficients_of_all_nodes(self) -> Floats:
         """The friction coefficients (n,) of all nodes: linings, feet, then one-sided supports."""
@@ -348,7 +350,7 @@ def _stick_slip_problem_with_strut_and_cam_forces(
         still.actuation_forces_of_file_over_largest_force,
         still.indices_of_pushing_and_pushed_shoe_of_struts,
         still.indices_of_shoes_under_cam,
-        still.relative_sum_of_cam_forces,
+        still.sum_of_cam_forces_over_largest_force,
     )
     return _stick_slip_problem_from_contact_problem(sharing.problem, problem.Q)
 
@@ -382,9 +384,7 @@ def _actuation_effects_on_pressures_and_tractions(
     n : number of nodes, each with one pressure and one traction
     """
     effects = []
-    for normal, shoe in zip(
-        still.contact_effects_of_actuation_force_per_shoe(0.0), shoes, strict=True
-    ):
+    for normal, shoe in zip(still.contact_effects_of_each_actuation_force(0.0), shoes, strict=True):
         nodes, tangential = np.arange(n)[normal.nodes], shoe.effects
         both = normal._replace(
             nodes=np.concatenate([nodes, n + nodes]),

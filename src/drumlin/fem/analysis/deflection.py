@@ -11,7 +11,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
 from drumlin.fem.analysis.fields import (
-    friction_stress_over_coefficient_of_each_lining,
+    friction_stress_over_friction_coefficient_of_each_lining,
     nodal_contact_pressures_of_each_lining,
     stress_and_displacement_fields_of_shoe,
 )
@@ -38,7 +38,7 @@ def stations_and_deflections_of_beam(
     return x, (of_shoe.displacement[on] @ axis.towards)[first]
 
 
-def inward_displacement_of_ring_surface(
+def angles_and_inward_displacements_of_ring_surface(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> tuple[Floats, Floats]:
     """The angles (m,) [rad] and inward displacements (m,) [m] of the drum ring's friction surface.
@@ -48,9 +48,9 @@ def inward_displacement_of_ring_surface(
     ring = scene.ring
     if ring is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no displacement")
-    displacement = ring.displacement_of_ring_nodes(
+    displacement = ring.displacements_of_ring_nodes(
         nodal_contact_pressures_of_each_lining(brake, response),
-        friction_stress_over_coefficient_of_each_lining(brake, response),
+        friction_stress_over_friction_coefficient_of_each_lining(brake, response),
         list(map(brake.signed_friction_stress_over_pressure, brake.shoes)),
     )
     nodes = ring.basis.get_dofs(ring.mesh.boundaries["contact"]).flatten()

@@ -18,7 +18,7 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    free_thermal_strains_of_heated_layers,
+    functions_of_free_thermal_strain_by_layer,
     load_column_factors_of_one_sided_support_push,
     load_column_factors_under_all_loads,
 )
@@ -28,10 +28,10 @@ from drumlin.fem.substructure.elasticity import (
     elastic_layers_of_shoe,
     stresses_from_displacement_gradients,
 )
-from drumlin.fem.substructure.expansion import Strains, stress_belonging_to_free_strain
+from drumlin.fem.substructure.expansion import Strains, stress_times_width_of_free_strain
 from drumlin.fem.substructure.interface import (
     Directions,
-    function_for_drum_normals_and_tangents,
+    function_that_returns_drum_normals_and_tangents,
     plane_normals_and_tangents,
 )
 from drumlin.response.balance import brake_with_forces_of_response
@@ -69,7 +69,7 @@ class Fields(EqualByArrays):
 
     def to_meshio(self) -> meshio.Mesh:
         """The body as a `meshio.Mesh`, with the names of fields that a .vtu file has."""
-        return mesh_of_fields([self])
+        return meshio_mesh_with_fields_of_all_shoes([self])
 
     def to_pyvista(self) -> Any:
         """The body as a `pyvista.UnstructuredGrid`. Raises BadInput if pyvista is not installed."""
@@ -178,12 +178,12 @@ def stress_and_displacement_fields_of_shoe(
         elastic_layers_of_shoe(shoe),
         u,
         pressure,
-        free_thermal_strains_of_heated_layers(shoe, brake.size),
+        functions_of_free_thermal_strain_by_layer(shoe, brake.size),
     )
     directions = (
         plane_normals_and_tangents
         if shoe.flat
-        else function_for_drum_normals_and_tangents(shoe.sign)
+        else function_that_returns_drum_normals_and_tangents(shoe.sign)
     )
     return _stress_and_displacement_fields_in_brake_frame(
         solved, _Placement(shoe.frame, shoe.convert_points_to_brake_frame, directions)
@@ -200,15 +200,18 @@ def stress_and_displacement_fields_of_ring(
     ring, section = scene.ring, brake.ring.section if brake.ring else None
     if ring is None or section is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
-    u = ring.displacement_of_ring_nodes(
+    u = ring.displacements_of_ring_nodes(
         nodal_contact_pressures_of_each_lining(brake, response),
-        friction_stress_over_coefficient_of_each_lining(brake, response),
+        friction_stress_over_friction_coefficient_of_each_lining(brake, response),
         list(map(brake.signed_friction_stress_over_pressure, brake.shoes)),
     )
     no_pressure = np.zeros(ring.basis.N)
     solved = _SolvedBody(ring.mesh, ring.basis, elastic_layers_of_ring(section), u, no_pressure)
     return _stress_and_displacement_fields_in_brake_frame(
-        solved, _Placement(ShoeFrame(0.0, 1), np.asarray, function_for_drum_normals_and_tangents(1))
+        solved,
+        _Placement(
+            ShoeFrame(0.0, 1), np.asarray, function_that_returns_drum_normals_and_tangents(1)
+        ),
     )
 
 
@@ -221,7 +224,7 @@ def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> 
     return [answer.nodal_pressures_on_linings[:: shoe.frame.sense] for shoe, answer in pairs]
 
 
-def friction_stress_over_coefficient_of_each_lining(
+def friction_stress_over_friction_coefficient_of_each_lining(
     brake: Brake, response: Response
 ) -> list[Floats]:
     """For each shoe the friction stress (n_i,) [Pa] divided by the shoe's friction coefficient.
@@ -232,11 +235,11 @@ def friction_stress_over_coefficient_of_each_lining(
     pressures = nodal_contact_pressures_of_each_lining(brake, response)
     found = []
     for shoe, answer, p in zip(brake.shoes, response.shoes, pressures, strict=True):
-        found.append(_friction_stress_over_coefficient_of_lining(brake, shoe, answer, p))
+        found.append(_friction_stress_over_friction_coefficient_of_lining(brake, shoe, answer, p))
     return found
 
 
-def _friction_stress_over_coefficient_of_lining(
+def _friction_stress_over_friction_coefficient_of_lining(
     brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
 ) -> Floats:
     """The friction stress (n,) [Pa] on one lining divided by the shoe's friction coefficient.
@@ -246,7 +249,7 @@ def _friction_stress_over_coefficient_of_lining(
     if answer.friction_stress is None:
         return p
     stress = answer.nodal_values_on_linings(answer.friction_stress)[:: shoe.frame.sense]
-    return np.asarray(stress / brake.friction_of_shoe(shoe))
+    return np.asarray(stress / brake.friction_coefficient_of_shoe_at_zero_pressure(shoe))
 
 
 def stress_and_displacement_fields_of_shoes_and_ring(
@@ -281,7 +284,7 @@ def nodal_displacements_of_shoe(
             body, shoe, support.push, brake.size
         )
     # These forces (2n,) [N] of pressure and friction act on the contact nodes.
-    dragging = _friction_stress_over_coefficient_of_lining(brake, shoe, answer, p)
+    dragging = _friction_stress_over_friction_coefficient_of_lining(brake, shoe, answer, p)
     nodal = (
         brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
         * (body.coupling.T.T @ dragging)
@@ -300,7 +303,7 @@ def _stress_and_displacement_fields_in_brake_frame(
     mesh, basis = solved.mesh, solved.basis
     nodes, cells, numbers, stresses, pressures, first = [], [], [], [], [], 0
     for number, name in enumerate(mesh.subdomains):
-        part = _nodal_stresses_of_subdomain(solved, name)
+        part = _mean_nodal_stresses_of_subdomain(solved, name)
         nodes.append(part.nodes)
         cells.append(part.cells + first)
         numbers.append(np.full(len(part.cells), number))
@@ -331,7 +334,7 @@ def _stress_and_displacement_fields_in_brake_frame(
     )
 
 
-def _nodal_stresses_of_subdomain(solved: _SolvedBody, name: str) -> _SubdomainFields:
+def _mean_nodal_stresses_of_subdomain(solved: _SolvedBody, name: str) -> _SubdomainFields:
     """The nodes, cells and mean stresses of the subdomain `name` of a solved body.
 
     The free thermal strains of a heated subdomain are subtracted from its strains.
@@ -346,7 +349,9 @@ def _nodal_stresses_of_subdomain(solved: _SolvedBody, name: str) -> _SubdomainFi
     )
     if name in solved.strains:
         free_strains = solved.strains[name](points)
-        stress = stress - stress_belonging_to_free_strain(layer, free_strains, points) / layer.width
+        stress = (
+            stress - stress_times_width_of_free_strain(layer, free_strains, points) / layer.width
+        )
     # Each element has its own stress at a shared node. The field is the mean of these stresses.
     means = nodal_means_of_element_tensors(stress, dofs)
     cells = means.cells[corners].reshape(len(corners), -1).T
@@ -377,7 +382,9 @@ def _shape_gradients_at_element_nodes(basis: Any, elements: Ints) -> _ElementNod
             basis.shape_function_gradients_at_element_nodes(elements),
             basis.quadrilaterals_between_element_nodes,
         )
-    slopes, _ = basis.gradients_and_determinants(basis.elem.doflocs.T, elements)
+    slopes, _ = basis.shape_function_gradients_and_jacobian_determinants(
+        basis.elem.doflocs.T, elements
+    )
     return _ElementNodes(basis.element_dofs[:, elements], slopes, basis.elem.cells_between_nodes)
 
 
@@ -397,12 +404,12 @@ The keys are the names of the fields in the file, the values the names of the at
 
 def write_fields_to_vtu_file(path: Path, parts: Sequence[Any]) -> None:
     """Write the `Fields` or `SolidFields` of all shoes as one .vtu file for ParaView."""
-    mesh = mesh_of_fields(parts)
+    mesh = meshio_mesh_with_fields_of_all_shoes(parts)
     with temporary_file_replacing_output(path) as partial:
         meshio.write(partial, mesh, file_format="vtu")
 
 
-def write_fields_of_solved_model(
+def write_fields_of_solved_model_to_vtu_file(
     path: Path, brake: Brake, scene: PreparedModel, response: Response
 ) -> None:
     """Write the fields of all bodies of a solved model as one .vtu file for ParaView."""
@@ -411,7 +418,7 @@ def write_fields_of_solved_model(
     )
 
 
-def mesh_of_fields(parts: Sequence[Any]) -> meshio.Mesh:
+def meshio_mesh_with_fields_of_all_shoes(parts: Sequence[Any]) -> meshio.Mesh:
     """The `Fields` or `SolidFields` of all shoes as one mesh with fields at nodes and cells."""
     cells, numbers, shoes, first = [], [], [], 0
     for i, part in enumerate(parts):

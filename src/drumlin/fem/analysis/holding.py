@@ -40,7 +40,10 @@ from drumlin.contact.stick_slip import (
     Increment,
     SlipHistory,
 )
-from drumlin.fem.analysis.at_rest import FeetOnRoughAbutments, make_stick_slip_problem_of_shoe_group
+from drumlin.fem.analysis.at_rest import (
+    FeetOnRoughAbutments,
+    make_stick_slip_problem_and_slip_per_drum_rotation,
+)
 from drumlin.fem.equilibrium.group import (
     ShoeGroup,
     divide_shoes_into_groups,
@@ -270,7 +273,7 @@ class _FootSlide(NamedTuple):
     by_solve: str
 
 
-def states_of_holding_brake_at_rotations(
+def turn_holding_brake_and_return_states_at_rotations(
     scene: PreparedModel,
     brake: Brake,
     rotations: Floats,
@@ -307,7 +310,7 @@ def states_of_holding_brake_at_rotations(
     """
     paths = []
     for held in _apply_actuation_forces_to_resting_groups(scene, brake, len(rotations), penalty):
-        say(f"holding: {held.group.names_of_shoes}")
+        say(f"holding: {held.group.names_of_shoes_as_text}")
         paths.append(_turn_drum_through_rotations(held, rotations))
     return [
         _state_of_brake_at_rotation(brake, paths, k, float(rotation))
@@ -324,7 +327,7 @@ def _apply_actuation_forces_to_resting_groups(
     """Apply the actuation force to each group of shoes while the drum is at rest.
 
     Yields each loaded group. `increments` is the number of increments in which the force grows.
-    Raises NoAnswer and BadInput as `states_of_holding_brake_at_rotations` does.
+    Raises NoAnswer and BadInput as `turn_holding_brake_and_return_states_at_rotations` does.
     """
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
@@ -345,10 +348,10 @@ def _apply_actuation_force_to_resting_group(
 ) -> _LoadedGroupAtRest:
     """Apply the actuation force to a group of shoes in increments while the drum is at rest.
 
-    Raises NoAnswer as `states_of_holding_brake_at_rotations` does.
+    Raises NoAnswer as `turn_holding_brake_and_return_states_at_rotations` does.
     """
-    problem, lever = make_stick_slip_problem_of_shoe_group(group)
-    feet = FeetOnRoughAbutments.collect_shoe_ends_on_rough_abutments(group)
+    problem, lever = make_stick_slip_problem_and_slip_per_drum_rotation(group)
+    feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     count = len(feet.shoe_numbers)
     # The first guess of the states comes from the solution without friction. Nodes that touch in it
     # stick, and all feet stick. One-sided supports that bear in it slip, and the others are open.
@@ -375,7 +378,7 @@ def _apply_actuation_force_to_resting_group(
         # On a brake that locks itself, `solve_contact_and_abutment_friction` raises a NoAnswer that
         # states the friction limit. It takes precedence over the error below.
         group.solve_contact_and_abutment_friction()
-        raise NoAnswer(f"{group.names_of_shoes}: {error}, the drum at rest") from error
+        raise NoAnswer(f"{group.names_of_shoes_as_text}: {error}, the drum at rest") from error
     per_rotation = lever * (group.brake.sign_of_motion / group.largest_actuation_force)
     return _LoadedGroupAtRest(group, problem, per_rotation, friction, rest, spent)
 
@@ -422,7 +425,7 @@ def _increase_actuation_force_at_rest(
             if share == 1:
                 raise
             continue
-        energy += _energy_dissipated_by_slip(problem, increment, history)
+        energy += _energy_dissipated_by_slip_per_squared_force(problem, increment, history)
         history, state = increment.tractions_and_slips_for_next_increment, increment.state
     return increment, energy
 
@@ -433,7 +436,7 @@ def _increase_actuation_force_at_rest(
 def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) -> _RotationPath:
     """Turn the drum under a loaded group through rotations (m,) [rad], one after the other.
 
-    Raises NoAnswer as `states_of_holding_brake_at_rotations` does.
+    Raises NoAnswer as `turn_holding_brake_and_return_states_at_rotations` does.
     """
     group, brake = held.group, held.group.brake
     increment, reached = held.rest, 0.0
@@ -444,7 +447,7 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
             for step in held.turn_drum_from_start_to_end_rotation(
                 increment, reached, float(rotation)
             ):
-                energy += _energy_dissipated_by_slip(
+                energy += _energy_dissipated_by_slip_per_squared_force(
                     held.problem, step, increment.tractions_and_slips_for_next_increment
                 )
                 increment = step
@@ -452,9 +455,11 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
             # On a brake that locks itself, `solve_contact_and_abutment_friction` raises a NoAnswer
             # with the friction limit. It takes precedence over the error below.
             turning = brake if rotation > reached else brake.brake_with_reversed_motion()
-            _shoe_group_with_changed_brake(group, turning).solve_contact_and_abutment_friction()
+            _shoe_group_with_other_rotation_or_friction(
+                group, turning
+            ).solve_contact_and_abutment_friction()
             raise NoAnswer(
-                f"{group.names_of_shoes}: {error}, turned by {rotation:.3g} rad"
+                f"{group.names_of_shoes_as_text}: {error}, turned by {rotation:.3g} rad"
             ) from error
         reached = float(rotation)
         increments.append(increment)
@@ -510,7 +515,7 @@ def turn_drum_in_increments(
         reached, pieces = step, pieces - 1
 
 
-def _shoe_group_with_changed_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
+def _shoe_group_with_other_rotation_or_friction(group: ShoeGroup, brake: Brake) -> ShoeGroup:
     """The group of shoes on a brake with another rotation or friction of its drum.
 
     The directions of friction at rough abutments become unknown, since feet may slide the other
@@ -523,7 +528,7 @@ def _shoe_group_with_changed_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
     )
 
 
-def _energy_dissipated_by_slip(
+def _energy_dissipated_by_slip_per_squared_force(
     problem: FrictionalProblem, after: Increment, before: SlipHistory
 ) -> float:
     """The energy dissipated by slip in an increment, per squared actuation force [J/N^2].
@@ -593,13 +598,13 @@ def _nodal_contact_states_of_linings(
             frame.theta(phi)[forward],
             face.pressure @ shares,
             face.traction @ shares,
-            stick_slip_states_along_lining(face.state),
+            stick_slip_state_at_each_angle_of_lining(face.state),
             face,
         )
     return states
 
 
-def stick_slip_states_along_lining(state: Ints) -> Ints:
+def stick_slip_state_at_each_angle_of_lining(state: Ints) -> Ints:
     """The state (n,) at each angle of a lining, from the states (n, m) of nodes across the width.
 
     It is the first state in FIRST_OF_STATES_ACROSS_WIDTH that a node at this angle has, or OPEN.
@@ -619,7 +624,7 @@ def _solve_contact_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _
     `sense` +1 or -1 is the sense in which the nodes slip.
     """
     brake = held.group.brake
-    group = _shoe_group_with_changed_brake(
+    group = _shoe_group_with_other_rotation_or_friction(
         held.group, brake if sense == brake.sign_of_motion else brake.brake_with_reversed_motion()
     )
     try:
@@ -648,7 +653,10 @@ def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str
         return []
     surface = held.group.brake.surface
     unit, moving = surface.effect_unit, surface.moving
-    text = f"{held.group.names_of_shoes}: at full slip the {surface.effect} is {torque:.6g} {unit}"
+    text = (
+        f"{held.group.names_of_shoes_as_text}: at full slip the {surface.effect} is {torque:.6g} "
+        f"{unit}"
+    )
     if sliding.contact is None:
         return [f"{text}; solve has none: {sliding.refusal}"]
     text += f", by solve {sliding.torque:.6g} {unit}"
@@ -684,7 +692,7 @@ def _abutments_whose_friction_differs_from_solve(
     group, contact : the equilibrium of the group on a drum that slides from the start
     """
     size, feet = held.group.largest_actuation_force, []
-    numbers = FeetOnRoughAbutments.collect_shoe_ends_on_rough_abutments(held.group).shoe_numbers
+    numbers = FeetOnRoughAbutments.collect_feet_on_rough_abutments(held.group).shoe_numbers
     for node, k in enumerate(numbers, start=held.number_of_lining_nodes):
         shoe = group.shoes[k]
         x, y = group.abutment_force_on_shoe(contact, k)
@@ -738,7 +746,7 @@ def find_drum_rotation_of_full_slip(
         try:
             ends.append(_find_drum_rotation_of_full_slip_of_group(held, target, slipping))
         except NoAnswer as error:
-            raise NoAnswer(f"{held.group.names_of_shoes}: {error}") from error
+            raise NoAnswer(f"{held.group.names_of_shoes_as_text}: {error}") from error
     return (1 + EXTRA_ROTATION) * max(ends)
 
 

@@ -92,11 +92,11 @@ def node_motions_per_motion_of_shoe_point(
     NoAnswer
         if the division into elements changes both with a small step forwards and with one backwards
     """
-    moving = has_nodes_that_move_with_point(scene, shoe, key)
+    moving = do_nodes_of_shoe_move_with_point(scene, shoe, key)
     turns_axis = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
     if shoe.mesh is not None and not moving and turns_axis:
         return [
-            _turn_of_beam_axis_on_unmoved_mesh(scene.bodies[i], shoe, key, axis)
+            _node_motion_that_only_turns_beam_axis(scene.bodies[i], shoe, key, axis)
             for axis in np.eye(2)
         ]
     if scene.nodes_of_changed_shoe is None or not moving:
@@ -104,7 +104,7 @@ def node_motions_per_motion_of_shoe_point(
     return [_node_motion_by_central_difference(scene, i, shoe, key, axis) for axis in np.eye(2)]
 
 
-def has_nodes_that_move_with_point(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
+def do_nodes_of_shoe_move_with_point(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
     """Whether nodes of a shoe's mesh move as the point of the shoe named by `key` moves."""
     # Without a mesh file drumlin divides the shoe into elements itself, by the points of the shoe.
     if shoe.mesh is None:
@@ -154,11 +154,14 @@ def _node_motion_by_central_difference(
     load = shoe.frame.convert_vectors_to_shoe_frame(np.mean(loads, axis=0).T)
     line = nodes[scene.bodies[i].line.nodes].T
     return NodeMotion(
-        nodes.ravel(), line, load.ravel(), _rotation_of_beam_axis_per_motion(shoe, key, direction)
+        nodes.ravel(),
+        line,
+        load.ravel(),
+        _rotation_of_beam_axis_per_motion_of_point(shoe, key, direction),
     )
 
 
-def _turn_of_beam_axis_on_unmoved_mesh(
+def _node_motion_that_only_turns_beam_axis(
     body: ShoeSubstructure, shoe: Shoe, key: str, direction: Floats
 ) -> NodeMotion:
     """The `NodeMotion` of a straight beam on a mesh that stays, as an end of the beam's axis moves.
@@ -170,11 +173,11 @@ def _turn_of_beam_axis_on_unmoved_mesh(
         still,
         np.zeros(body.line.xy.shape),
         still,
-        _rotation_of_beam_axis_per_motion(shoe, key, direction),
+        _rotation_of_beam_axis_per_motion_of_point(shoe, key, direction),
     )
 
 
-def _rotation_of_beam_axis_per_motion(shoe: Shoe, key: str, direction: Floats) -> float:
+def _rotation_of_beam_axis_per_motion_of_point(shoe: Shoe, key: str, direction: Floats) -> float:
     """The turn [rad/m] of a straight beam's axis per motion of the point `key` along a direction.
 
     The direction (2,) is a unit vector. Other bodies have the turn 0. The turn counts in the shoe's

@@ -39,7 +39,7 @@ from drumlin.fem.hp.element import (
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.substructure.body import (
     quadrature_points_of_elements,
-    shape_function_values_at_points,
+    shape_function_values_at_quadrature_points,
 )
 from drumlin.fem.substructure.elasticity import isotropic_and_orthotropic_elastic_constants
 
@@ -98,7 +98,7 @@ class _LayerDirections(NamedTuple):
     curvature: Floats
     straight: Bools
 
-    def turn_of_layer_directions_at_moved_points(
+    def turns_of_layer_directions_at_moved_points(
         self, elements: Ints, moved: Floats, axis: float
     ) -> Floats:
         """The turn (e, q) [rad] of the layer directions at quadrature points that move.
@@ -131,7 +131,7 @@ def mutual_elastic_work_in_each_part_of_body(
     work = np.zeros(len(constants))
     for sample in _shape_functions_in_element_chunks(basis):
         along = None if directions is None else directions.along[sample.elements]
-        stress = _stress_of_displacement_gradients(
+        stress = _stress_times_width_of_displacement_gradients(
             sample.displacement_gradients_at_points(u), constants[sample.elements], along
         )
         strain = sample.displacement_gradients_at_points(v)
@@ -142,7 +142,7 @@ def mutual_elastic_work_in_each_part_of_body(
     }
 
 
-def mutual_work_change_by_node_motions(
+def mutual_work_derivatives_by_node_motions(
     basis: Any,
     layers: Mapping[str, ElasticLayer],
     u: Floats,
@@ -172,8 +172,8 @@ def mutual_work_change_by_node_motions(
             sample.displacement_gradients_at_points(u),
             sample.displacement_gradients_at_points(v),
         )
-        stress_u = _stress_of_displacement_gradients(of_u, own, along)
-        stress_v = _stress_of_displacement_gradients(of_v, own, along)
+        stress_u = _stress_times_width_of_displacement_gradients(of_u, own, along)
+        stress_v = _stress_times_width_of_displacement_gradients(of_v, own, along)
         by_turn = (
             None
             if along is None
@@ -188,7 +188,7 @@ def mutual_work_change_by_node_motions(
             wider = work * np.trace(V, axis1=2, axis2=3)
             change = wider - np.einsum("eqdj,eqdj->eq", by_gradient, V)
             if directions is not None and by_turn is not None:
-                turn = directions.turn_of_layer_directions_at_moved_points(
+                turn = directions.turns_of_layer_directions_at_moved_points(
                     sample.elements, sample.displacements_at_quadrature_points(move), axes[k]
                 )
                 change += by_turn * turn
@@ -205,7 +205,9 @@ def _work_density_change_per_motion_gradient(stress: Floats, H: Floats) -> Float
     return np.einsum("eqcj,eqcd->eqdj", stress, H)
 
 
-def _stress_of_displacement_gradients(H: Floats, constants: Floats, along: Floats | None) -> Floats:
+def _stress_times_width_of_displacement_gradients(
+    H: Floats, constants: Floats, along: Floats | None
+) -> Floats:
     """The stress times width (e, q, 2, 2) [N/m] of displacement gradients.
 
     Parameters
@@ -335,5 +337,9 @@ def _shape_functions_in_element_chunks(basis: Any) -> Iterator[_QuadratureSample
     slopes = np.array([psi[0].grad for psi in basis.basis]).transpose(2, 1, 0, 3)
     elements = np.arange(basis.mesh.nelements)
     yield _QuadratureSample(
-        elements, basis.element_dofs.T, slopes, shape_function_values_at_points(basis), basis.dx
+        elements,
+        basis.element_dofs.T,
+        slopes,
+        shape_function_values_at_quadrature_points(basis),
+        basis.dx,
     )

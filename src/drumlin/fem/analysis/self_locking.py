@@ -41,7 +41,7 @@ def self_locking_friction_of_shoe_groups(
     require_springs_with_constant_pull(brake, "self-locking")
     require_friction_independent_of_pressure(brake, "self-locking")
     return {
-        group.members: group.follow_contact_up_to_self_locking_friction(most).limit
+        group.members: group.find_friction_limit_by_following_contact(most).limit
         for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
     }
 

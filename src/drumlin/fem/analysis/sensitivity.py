@@ -33,7 +33,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.texts import error_as_text
+from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.friction import require_friction_independent_of_pressure
@@ -50,12 +50,12 @@ from drumlin.fem.analysis.adjoint import (
 from drumlin.fem.analysis.moving import (
     NodeMotion,
     contact_lines_with_moved_nodes,
-    has_nodes_that_move_with_point,
+    do_nodes_of_shoe_move_with_point,
     node_motions_per_motion_of_shoe_point,
 )
 from drumlin.fem.analysis.mutual_work import (
     mutual_elastic_work_in_each_part_of_body,
-    mutual_work_change_by_node_motions,
+    mutual_work_derivatives_by_node_motions,
 )
 from drumlin.fem.analysis.wide_moduli import (
     BodiesOfModulus,
@@ -81,7 +81,7 @@ from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law as rigid_law
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.laws.naming import name_of_rigid_shoe_law
-from drumlin.response.merit import torque_sensitivity_by_differences as by_differences
+from drumlin.response.merit import torque_sensitivity_to_friction_by_differences as by_differences
 from drumlin.response.resultants import planar_cross_product
 
 PERCENT_PER_MM = 0.1
@@ -381,7 +381,7 @@ class _TorqueSlopesOfShoe:
             density=-shoe.lining.width * multipliers[forward],
             modulus_error=modulus_error,
             not_given=tuple(
-                key for key in self._rigid_mode_changes_by_supports() if key not in held
+                key for key in self._rigid_mode_derivatives_by_support_data() if key not in held
             ),
         )
 
@@ -396,7 +396,7 @@ class _TorqueSlopesOfShoe:
     # Slopes by moduli
 
     @cached_property
-    def displacements_by_loads_and_adjoint_loads(self) -> _LoadedDisplacements:
+    def displacements_due_to_loads_and_adjoint_loads(self) -> _LoadedDisplacements:
         """The displacements of the shoe's nodes under its loads, and under the adjoint loads."""
         own, load = self.own, self.group.actuation_of_each_shoe_by_one_newton[self.k].load_factors
         N, T = self.body.coupling.N, self.body.coupling.T
@@ -418,7 +418,7 @@ class _TorqueSlopesOfShoe:
         """
         if self.is_solid:
             return self._torque_slopes_by_solid_shoe_moduli_and_error(by_penalty)
-        u, v = self.displacements_by_loads_and_adjoint_loads
+        u, v = self.displacements_due_to_loads_and_adjoint_loads
         effects: dict[str, float] = {}
         layers = elastic_layers_of_shoe(self.shoe)
         for part, work in mutual_elastic_work_in_each_part_of_body(
@@ -468,7 +468,7 @@ class _TorqueSlopesOfShoe:
         """
         group, k = self.group, self.k
         effects = {}
-        for key, changes in self._rigid_mode_changes_by_supports().items():
+        for key, changes in self._rigid_mode_derivatives_by_support_data().items():
             if not self._can_torque_slope_by_point_be_computed(key):
                 continue
             effects[key] = np.array(
@@ -488,9 +488,9 @@ class _TorqueSlopesOfShoe:
                 effects.pop("abutment.direction", None)
         return effects
 
-    def _rigid_mode_changes_by_supports(self) -> Mapping[str, Any]:
+    def _rigid_mode_derivatives_by_support_data(self) -> Mapping[str, Any]:
         """The derivatives of the shoe's rigid-body modes by data of its supports, by their keys."""
-        return self.shoe.derivatives_of_rigid_body_modes_by_support(
+        return self.shoe.derivatives_of_rigid_body_modes_by_support_data(
             self.group.friction_senses[self.k]
         )
 
@@ -503,7 +503,7 @@ class _TorqueSlopesOfShoe:
         loads_move = self.shoe.has_loads_besides_actuation and key != "pivot"
         return not (
             (self.is_solid or loads_move)
-            and has_nodes_that_move_with_point(self.group.scene, self.shoe, key)
+            and do_nodes_of_shoe_move_with_point(self.group.scene, self.shoe, key)
         )
 
     def _torque_slope_by_rigid_body_mode_change(self, change: SupportChange) -> float:
@@ -543,10 +543,10 @@ class _TorqueSlopesOfShoe:
         change the contact if contact nodes move.
         """
         own, body = self.own, self.body
-        u, v = self.displacements_by_loads_and_adjoint_loads
+        u, v = self.displacements_due_to_loads_and_adjoint_loads
         nodes = np.array([move.node_motion for move in moves])
         axes = [move.axis_turn for move in moves]
-        effects = -mutual_work_change_by_node_motions(
+        effects = -mutual_work_derivatives_by_node_motions(
             body.basis, elastic_layers_of_shoe(self.shoe), u, v, nodes, axes
         )
         # The product of `per_force` and a change of the actuation's nodal forces is the change of
@@ -569,7 +569,7 @@ class _TorqueSlopesOfShoe:
             self.body, self.shoe, self.group.brake.size, move
         ):
             value = self._adjoint_work_of_contact_equations(line, step, move)
-            values.append((value - self._gaps_by_ring_times_adjoint(line)) / step)
+            values.append((value - self._adjoint_work_of_gaps_due_to_ring(line)) / step)
         return 0.5 * sum(values)
 
     def _adjoint_work_of_contact_equations(
@@ -595,11 +595,11 @@ class _TorqueSlopesOfShoe:
         squeezed = own.pressures / group.contact_stiffness_per_area_of_shoes[k]
         turns = modes.pin_motion[2]
         u = (
-            self.displacements_by_loads_and_adjoint_loads.u[contact]
+            self.displacements_due_to_loads_and_adjoint_loads.u[contact]
             + modes.contact_modes @ own.coordinates
         )
         v = (
-            self.displacements_by_loads_and_adjoint_loads.v[contact]
+            self.displacements_due_to_loads_and_adjoint_loads.v[contact]
             - modes.test_modes @ own.equilibrium_multipliers
         )
         coupling = couple_shoe_with_drum_or_plane(line, shoe)
@@ -608,7 +608,9 @@ class _TorqueSlopesOfShoe:
         # the node.
         aside = step * np.array([-move.line_motion[1], move.line_motion[0]]).T.ravel()
         gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe)
-        value = brake.friction_of_shoe(shoe) * float(coupling.lever @ own.pressures)
+        value = brake.friction_coefficient_of_shoe_at_zero_pressure(shoe) * float(
+            coupling.lever @ own.pressures
+        )
         closing = coupling.N @ (u + aside * (turns @ own.coordinates))
         value += float(own.gap_multipliers @ (closing - coupling.M @ (gap + squeezed)))
         value += float(nodal @ (v - aside * (turns @ own.equilibrium_multipliers)))
@@ -620,7 +622,7 @@ class _TorqueSlopesOfShoe:
             )
         return value
 
-    def _gaps_by_ring_times_adjoint(self, line: ContactLine) -> float:
+    def _adjoint_work_of_gaps_due_to_ring(self, line: ContactLine) -> float:
         """The weighted gaps by the ring's motion times their adjoint, on a moved contact line.
 
         The value [N m] is 0 for a rigid drum.
@@ -747,7 +749,7 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
     law = found.law or (None,) * (len(found.shoes) + 1)
     of_law = f"{name_of_rigid_shoe_law(brake)} law"
     T, elasticity = found.torque or math.inf, f"d ln {symbol}/d ln"
-    own_friction = brake.key_of_first_lining_with_own_friction()
+    own_friction = brake.first_key_that_gives_lining_its_own_friction()
     lines = [
         f"{effect} {found.torque:.6g} {unit}, d{symbol}/dmu {found.friction:.6g} {unit}, "
         f"S = (mu/{symbol}) d{symbol}/dmu = {_friction_sensitivity_as_text(found.S)} "
@@ -818,7 +820,8 @@ def _torque_slopes_of_shoe_as_text_lines(
     ]
     if own.modulus_error is not None:
         lines.append(
-            f"    E by central differences, with an error of {error_as_text(own.modulus_error / T)}"
+            "    E by central differences, with an error of "
+            f"{error_text_in_percent(own.modulus_error / T)}"
         )
     if own.not_given:
         keys = " and ".join(own.not_given)
@@ -937,18 +940,21 @@ def _torque_slopes_to_compare_with_differences(
     linings, bodies = shoe.lining.material.moduli, body.material.moduli
     force, x, y = shoe.actuation.force, shoe.pin.x, shoe.pin.y
     by_x, by_y = own.held["hinge"].tolist()
-    larger_force = partial(_scaled_brake_file_values, {key + "actuation.force": force})
+    larger_force = partial(
+        _brake_file_values_increased_by_fraction, {key + "actuation.force": force}
+    )
     larger_lining_moduli = partial(
-        _scaled_brake_file_values,
+        _brake_file_values_increased_by_fraction,
         {f"{key}lining.material.{name}": E for name, E in linings.items()},
     )
     larger_body_moduli = partial(
-        _scaled_brake_file_values, {f"{key}body.material.{name}": E for name, E in bodies.items()}
+        _brake_file_values_increased_by_fraction,
+        {f"{key}body.material.{name}": E for name, E in bodies.items()},
     )
-    more_friction = partial(_increased_brake_file_value, "friction", brake.friction)
-    more_clearance = partial(_increased_brake_file_value, key + "lining.clearance", gap)
-    hinge_at_larger_x = partial(_increased_brake_file_value, key + "hinge.x", x)
-    hinge_at_larger_y = partial(_increased_brake_file_value, key + "hinge.y", y)
+    more_friction = partial(_brake_file_value_increased_by_step, "friction", brake.friction)
+    more_clearance = partial(_brake_file_value_increased_by_step, key + "lining.clearance", gap)
+    hinge_at_larger_x = partial(_brake_file_value_increased_by_step, key + "hinge.x", x)
+    hinge_at_larger_y = partial(_brake_file_value_increased_by_step, key + "hinge.y", y)
     return [
         _ProbedSlope("dT/dμ", "N m", slopes.friction, more_friction, 1e-5),
         _ProbedSlope("dT/dF", "m", own.force or 0.0, larger_force, 1e-4, force),
@@ -960,11 +966,13 @@ def _torque_slopes_to_compare_with_differences(
     ]
 
 
-def _scaled_brake_file_values(values: Mapping[str, float], step: float) -> dict[str, float]:
+def _brake_file_values_increased_by_fraction(
+    values: Mapping[str, float], step: float
+) -> dict[str, float]:
     """The keys of the brake file with their values multiplied by 1 + `step`."""
     return {key: value * (1 + step) for key, value in values.items()}
 
 
-def _increased_brake_file_value(key: str, value: float, step: float) -> dict[str, float]:
+def _brake_file_value_increased_by_step(key: str, value: float, step: float) -> dict[str, float]:
     """The key of the brake file with its value increased by `step`, in the key's unit."""
     return {key: value + step}

@@ -36,7 +36,8 @@ def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> fl
         # The key changes only the friction of linings without a coefficient of their own. The slope
         # is with respect to all friction coefficients in proportion.
         is_exact = (
-            name == "friction_as_written" and brake.key_of_first_lining_with_own_friction() is None
+            name == "friction_as_written"
+            and brake.first_key_that_gives_lining_its_own_friction() is None
         )
         return slopes.friction if is_exact else None
     found = [

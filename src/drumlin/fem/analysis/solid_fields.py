@@ -101,7 +101,7 @@ class _PartFields(NamedTuple):
     stress: Floats
 
 
-def recover_stresses_in_all_solid_shoes(
+def recover_stresses_in_half_of_each_solid_shoe(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> list[SolidFields]:
     """The fields in half of each shoe of a brake, from the contact pressure of its response.
@@ -110,12 +110,12 @@ def recover_stresses_in_all_solid_shoes(
     """
     brake = brake_with_forces_of_response(brake, response)
     return [
-        _recover_stresses_in_one_solid_shoe(body, brake, shoe, answer)
+        _recover_stresses_in_half_of_solid_shoe(body, brake, shoe, answer)
         for body, shoe, answer in zip(scene.bodies, brake.shoes, response.shoes, strict=True)
     ]
 
 
-def _recover_stresses_in_one_solid_shoe(
+def _recover_stresses_in_half_of_solid_shoe(
     body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse
 ) -> SolidFields:
     """The fields in half of a shoe.
@@ -187,7 +187,7 @@ def _width_functions_at_sample_points_of_each_piece(
     functions: WidthFunctions, half: float
 ) -> Iterator[_Piece]:
     """Yield the samples across each piece of the half width of a part."""
-    ends = functions.breaks[: functions.number_of_pieces_in_part(half) + 1]
+    ends = functions.breaks[: functions.number_of_width_pieces_in_part(half) + 1]
     if len(ends) == 1 or functions.degree == 0:
         ends = (0.0, half)
     steps = 0.5 * (1 + gauss_lobatto_points(max(functions.degree, FEWEST_STEPS)))

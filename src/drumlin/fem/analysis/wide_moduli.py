@@ -92,11 +92,11 @@ def function_that_condenses_shoes_with_other_moduli(scene: PreparedModel) -> Bod
     Shoes of one shape share their bodies, which are condensed when they are first needed.
     """
     shapes = scene.cache_keys_of_shoe_shapes
-    condensed = cache(partial(_condense_shoe_with_changed_moduli, scene))
+    condensed = cache(partial(_condensed_shoes_with_larger_and_smaller_moduli, scene))
     return lambda i: condensed(shapes.index(shapes[i]))
 
 
-def _condense_shoe_with_changed_moduli(
+def _condensed_shoes_with_larger_and_smaller_moduli(
     scene: PreparedModel, i: int
 ) -> dict[str, tuple[ShoeSubstructure, ShoeSubstructure]]:
     """For each part of shoe `i`, the condensed shoe with a larger and with a smaller modulus."""

@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.one_sided import NOT_HELD_TEXT, choices_of_supports_that_bear
+from drumlin.brake.one_sided import NOT_HELD_TEXT, all_choices_of_bearing_supports
 from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.problems import GroupProblems
@@ -90,7 +90,7 @@ class ShoeGroup(GroupProblems):
         """
         return replace(
             self,
-            brake=self.brake.brake_with_scaled_friction(friction),
+            brake=self.brake.brake_with_new_friction_coefficient(friction),
             relative_frictions=self.friction_of_each_shoe_over_brake_friction,
         )
 
@@ -130,7 +130,7 @@ class ShoeGroup(GroupProblems):
                 refusal := self._error_text_if_force_pulls_at_friction_limit(error.limit)
             ):
                 raise SharedForceWouldPull(refusal) from error
-            raise NoAnswer(f"{self.names_of_shoes}: {error}") from error
+            raise NoAnswer(f"{self.names_of_shoes_as_text}: {error}") from error
         self._require_small_turns_of_shoes(contact)
         return contact
 
@@ -233,7 +233,9 @@ class ShoeGroup(GroupProblems):
         Each choice of directions, and of bearing one-sided supports, is tried. If the solution
         agrees with no choice, the error of the first trial is raised.
         """
-        failure = NoAnswer(f"{self.names_of_shoes}: {self._error_text_if_shoes_are_not_held}")
+        failure = NoAnswer(
+            f"{self.names_of_shoes_as_text}: {self._error_text_that_shoes_are_not_held}"
+        )
         for number, group in enumerate(self.groups_with_each_abutment_friction_direction()):
             try:
                 contact = group.solve_contact_for_given_abutment_friction(first_contact_set)
@@ -246,7 +248,7 @@ class ShoeGroup(GroupProblems):
         raise failure
 
     @property
-    def _error_text_if_shoes_are_not_held(self) -> str:
+    def _error_text_that_shoes_are_not_held(self) -> str:
         """The error text for a group that no choice of supports and friction directions holds."""
         return NOT_HELD_TEXT if self.one_sided_supports else FOOT_LEAVES_TEXT
 
@@ -280,7 +282,7 @@ class ShoeGroup(GroupProblems):
             yield self
             return
         first = self.bearing or which_supports_of_rigid_shoes_bear(self.brake, self.members)
-        for bearing in choices_of_supports_that_bear(count, first):
+        for bearing in all_choices_of_bearing_supports(count, first):
             if (
                 self.contact_problem_on_given_supports_or_none(bearing, self.brake.friction)
                 is not None
@@ -326,8 +328,11 @@ class ShoeGroup(GroupProblems):
             contact.p[self.contact_node_slices_of_shoes[k]],
         )
         # The reaction balances the contact, the actuation and the further loads.
-        normal, dragged = body.resultants_of_contact_node_forces
-        normal, dragged = normal @ p, dragged @ self.friction_stress_over_coefficient_of_shoe(k, p)
+        normal, dragged = body.resultants_of_unit_nodal_pressures_and_tractions
+        normal, dragged = (
+            normal @ p,
+            dragged @ self.friction_stress_over_friction_coefficient_of_shoe(k, p),
+        )
         push = (
             self.actuation_forces_under_contact_pressures(contact.p)[k]
             * shoe.actuation.unit_vector_of_force
@@ -351,7 +356,7 @@ class ShoeGroup(GroupProblems):
             return ""
         friction = self.brake.friction
         try:
-            end = self.follow_contact_up_to_self_locking_friction(friction)
+            end = self.find_friction_limit_by_following_contact(friction)
         except NoAnswer:
             return ""
         if not end.limit.friction < friction:
@@ -360,7 +365,7 @@ class ShoeGroup(GroupProblems):
         locked = self_locking.self_locking_error_text(
             friction, end.limit.friction, rigid_law_limit=law, brake_words=ELASTIC_BRAKE_WORDS
         )
-        return end.pulling_part or f"{self.names_of_shoes}: {locked}"
+        return end.pulling_part or f"{self.names_of_shoes_as_text}: {locked}"
 
     # These methods follow the solution as the friction coefficient of the drum grows.
 
@@ -374,7 +379,7 @@ class ShoeGroup(GroupProblems):
             and all(shoe.abutment is None for shoe in self.shoes)
         )
 
-    def follow_contact_up_to_self_locking_friction(
+    def find_friction_limit_by_following_contact(
         self, largest_friction: float
     ) -> FollowedFrictionLimit:
         """Find the friction coefficient of the drum up to which the group has an equilibrium.
@@ -392,24 +397,24 @@ class ShoeGroup(GroupProblems):
                 areas=self.contact_node_areas,
             )
             return FollowedFrictionLimit(limit, pulling_part="")
-        low, at = self._find_least_friction_with_equilibrium(largest_friction)
-        end = at.limit_of_friction_from(low, largest_friction)
+        low, at = self._find_least_friction_with_equilibrium_and_its_solution(largest_friction)
+        end = at.self_locking_limit_with_present_supports(low, largest_friction)
         while low < (last := min(end.friction * (1 - CHECK_DISTANCE_FROM_POLE), largest_friction)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
-            after = at.solution_at_higher_friction(high)
+            after = at.solution_at_higher_friction_or_none(high)
             # Under more friction the group may have a solution again, but the solution that is
             # followed ends between `low` and `high`.
             if after is None:
                 return _friction_limit_by_bisection(at, end, low, high)
             low, before, at = high, at, after
             if at.problem is not before.problem:
-                end = at.limit_of_friction_from(low, largest_friction)
+                end = at.self_locking_limit_with_present_supports(low, largest_friction)
         group = at.settled.group
         return FollowedFrictionLimit(
             end, pulling_part=group._error_text_if_force_pulls_at_friction_limit(end)
         )
 
-    def _find_least_friction_with_equilibrium(
+    def _find_least_friction_with_equilibrium_and_its_solution(
         self, largest_friction: float
     ) -> tuple[float, "_FollowedSolution"]:
         """Find the least friction coefficient of the drum with an equilibrium, and the equilibrium.
@@ -421,13 +426,13 @@ class ShoeGroup(GroupProblems):
         while friction < largest_friction:
             found = self._solve_if_struts_and_cam_push(friction)
             if found is not None:
-                return friction, _follow_solution(found)
+                return friction, _followed_solution_of_settled_group(found)
             friction += FRICTION_STEP * max(1.0, friction)
         # No friction has a solution. The next line raises an error with the reason at friction 0.
         found = self.copy_of_group_with_other_drum_friction(
             0.0
         )._solve_contact_with_confirmed_abutment_friction()
-        return 0.0, _follow_solution(found)
+        return 0.0, _followed_solution_of_settled_group(found)
 
     def _solve_if_struts_and_cam_push(self, friction: float) -> SolvedGroup | None:
         """Solve the group at a friction coefficient of the drum, if struts and cam then push.
@@ -447,7 +452,7 @@ class ShoeGroup(GroupProblems):
         forces = self.actuation_forces_under_contact_pressures(contact.p)
         return not self._error_text_if_actuation_force_pulls(forces)
 
-    def is_followed_solution_possible(self, contact: active_set.Contact) -> bool:
+    def is_contact_solution_physically_possible(self, contact: active_set.Contact) -> bool:
         """Whether a solution agrees with supports, struts and cam, with small turns of shoes."""
         if not (
             self.does_contact_confirm_support_assumptions(contact)
@@ -479,7 +484,7 @@ class ShoeGroup(GroupProblems):
         if self.bearing_supports is not None and not self.does_contact_confirm_support_assumptions(
             contact
         ):
-            return f"{self.names_of_shoes}: {NOT_HELD_TEXT}"
+            return f"{self.names_of_shoes_as_text}: {NOT_HELD_TEXT}"
         for k, shoe in enumerate(self.shoes):
             if (
                 shoe.kind_of_support == "abutment"
@@ -487,7 +492,7 @@ class ShoeGroup(GroupProblems):
                 @ shoe.unit_vector_of_smooth_abutment_force
                 > 0
             ):
-                return f"{self.names_of_shoes}: {FOOT_LEAVES_TEXT}"
+                return f"{self.names_of_shoes_as_text}: {FOOT_LEAVES_TEXT}"
         return ""
 
 
@@ -508,7 +513,9 @@ class _FollowedSolution(NamedTuple):
         """The directions of friction at the abutments, and which one-sided supports bear."""
         return self.settled.group.friction_senses, self.settled.group.bearing
 
-    def limit_of_friction_from(self, friction: float, largest: float) -> self_locking.FrictionLimit:
+    def self_locking_limit_with_present_supports(
+        self, friction: float, largest: float
+    ) -> self_locking.FrictionLimit:
         """The limit of self-locking if directions and supports stay; inf if above `largest`.
 
         `friction` is the friction coefficient of the solution.
@@ -520,33 +527,35 @@ class _FollowedSolution(NamedTuple):
             self.settled.group.contact_node_areas,
         )
 
-    def continued_to_higher_friction(self, friction: float) -> "_FollowedSolution | None":
+    def solution_continued_with_present_supports_or_none(
+        self, friction: float
+    ) -> "_FollowedSolution | None":
         """The solution at a higher friction with the present directions and supports; else None."""
         group = self.settled.group.copy_of_group_with_other_drum_friction(friction)
-        contact = self_locking.contact_continued_to_friction(
+        contact = self_locking.stable_contact_continued_to_higher_friction_or_none(
             self.problem, friction, self.settled.contact, group.contact_node_areas
         )
-        if contact is None or not group.is_followed_solution_possible(contact):
+        if contact is None or not group.is_contact_solution_physically_possible(contact):
             return None
         return self._replace(settled=SolvedGroup(group, contact))
 
-    def solution_at_higher_friction(self, friction: float) -> "_FollowedSolution | None":
+    def solution_at_higher_friction_or_none(self, friction: float) -> "_FollowedSolution | None":
         """The solution at a higher friction coefficient; None if there is none.
 
         The present directions and supports are tried from the present contact set. Only if they do
         not hold any more, all of them are tried.
         """
-        continued = self.continued_to_higher_friction(friction)
+        continued = self.solution_continued_with_present_supports_or_none(friction)
         if continued is not None:
             return continued
         found = self.settled.group._solve_if_struts_and_cam_push(friction)
         if found is None:
             return None
         other = self._replace(settled=found)
-        return other if other.choice == self.choice else _follow_solution(found)
+        return other if other.choice == self.choice else _followed_solution_of_settled_group(found)
 
 
-def _follow_solution(settled: SolvedGroup) -> _FollowedSolution:
+def _followed_solution_of_settled_group(settled: SolvedGroup) -> _FollowedSolution:
     """The solution of a group, with its contact problem at every friction coefficient."""
     return _FollowedSolution(settled, settled.group.contact_problem_as_function_of_friction)
 
@@ -570,13 +579,13 @@ def _friction_limit_by_bisection(
             # The solution mostly ends where its directions of friction and its supports cease to
             # hold. The search for this place takes one contact solve a step.
             tried.add(at.choice)
-            at, low, end = _bisect_end_of_present_choice(at, low, high)
+            at, low, end = _bisect_friction_at_which_supports_change(at, low, high)
         else:
             # Where one choice takes over from another, both hold up to round-off, and an earlier
             # choice may come back. The end is then near, and is sought in growing steps.
             end = low + min(reach, 0.5 * (high - low))
             reach *= 2
-        after = at.solution_at_higher_friction(end)
+        after = at.solution_at_higher_friction_or_none(end)
         if after is None:
             high = end
         else:
@@ -586,7 +595,7 @@ def _friction_limit_by_bisection(
     return FollowedFrictionLimit(limit, beyond._error_text_on_cam_strut_or_support_that_pulls())
 
 
-def _bisect_end_of_present_choice(
+def _bisect_friction_at_which_supports_change(
     at: _FollowedSolution, low: float, high: float
 ) -> tuple[_FollowedSolution, float, float]:
     """The last solution with the present directions and supports, and the friction of its end.
@@ -602,7 +611,7 @@ def _bisect_end_of_present_choice(
     # If no friction above 0 holds the choice, the search ends at a friction that is 0 in effect.
     while high - low > self_locking.POLE_DISTANCE * max(high, self_locking.FRICTION_RESOLUTION):
         middle = 0.5 * (low + high)
-        after = at.continued_to_higher_friction(middle)
+        after = at.solution_continued_with_present_supports_or_none(middle)
         if after is None:
             high = middle
         else:
@@ -700,7 +709,7 @@ def is_shoe_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) ->
             shoe
         )
         moment = pushed / shoe.largest_force_of_any_load
-    approach, _ = body.gap_closure_and_slip_by_turn_about_pin
+    approach, _ = body.gap_closure_and_slip_per_turn_about_pin
     # The moment per newton is a lever arm. Below 1e-14 of the lining's distance from the drum's
     # centre it is round-off.
     turns = abs(moment) > 1e-14 * np.abs(body.line.xy).max()

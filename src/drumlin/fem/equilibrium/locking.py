@@ -40,7 +40,7 @@ printed line alone.
 """
 
 
-def distance_of_friction_from_self_locking(
+def compare_friction_with_self_locking_limits(
     scene: PreparedModel, brake: Brake, penalty: float
 ) -> SelfLocking:
     """Compare a brake's friction with its self-locking limits by law and by finite elements.
@@ -64,17 +64,17 @@ def distance_of_friction_from_self_locking(
         if the brake has no solution on this model
     """
     friction = brake.friction
-    scaled = brake.key_of_first_lining_with_own_friction() or ""
+    scaled = brake.first_key_that_gives_lining_its_own_friction() or ""
     by_law = []
     for shoe, own in zip(brake.shoes, scene.locking_frictions_of_rigid_shoes, strict=True):
         limit = brake.brake_friction_that_gives_shoe_friction(shoe, own)
         by_law.append(LockedShoes((shoe.name,), limit))
     law = first_shoes_to_lock(by_law)
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty) if friction > 0 else []
-    if not groups or not all(map(_is_locking_friction_of_group_cheap, groups)):
+    if not groups or not all(map(_is_locking_friction_of_group_cheap_to_compute, groups)):
         return SelfLocking(friction, law, scaled=scaled)
 
-    def rigid_law_locking_friction_of_group(group: ShoeGroup) -> float:
+    def smallest_locking_friction_of_group_by_rigid_law(group: ShoeGroup) -> float:
         """The smallest self-locking friction of the shoes of a group, by the rigid-shoe law."""
         return min(by_law[i].friction for i in group.members)
 
@@ -83,14 +83,14 @@ def distance_of_friction_from_self_locking(
     limits, sought = [], friction / WARNED_SHARE
     if friction > NEAR_LAW * law.friction:
         sought = friction * FURTHEST_SEARCH
-    for group in sorted(groups, key=rigid_law_locking_friction_of_group):
+    for group in sorted(groups, key=smallest_locking_friction_of_group_by_rigid_law):
         shoes = tuple(brake.shoes[i].name for i in group.members)
         limits.append(LockedShoes(shoes, _locking_friction_of_elastic_group(group, sought)))
         sought = min(sought, limits[-1].friction)
     return SelfLocking(friction, law, first_shoes_to_lock(limits), sought, scaled)
 
 
-def _is_locking_friction_of_group_cheap(group: ShoeGroup) -> bool:
+def _is_locking_friction_of_group_cheap_to_compute(group: ShoeGroup) -> bool:
     """Whether the elastic limit of a group takes only a few contact solves of moderate size."""
     nodes = len(group.contact_node_areas)
     return group.has_neither_strut_cam_nor_abutment and nodes <= COARSE_PATH_ABOVE_NODES

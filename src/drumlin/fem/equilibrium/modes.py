@@ -41,7 +41,7 @@ class RigidBodyModes(NamedTuple):
     pin_motion: Floats
 
 
-def pin_motions_by_rigid_body_motions(shoe: Shoe, motions: Floats) -> Floats:
+def pin_motions_in_rigid_body_motions(shoe: Shoe, motions: Floats) -> Floats:
     """Convert k rigid-body motions (k, 3) in the brake's frame to motions (3, k) of a shoe's pin.
 
     The rows of the result are the displacements x and y of the pin in the shoe's frame, and the
@@ -74,12 +74,12 @@ def make_rigid_body_modes(
     free = loaded.rigid_body_modes_of_support(sense)
     size = abs(shoe.actuation.force) or 1.0
     modes = RigidBodyModes(
-        contact_modes=_contact_node_displacements_by_motions(body, shoe, free.motions),
-        test_modes=_contact_node_displacements_by_motions(body, shoe, free.tests),
+        contact_modes=_contact_node_displacements_in_rigid_body_motions(body, shoe, free.motions),
+        test_modes=_contact_node_displacements_in_rigid_body_motions(body, shoe, free.tests),
         actuation_work=free.work / size,
         further_work=free.further_work,
         tip_travel=free.tip * math.copysign(1.0, shoe.actuation.force),
-        pin_motion=pin_motions_by_rigid_body_motions(shoe, free.motions),
+        pin_motion=pin_motions_in_rigid_body_motions(shoe, free.motions),
     )
     if free.names[0] == "turn":
         # The first mode is a turn about the pin, computed from a turn about the drum's centre. It
@@ -91,7 +91,7 @@ def make_rigid_body_modes(
     return modes
 
 
-def _contact_node_displacements_by_motions(
+def _contact_node_displacements_in_rigid_body_motions(
     body: ShoeSubstructure, shoe: Shoe, motions: Floats
 ) -> Floats:
     """The displacements (2n, k) of a shoe's n contact nodes in k rigid-body motions.

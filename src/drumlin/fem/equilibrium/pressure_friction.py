@@ -34,10 +34,10 @@ def solve_shoe_group_with_lining_friction(
     `ShoeGroup.solve_contact_and_abutment_friction` does, and if the friction at the nodes does not
     converge to within FRICTION_TOLERANCE of the friction that belongs to the pressures.
     """
-    curves = [group.brake.friction_over_pressure_of_shoe(shoe) for shoe in group.shoes]
+    curves = [group.brake.friction_coefficient_curve_of_shoe(shoe) for shoe in group.shoes]
     if all(len(curve.mu) == 1 for curve in curves):
         return group.solve_contact_and_abutment_friction(first)
-    start, settled = _solve_group_at_least_or_largest_friction(group, curves, first)
+    start, settled = _solve_group_at_smallest_else_largest_friction(group, curves, first)
     for _ in range(MOST_CHANGES_OF_SUPPORT):
         contact = _contact_whose_friction_fits_its_pressures(settled, curves, start)
         friction = _friction_and_its_slopes_at_nodes(settled.group, curves, contact.p).coefficient
@@ -49,10 +49,12 @@ def solve_shoe_group_with_lining_friction(
         ).coefficient
         if np.abs(reached - friction).max() <= FRICTION_TOLERANCE * friction.max():
             return settled
-    raise NoAnswer(f"{group.names_of_shoes}: friction and pressure do not agree, not converged")
+    raise NoAnswer(
+        f"{group.names_of_shoes_as_text}: friction and pressure do not agree, not converged"
+    )
 
 
-def _solve_group_at_least_or_largest_friction(
+def _solve_group_at_smallest_else_largest_friction(
     group: ShoeGroup, curves: list[FrictionCurve], first: Bools | None
 ) -> tuple[Floats, SolvedGroup]:
     """Solve a group with the least friction of each lining's curve, or, failing that, the largest.
@@ -94,8 +96,8 @@ def _friction_and_its_slopes_at_nodes(
         pressure = size * p[nodes]
         parts.append(
             NodalFriction(
-                curve.friction_coefficient_at_pressures(pressure),
-                size * curve.friction_slope_at_pressures(pressure),
+                curve.friction_coefficients_at_pressures(pressure),
+                size * curve.friction_slopes_at_pressures(pressure),
             )
         )
     return NodalFriction(*(np.concatenate(each) for each in zip(*parts, strict=True)))
@@ -121,4 +123,4 @@ def _contact_whose_friction_fits_its_pressures(
             start,
         )
     except NoAnswer as error:
-        raise NoAnswer(f"{group.names_of_shoes}: {error}") from error
+        raise NoAnswer(f"{group.names_of_shoes_as_text}: {error}") from error

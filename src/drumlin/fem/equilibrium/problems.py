@@ -148,7 +148,7 @@ class GroupProblems(GroupState):
             return None
         blocks, effects = (
             self.contact_problem_with_given_actuation_forces(friction),
-            self.contact_effects_of_actuation_force_per_shoe(friction),
+            self.contact_effects_of_each_actuation_force(friction),
         )
         return make_contact_problem_with_strut_and_cam_forces(
             blocks,
@@ -156,10 +156,10 @@ class GroupProblems(GroupState):
             self.actuation_forces_of_file_over_largest_force,
             self.indices_of_pushing_and_pushed_shoe_of_struts,
             self.indices_of_shoes_under_cam,
-            self.relative_sum_of_cam_forces,
+            self.sum_of_cam_forces_over_largest_force,
         )
 
-    def contact_effects_of_actuation_force_per_shoe(self, friction: float) -> list[ForceEffects]:
+    def contact_effects_of_each_actuation_force(self, friction: float) -> list[ForceEffects]:
         """For each shoe, the effects of its force, and the causes of its tip travel and foot force.
 
         The tip is the point where the actuation force acts. All values are linear in the friction
@@ -178,11 +178,11 @@ class GroupProblems(GroupState):
         )
         load = self.actuation_of_each_shoe_by_one_newton[k].load_factors
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
-        tip = self._load_point_travel_by_pressure(k, load, friction)
+        tip = self._elastic_load_point_travel_per_nodal_pressure(k, load, friction)
         # This is the force on the lining along x and y, per pressure of each node.
         contact = (
-            drag * body.resultants_of_contact_node_forces[1]
-            - body.resultants_of_contact_node_forces[0]
+            drag * body.resultants_of_unit_nodal_pressures_and_tractions[1]
+            - body.resultants_of_unit_nodal_pressures_and_tractions[0]
         )[:2].T  # (n, 2)
         bearing, direct, borne = np.zeros(len(tip)), 0.0, 0.0
         further = np.zeros(len(load))
@@ -218,7 +218,9 @@ class GroupProblems(GroupState):
             foot_force_by_further_loads=borne,
         )
 
-    def _load_point_travel_by_pressure(self, k: int, load: Floats, friction: float) -> Floats:
+    def _elastic_load_point_travel_per_nodal_pressure(
+        self, k: int, load: Floats, friction: float
+    ) -> Floats:
         """The elastic travel (n,) of a load's point on shoe `k` along the load, per nodal pressure.
 
         `load` (l,) are the factors by which the load columns of the body make up the load.
@@ -260,7 +262,9 @@ class GroupProblems(GroupState):
                 acting = load_column_factors_under_all_loads(body, self.shoes[k], force)
                 travel = load @ body.load_motion_by_load @ acting
                 opening[j] += travel / self.largest_actuation_force
-                by_pressure[j, nodes] = self._load_point_travel_by_pressure(k, load, friction)
+                by_pressure[j, nodes] = self._elastic_load_point_travel_per_nodal_pressure(
+                    k, load, friction
+                )
                 modes = self.rigid_body_mode_slices_of_shoes[k]
                 by_motion[j, modes] = self.work_of_support_push_on_shoe_modes(k, side.push)
                 gap[nodes, j] = -(body.closure_by_load @ load)
@@ -295,7 +299,7 @@ class GroupProblems(GroupState):
         found = self.contact_problem_on_given_supports_or_none(self.bearing, friction)
         if found is None:
             raise RuntimeError(
-                f"{self.names_of_shoes}: it is not known which supports bear, "
+                f"{self.names_of_shoes_as_text}: it is not known which supports bear, "
                 "ask for `solve_contact_and_abutment_friction`"
             )
         return found

@@ -236,7 +236,7 @@ def _contact_problem_with_cam_travel_as_unknown(
         # The main mode gives the tip (the point of actuation) the travel of the cam, less the
         # elastic travel and the travel by all other modes.
         by_pressure[main] = (
-            -_elastic_actuation_point_travel_by_pressures(shoe, forces.by_pressure[i]) / size
+            -_elastic_actuation_point_travel_per_pressure(shoe, forces.by_pressure[i]) / size
         )
         elastic = shoe.tip_travel_by_force * forces.without_pressure[i]
         of_loads[main] = -(elastic + shoe.tip_travel_by_further_loads) / size
@@ -257,7 +257,7 @@ def _contact_problem_with_cam_travel_as_unknown(
     return ForceSharing(problem, *forces, of_coordinates, by_pressure, of_loads)
 
 
-def _elastic_actuation_point_travel_by_pressures(
+def _elastic_actuation_point_travel_per_pressure(
     shoe: ForceEffects, force_by_pressure: Floats
 ) -> Floats:
     """The elastic travel (n,) of a shoe's point of actuation per pressure on each contact node.

@@ -84,7 +84,7 @@ def _check_springs_are_not_slack(preloads: Floats, pulls: Floats) -> None:
             )
 
 
-def displacement_of_spring_points_along_pulls(
+def displacements_of_spring_points_along_pulls(
     brake: Brake, shoe: Shoe, body: ShoeSubstructure, elastic: Floats, pin_motion: Floats
 ) -> Floats:
     """The displacement (springs,) [m] of each spring's point on a shoe along the spring's pull.

@@ -129,9 +129,9 @@ class GroupState:
         return tuple(self.scene.bodies[i] for i in self.members)
 
     @property
-    def names_of_shoes(self) -> str:
+    def names_of_shoes_as_text(self) -> str:
         """The names of the shoes as a text, with which error messages begin."""
-        return self.brake.names_of_shoes_with_indices(self.members)
+        return self.brake.text_with_names_of_shoes_at_indices(self.members)
 
     @property
     def has_abutment_with_friction(self) -> bool:
@@ -147,7 +147,7 @@ class GroupState:
         """
         if not self.friction_senses and self.has_abutment_with_friction:
             raise RuntimeError(
-                f"{self.names_of_shoes}: friction at the abutment has no sense yet, "
+                f"{self.names_of_shoes_as_text}: friction at the abutment has no sense yet, "
                 "ask for `solve_contact_and_abutment_friction`"
             )
         return self.friction_senses or (1,) * len(self.members)
@@ -168,7 +168,7 @@ class GroupState:
             * self.friction_of_nodes_over_brake_friction
         )
 
-    def friction_stress_over_coefficient_of_shoe(self, k: int, p: Floats) -> Floats:
+    def friction_stress_over_friction_coefficient_of_shoe(self, k: int, p: Floats) -> Floats:
         """The friction stress (n_k,) on shoe `k`, divided by the shoe's friction coefficient.
 
         It equals the pressures p (n_k,), unless the coefficient differs from node to node.
@@ -265,7 +265,7 @@ class GroupState:
             self.substructures_of_shoes, self.shoes, self.rigid_body_modes_of_shoes, strict=True
         ):
             if shoe.kind_of_support == "hinge":
-                found = ModeClosures(*body.gap_closure_and_slip_by_turn_about_pin)
+                found = ModeClosures(*body.gap_closure_and_slip_per_turn_about_pin)
             else:
                 coupling, u = body.coupling, modes.test_modes
                 found = ModeClosures(coupling.N @ u, coupling.T @ u)
@@ -398,7 +398,7 @@ class GroupState:
         return sorted(set(range(len(self.shoes))) - pushed_by_struts)
 
     @cached_property
-    def relative_sum_of_cam_forces(self) -> float:
+    def sum_of_cam_forces_over_largest_force(self) -> float:
         """The sum of the cam's forces, per newton of `largest_actuation_force`; 0 without a cam."""
         if not self.brake.actuation or not self.indices_of_shoes_under_cam:
             return 0.0
@@ -421,7 +421,7 @@ def unloaded_lining_gaps_at_points(xy: Floats, phi: Floats, brake: Brake, shoe: 
     shoe : the shoe of the lining
     """
     theta, radius = shoe.frame.theta(phi), brake.size
-    off = shoe.distance_from_friction_surface(xy, radius)
+    off = shoe.distances_from_friction_surface(xy, radius)
     # Round-off moves nodes off the drum's radius. This must not count as a gap or an overlap.
     off = np.where(np.abs(off) < 1e-12 * radius, 0.0, off)
-    return off + clearance.gap_between_unloaded_lining_and_surface(brake, shoe, theta)
+    return off + clearance.gaps_between_unloaded_lining_and_surface(brake, shoe, theta)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.texts import error_as_text
+from drumlin.base.texts import error_text_in_percent
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.estimate import SOFTER, Errors, estimate_errors_from_two_mesh_levels
@@ -24,17 +24,21 @@ from drumlin.fem.error_control.levels import (
 from drumlin.fem.error_control.singular_points import reason_if_contact_is_too_short
 from drumlin.fem.hp.corner import (
     TIP_TOLERANCE,
-    pressure_error_left_at_lining_corners,
-    pressure_error_left_at_pointed_gap_kinks,
+    remaining_pressure_error_at_lining_corners,
+    remaining_pressure_error_at_pointed_gap_kinks,
     response_with_power_laws_at_corners,
 )
 from drumlin.fem.hp.division import SMALLEST_COLUMN
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.response.response import Response, ShoeResponse, length_of_edge_zone_without_peak
+from drumlin.response.response import (
+    Response,
+    ShoeResponse,
+    length_of_edge_zone_left_out_of_peak_search,
+)
 from drumlin.response.resultants import (
     largest_value_of_piecewise_polynomial,
-    length_of_edge_zone_without_pressure_errors,
+    length_of_edge_zone_left_out_of_pressure_errors,
 )
 
 PEAK_NEAR_END = 0.5
@@ -154,7 +158,9 @@ def _refine_mesh_levels_until_tolerance(
                 continue
             before, last = responses[-2:]
             of_levels = estimate_errors_from_two_mesh_levels(brake, before, last)
-            error, unknown = errors_with_singular_points_included(of_levels, brake, last)
+            error, unknown = errors_with_singular_points_and_text_on_short_contacts(
+                of_levels, brake, last
+            )
             if is_tolerance_met(error, tolerance):
                 return _Progress(scene, responses, error, unknowns, missed="")
             if unknown:
@@ -196,13 +202,17 @@ def _reached_errors_as_text(progress: _Progress, tolerance: Tolerance) -> str:
     text says so.
     """
     error = progress.error.brake
-    pressure, torque = error_as_text(error["pressure"]), error_as_text(error["torque"])
+    pressure, torque = (
+        error_text_in_percent(error["pressure"]),
+        error_text_in_percent(error["torque"]),
+    )
     text = f"estimated error of p {pressure}, of the torque {torque}"
     shoes = progress.responses[-1].shoes
     by_penalty = SOFTER * max(shoe.softness.pressure for shoe in shoes)
     if by_penalty > 0.5 * tolerance.pressure:
         text += (
-            f"; the penalty makes {error_as_text(by_penalty)} of it; a larger --penalty makes less"
+            f"; the penalty makes {error_text_in_percent(by_penalty)} of it; a larger --penalty "
+            "makes less"
         )
     return text
 
@@ -254,7 +264,7 @@ def response_with_estimated_errors(
 # errors where the pressure is unbounded, and in a contact that is too short for any division.
 
 
-def errors_with_singular_points_included(
+def errors_with_singular_points_and_text_on_short_contacts(
     error: Errors, brake: Brake, response: Response
 ) -> tuple[Errors, str]:
     """The estimated errors with the errors at singular points added, and a text on short contacts.
@@ -275,8 +285,8 @@ def errors_with_singular_points_included(
     shoes, text = [], ""
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         missing_peak = _missing_fraction_of_peak_pressure(shoe, brake.scale_factor, answer)
-        at_corners = pressure_error_left_at_lining_corners(brake, i, answer)
-        under_tips = pressure_error_left_at_pointed_gap_kinks(shoe, brake.scale_factor, answer)
+        at_corners = remaining_pressure_error_at_lining_corners(brake, i, answer)
+        under_tips = remaining_pressure_error_at_pointed_gap_kinks(shoe, brake.scale_factor, answer)
         at_singular_points = at_corners + under_tips
         errors = {
             **error.shoes[i],
@@ -307,7 +317,7 @@ def _missing_fraction_of_peak_pressure(
     which means that the peak is unknown. `scale_factor` is the length per unit of the surface's
     coordinate [m/rad; 1 on a plane].
     """
-    zone = length_of_edge_zone_without_peak(shoe, scale_factor)
+    zone = length_of_edge_zone_left_out_of_peak_search(shoe, scale_factor)
     if _is_peak_pressure_at_lining_end(answer, zone):
         return 1.0
     return _missing_fraction_of_peak_at_pointed_gap_kinks(shoe, scale_factor, answer, zone)
@@ -333,7 +343,8 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
     is_high = max(heights, default=0.0) > PEAK_NEAR_END
     return (
         is_high
-        and length_of_edge_zone_without_pressure_errors(theta, p, order, zone, answer.slots) == 0
+        and length_of_edge_zone_left_out_of_pressure_errors(theta, p, order, zone, answer.slots)
+        == 0
     )
 
 
@@ -374,7 +385,7 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
     """
     order = answer.order
     theta, p = answer.theta, answer.pressure
-    zone = length_of_edge_zone_without_pressure_errors(theta, p, order, zone, answer.slots)
+    zone = length_of_edge_zone_left_out_of_pressure_errors(theta, p, order, zone, answer.slots)
     modulus = shoe.lining.material.young_modulus_of_equivalent_half_plane
     missing = 0.0
     # Under each tip outside the end zones the exact pressure may be higher than the computed peak.

@@ -14,12 +14,12 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
-from drumlin.base.texts import error_as_text
+from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
     Tolerance,
-    errors_with_singular_points_included,
+    errors_with_singular_points_and_text_on_short_contacts,
     is_tolerance_met,
     response_with_estimated_errors,
 )
@@ -36,7 +36,7 @@ from drumlin.fem.error_control.levels import (
     SolvedLevel,
     solve_brake_on_finer_and_finer_mesh_levels,
 )
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp.corner import response_with_power_laws_at_corners
 from drumlin.fem.hp.division import Level
 from drumlin.fem.mesh.degree import nodal_basis_of_shoe_mesh
@@ -164,12 +164,12 @@ def solve_brake_on_mesh_files(
             if len(responses) == 1:
                 continue
             if len(responses) == 2:
-                shape = _errors_by_straight_element_sides(brake, respond, responses[0], cache)
-                shape = shape + _errors_by_rounded_mesh_coordinates(brake, cache)
-                shape = shape + _errors_of_gaps_below_rounding(brake, responses[0], cache)
+                shape = _errors_due_to_straight_element_sides(brake, respond, responses[0], cache)
+                shape = shape + _errors_due_to_rounded_mesh_coordinates(brake, cache)
+                shape = shape + _errors_due_to_gaps_below_rounding(brake, responses[0], cache)
             error = _estimated_errors_on_last_mesh_level(brake, responses, shape)
             of_level = _estimated_errors_on_last_mesh_level(brake, responses, 0.0)
-            if not _would_further_level_help(error, of_level, aim):
+            if not _would_finer_mesh_level_reduce_error(error, of_level, aim):
                 break
     except NoAnswer as refusal:
         stopped = str(refusal)
@@ -185,8 +185,8 @@ def solve_brake_on_mesh_files(
     if tolerance is not None and not is_tolerance_met(error, aim):
         notes.append(
             f"warning: tolerance {tolerance:g} not reached on the meshes of the files: estimated "
-            f"error of p {error_as_text(error.brake['pressure'])}, "
-            f"of the torque {error_as_text(error.brake['torque'])}; "
+            f"error of p {error_text_in_percent(error.brake['pressure'])}, "
+            f"of the torque {error_text_in_percent(error.brake['torque'])}; "
             "a finer mesh or more digits of its coordinates make it smaller"
         )
     return SolvedLevel(solved_last, response_with_estimated_errors(responses, error, notes))
@@ -241,10 +241,10 @@ def _estimated_errors_on_last_mesh_level(
         steps = relative_differences_of_responses_on_two_levels(brake, former[-1], before).steps
         moved = moved._replace(steps=moved.steps + FORMER_SHARE * steps)
     errors = estimate_errors_from_response_differences(moved, last, DEGREE_FACTORS, shape)
-    return errors_with_singular_points_included(errors, brake, last)[0]
+    return errors_with_singular_points_and_text_on_short_contacts(errors, brake, last)[0]
 
 
-def _would_further_level_help(error: Errors, of_level: Errors, aim: Tolerance) -> bool:
+def _would_finer_mesh_level_reduce_error(error: Errors, of_level: Errors, aim: Tolerance) -> bool:
     """Whether a further level would reduce an error that misses its tolerance.
 
     Parameters
@@ -260,7 +260,7 @@ def _would_further_level_help(error: Errors, of_level: Errors, aim: Tolerance) -
     )
 
 
-def _errors_by_straight_element_sides(
+def _errors_due_to_straight_element_sides(
     brake: Brake, respond: ResponseFunction, first: Response, cache: Cache
 ) -> Floats | float:
     """The relative errors (1 + 4 shoes,) that straight sides on curved outlines cause.
@@ -273,8 +273,8 @@ def _errors_by_straight_element_sides(
     # Both solves have the elements of the first pass on the first level. The straight ones are
     # still in the cache.
     level = MESH_LEVELS[0]
-    error = level.pressure_error_by_column_ratio
-    points = singular_points_of_all_linings(brake, None, error=error)
+    error = level.pressure_error_due_to_column_size_ratio
+    points = singular_points_of_each_shoe_shape(brake, None, error=error)
     prepare = partial(prepared_model_of_mesh_files, brake, level, points, cache=cache)
     try:
         of_straight, of_smooth = (
@@ -288,11 +288,11 @@ def _errors_by_straight_element_sides(
     # The difference of a peak may be small by accident; it counts as at least the difference of p.
     of_shoes[:, peak] = of_shoes[:, [pressure, peak]].max(axis=1)
     steps = np.concatenate([torque, of_shoes.ravel()])
-    factors = OUTLINE_FACTORS.error_factors_of_refinement_differences(len(brake.shoes))
+    factors = OUTLINE_FACTORS.safety_factors_of_level_differences(len(brake.shoes))
     return factors * steps + OUTLINE_FACTORS.cancelled * moved.chance
 
 
-def _errors_by_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Floats:
+def _errors_due_to_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Floats:
     """The relative errors (1 + 4 shoes,) that rounded coordinates of mesh files cause."""
     of_shoes = []
     for shoe in brake.shoes:
@@ -303,7 +303,7 @@ def _errors_by_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Floats:
     return np.array([ROUNDING_FACTORS["torque"] * max(of_shoes), *rows.ravel()])
 
 
-def _errors_of_gaps_below_rounding(brake: Brake, response: Response, cache: Cache) -> Floats:
+def _errors_due_to_gaps_below_rounding(brake: Brake, response: Response, cache: Cache) -> Floats:
     """The relative errors (1 + 4 shoes,) by gaps that rounded coordinates may have caused.
 
     Neighbouring contact nodes that lie off the drum to the same side count as a gap, even if each

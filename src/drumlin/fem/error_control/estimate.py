@@ -38,11 +38,11 @@ from drumlin.response.norms import PressureDifference
 from drumlin.response.response import (
     Response,
     ShoeResponse,
-    length_of_edge_zone_without_peak,
+    length_of_edge_zone_left_out_of_peak_search,
     length_of_uncompared_edge_zone,
     reference_force_of_reaction_errors,
 )
-from drumlin.response.resultants import length_of_edge_zone_without_pressure_errors
+from drumlin.response.resultants import length_of_edge_zone_left_out_of_pressure_errors
 
 QUANTITIES = ("pressure", "torque", "peak", "reaction")
 """Names of the quantities of a shoe that have a stated error.
@@ -70,7 +70,7 @@ class Factors(NamedTuple):
     cancelled: float
     peak: float
 
-    def error_factors_of_refinement_differences(self, shoes: int) -> Floats:
+    def safety_factors_of_level_differences(self, shoes: int) -> Floats:
         """The factors (1 + 4 shoes,) of the differences, in the order of `LevelDifferences`."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
@@ -164,7 +164,7 @@ def estimate_errors_from_response_differences(
     further : (1 + 4 shoes,) errors that are added, in the order of `LevelDifferences`
     """
     found = (
-        factors.error_factors_of_refinement_differences(len(last.shoes)) * moved.steps
+        factors.safety_factors_of_level_differences(len(last.shoes)) * moved.steps
         + factors.cancelled * moved.chance
         + further
     )
@@ -181,12 +181,12 @@ def sum_of_penalty_and_round_off_errors(shoes: Sequence[ShoeResponse]) -> Floats
 
     The order is that of `LevelDifferences`. The penalty is the finite contact stiffness.
     """
-    return SOFTER * _relative_changes_of_shoes_by_cause(
+    return SOFTER * _relative_changes_of_shoes_due_to_cause(
         shoes, "softness"
-    ) + _relative_changes_of_shoes_by_cause(shoes, "lost")
+    ) + _relative_changes_of_shoes_due_to_cause(shoes, "lost")
 
 
-def _relative_changes_of_shoes_by_cause(shoes: Sequence[ShoeResponse], name: str) -> Floats:
+def _relative_changes_of_shoes_due_to_cause(shoes: Sequence[ShoeResponse], name: str) -> Floats:
     """The relative changes (1 + 4 shoes,) by one cause, in the order of `LevelDifferences`.
 
     `name` is the attribute of `ShoeResponse` that holds the changes by this cause, "softness" for
@@ -212,7 +212,7 @@ def relative_differences_of_responses_on_two_levels(
     pairs = list(zip(a.shoes, b.shoes, strict=True))
     rows = []
     for shoe, (of_a, of_b) in zip(brake.shoes, pairs, strict=True):
-        zone = length_of_edge_zone_without_peak(shoe, brake.scale_factor)
+        zone = length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor)
         rows.append(_relative_shoe_response_differences_of_levels(zone, brake.unit, of_a, of_b))
     of_shoes = np.array(rows)  # (shoes, 2, 4)
     # The difference of the brake's torque is the sum of the absolute differences of its shoes.
@@ -249,20 +249,20 @@ def _relative_shoe_response_differences_of_levels(
         pressure = float(a.pressure.any())
         return (pressure, torque, peak, reaction), (0.0,) * len(QUANTITIES)
     singular = length_of_uncompared_edge_zone(b.length_of_shortest_lining, unit)
-    edge = length_of_edge_zone_without_pressure_errors(
+    edge = length_of_edge_zone_left_out_of_pressure_errors(
         b.theta, b.pressure, b.order, singular, b.slots
     )
-    peak_zone = length_of_edge_zone_without_pressure_errors(
+    peak_zone = length_of_edge_zone_left_out_of_pressure_errors(
         b.theta, b.pressure, b.order, zone, b.slots
     )
     step = PressureDifference.pressure_difference_of_two_responses(a, b, edge, peak_zone)
-    pressure = step.relative_norm_outside_end_zones(edge)
+    pressure = step.relative_norm_of_difference_outside_end_zones(edge)
     peak = max(peak, math.sqrt(pressure * step.relative_difference_near_peak(peak_zone)))
     # The pressures on both levels balance the same actuation, so that a change of p only moves the
     # force within the contact. This changes torque and reaction by a fraction of at most about the
     # angle [rad] of the contact, which matters if the contact is short.
     reach = (b.contact_arcs[-1][1] - b.contact_arcs[0][0]) / unit
-    chance = min(step.relative_force_with_random_signs(), reach)
+    chance = min(step.relative_force_as_if_elements_had_random_signs(), reach)
     torque_by_chance = chance if b.torque else 0.0
     reaction_by_chance = chance * b.normal_force / held
     by_chance = (0.0, torque_by_chance, 0.0, reaction_by_chance)

@@ -15,7 +15,7 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.adapt import (
-    errors_with_singular_points_included,
+    errors_with_singular_points_and_text_on_short_contacts,
     response_with_estimated_errors,
 )
 from drumlin.fem.error_control.estimate import (
@@ -33,7 +33,7 @@ from drumlin.fem.error_control.levels import (
 )
 from drumlin.fem.error_control.singular_points import (
     CONTACT_END_BITS,
-    singular_points_of_all_linings,
+    singular_points_of_each_shoe_shape,
 )
 from drumlin.fem.hp.corner import response_with_power_laws_at_corners
 from drumlin.fem.hp.division import Singularity, SingularPoint
@@ -64,7 +64,7 @@ level. The latter is at most FACTORS times the distance.
 """
 
 
-def solve_on_first_level(
+def solve_brake_on_first_refinement_level(
     brake: Brake, respond: ResponseFunction, cache: Cache | None = None
 ) -> Response:
     """The response of a brake on the first level of a solve, without errors.
@@ -79,27 +79,29 @@ def solve_on_first_level(
     return response_with_power_laws_at_corners(brake, solved.response)
 
 
-def errors_of_first_level(brake: Brake, first: Response, last: Response) -> dict[str, float]:
+def errors_of_first_refinement_level(
+    brake: Brake, first: Response, last: Response
+) -> dict[str, float]:
     """The errors of the response on the first level, from its distance to the last level.
 
     The errors are relative and have the names of QUANTITIES. Errors at singular points, by the
     penalty and by round-off are not included.
     """
     moved = relative_differences_of_responses_on_two_levels(brake, first, last)
-    factors = FIRST_LEVEL_FACTORS.error_factors_of_refinement_differences(len(last.shoes))
+    factors = FIRST_LEVEL_FACTORS.safety_factors_of_level_differences(len(last.shoes))
     found = factors * moved.steps + FIRST_LEVEL_FACTORS.cancelled * moved.chance
     worst = np.reshape(found[1:], (-1, len(QUANTITIES))).max(axis=0).tolist()
     return dict(zip(QUANTITIES, worst, strict=True)) | {"torque": float(found[0])}
 
 
-def first_level_with_errors_of_sample(
+def first_level_response_with_errors_of_sample(
     brake: Brake, first: Response, largest: Mapping[str, float]
 ) -> Response:
     """A copy of the response on the first level that states the errors of a sample.
 
-    `largest` are the largest errors of the first level in the sample, as `errors_of_first_level`
-    returns them. The stated errors are SAMPLE_SAFETY times these errors, plus the errors of the
-    brake itself at singular points, by the penalty and by round-off.
+    `largest` are the largest errors of the first level in the sample, as
+    `errors_of_first_refinement_level` returns them. The stated errors are SAMPLE_SAFETY times these
+    errors, plus the errors of the brake itself at singular points, by the penalty and by round-off.
     """
     of_sample = {name: SAMPLE_SAFETY * error for name, error in largest.items()}
     own = sum_of_penalty_and_round_off_errors(first.shoes)
@@ -110,11 +112,11 @@ def first_level_with_errors_of_sample(
     errors = Errors.brake_errors_from_torque_and_shoe_errors(
         of_sample["torque"] + float(own[0]), shoes
     )
-    errors, _ = errors_with_singular_points_included(errors, brake, first)
+    errors, _ = errors_with_singular_points_and_text_on_short_contacts(errors, brake, first)
     return response_with_estimated_errors([first], errors, ())
 
 
-def kind_of_contact(brake: Brake, response: Response) -> str:
+def text_that_identifies_kind_of_contact(brake: Brake, response: Response) -> str:
     """A text that is equal for contacts of one kind.
 
     It names, for each shoe, the singular points of the pressure in their order along the lining:
@@ -123,8 +125,8 @@ def kind_of_contact(brake: Brake, response: Response) -> str:
     abutments and struts bear.
     """
     every_shoe_by_itself = tuple(range(len(brake.shoes)))
-    error = LEVELS[0].pressure_error_by_column_ratio
-    points = singular_points_of_all_linings(brake, response, every_shoe_by_itself, error)
+    error = LEVELS[0].pressure_error_due_to_column_size_ratio
+    points = singular_points_of_each_shoe_shape(brake, response, every_shoe_by_itself, error)
     words = []
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         words += [_kind_of_singular_point(shoe, point) for point in points[i]]

@@ -13,10 +13,10 @@ from typing import NamedTuple, Protocol
 
 from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.singular_points import singular_points_of_all_linings
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Level, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.cache import index_of_first_shoe_of_equal_shape as equal_shapes
+from drumlin.fem.preparation.cache import indices_of_first_shoes_of_equal_shape as equal_shapes
 from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -212,8 +212,8 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     shortest_arc = min(end - start for shoe in brake.shoes for start, end in shoe.arcs)
     for level in levels or LEVELS:
         solved: SolvedLevel | None = None
-        error = level.pressure_error_by_column_ratio
-        points_after = partial(singular_points_of_all_linings, brake, alike=alike, error=error)
+        error = level.pressure_error_due_to_column_size_ratio
+        points_after = partial(singular_points_of_each_shoe_shape, brake, alike=alike, error=error)
         points = points_after(last)
         points_of_passes: list[PointsByShape] = []
         for _ in range(MOST_PASSES):

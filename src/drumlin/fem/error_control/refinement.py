@@ -122,7 +122,7 @@ class FullSystem:
     scale: Floats
 
     @property
-    def index_of_first_pressure(self) -> int:
+    def index_of_first_pressure_unknown(self) -> int:
         """Number of the first pressure among the unknowns."""
         return self.pressures[0].start
 
@@ -292,7 +292,7 @@ def _torque_factors_of_full_system_unknowns(group: ShoeGroup, layout: _Layout) -
     lever = np.zeros(int(layout.pressure_starts[-1]))
     for k, body in enumerate(group.substructures_of_shoes):
         at = slice(layout.pressure_starts[k], layout.pressure_starts[k + 1])
-        friction = group.brake.friction_of_shoe(group.shoes[k])
+        friction = group.brake.friction_coefficient_of_shoe_at_zero_pressure(group.shoes[k])
         lever[at] = friction * body.coupling.lever * group.node_friction_over_shoe_friction(k)
     return lever
 
@@ -473,7 +473,7 @@ def solve_full_system_by_iterative_refinement(
         refinement that does not converge raises nothing; the `correction` of the result tells how
         far it has converged.
     """
-    first = system.index_of_first_pressure
+    first = system.index_of_first_pressure_unknown
     active = active.copy()
     rows, right = system.matrix[first:], system.right[first:]
     for contact_sets in range(1, MOST_REFINED_SETS + 1):
@@ -561,7 +561,7 @@ def _refined_solution_on_contact_set(system: FullSystem, on: Bools, order: str) 
     except RuntimeError as error:
         raise NoAnswer("no equilibrium: the whole system is singular") from error
     x = np.zeros(len(at), dtype=LONG_DOUBLE)
-    first = np.count_nonzero(on[: system.index_of_first_pressure])
+    first = np.count_nonzero(on[: system.index_of_first_pressure_unknown])
     residual, previous = b, math.inf
     for corrections in range(1, MOST_CORRECTIONS + 1):
         # The residual is divided by its largest entry before it is rounded to double precision, so

@@ -26,7 +26,7 @@ from drumlin.brake.components import Lining
 from drumlin.brake.friction import FrictionCurve
 from drumlin.fem.hp.corner import logarithmic_pressures_at_pointed_gap_kinks
 from drumlin.fem.hp.division import SMALLEST_COLUMN, UNRESOLVED_LENGTH, Singularity, SingularPoint
-from drumlin.fem.preparation.cache import index_of_first_shoe_of_equal_shape as equal_shapes
+from drumlin.fem.preparation.cache import indices_of_first_shoes_of_equal_shape as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import polynomial_values_at_gauss_points
 
@@ -70,7 +70,7 @@ class _Opening(NamedTuple):
     width: float
 
 
-def singular_points_of_all_linings(
+def singular_points_of_each_shoe_shape(
     brake: Brake, response: Response | None, alike: Sequence[int] = (), error: float = 0.0
 ) -> dict[int, list[SingularPoint]]:
     """The singular points of the pressure on all linings, collected for each shape of shoe.
@@ -85,7 +85,8 @@ def singular_points_of_all_linings(
     response : an earlier response, or None. Without a response the kinks of a table of clearances
         are left out, because their strength depends on the pressure.
     alike : for each shoe the index of the first shoe of the same shape, see
-        `cache.index_of_first_shoe_of_equal_shape`; if it is empty, this function finds the indices
+        `cache.indices_of_first_shoes_of_equal_shape`; if it is empty, this function finds the
+        indices
     error : planned relative error of p on the next level (e in `LevelRule`); with 0 every kink of a
         table near the contact is a singular point
     """
@@ -94,7 +95,7 @@ def singular_points_of_all_linings(
     for i, (shoe, first) in enumerate(zip(brake.shoes, first_alike, strict=True)):
         answer = None if response is None else response.shoes[i]
         points_of_shoe = _singular_points_of_lining(shoe, answer, brake.scale_factor, error)
-        curve = brake.friction_over_pressure_of_shoe(shoe)
+        curve = brake.friction_coefficient_curve_of_shoe(shoe)
         if answer is not None and answer.contact_arcs and len(curve.mu) > 1:
             points_of_shoe += _singular_points_at_kinks_of_friction(
                 shoe, answer, curve, brake.scale_factor, error
@@ -192,7 +193,7 @@ def _singular_points_at_kinks_of_gap(
     """
     (start, end), frame = shoe.arc, shoe.frame
     angle = np.array(clearance.coordinates_of_clearance_table_rows(shoe.lining))
-    change = pressure_changes_by_kinks_of_gap(shoe.lining, scale_factor)
+    change = pressure_change_norms_due_to_kinks_of_gap(shoe.lining, scale_factor)
     near = [
         start < phi < end and _is_angle_near_contact(phi, arcs)
         for phi in frame.phi_coordinates_as_list(angle)
@@ -282,7 +283,7 @@ def _singular_points_at_pointed_gap_kinks(
     return points
 
 
-def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Floats:
+def pressure_change_norms_due_to_kinks_of_gap(lining: Lining, scale_factor: float) -> Floats:
     """The change of p in L2 (k,) [Pa rad^0.5] by the kink at each row of a clearance table.
 
     Between the rows of the table the gap varies linearly, along chords. The change of p is the
@@ -300,7 +301,7 @@ def pressure_changes_by_kinks_of_gap(lining: Lining, scale_factor: float) -> Flo
         for part in lining.linings_with_touching_ones_joined:
             rows = np.array(clearance.coordinates_of_clearance_table_rows(part))
             on_part = (part.start < rows) & (rows < part.end)
-            changes.append(pressure_changes_by_kinks_of_gap(part, scale_factor)[on_part])
+            changes.append(pressure_change_norms_due_to_kinks_of_gap(part, scale_factor)[on_part])
         return np.concatenate(changes)
     angle = np.array(clearance.coordinates_of_clearance_table_rows(lining))
     if len(angle) == 0:

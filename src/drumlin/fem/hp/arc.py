@@ -205,7 +205,7 @@ def angular_factors_of_column_stiffness(
     """
     count, n = angles.shape
     at, by = circle_points_and_slopes_at_gauss_points(angles, p, flat=flat)
-    strain = _strains_by_unit_displacements_of_columns(
+    strain = _strains_due_to_unit_displacements_of_columns(
         angles, at, by, p, flat=flat
     )  # (2 c, k a, 3, q)
     trace = strain[:, :, 0] + strain[:, :, 1]
@@ -226,7 +226,7 @@ def angular_factors_of_column_stiffness(
     return factors.reshape(2, count, n * n, 4 * len(parts))
 
 
-def _strains_by_unit_displacements_of_columns(
+def _strains_due_to_unit_displacements_of_columns(
     angles: Floats, at: Floats, by: Floats, p: int, *, flat: bool
 ) -> Floats:
     """The strains xx, yy and sqrt(2) xy due to unit displacements of element columns.

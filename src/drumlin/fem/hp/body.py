@@ -33,7 +33,7 @@ from drumlin.fem.substructure.body import (
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
-from drumlin.response.response import edge_zone_angle_in_shoe_frame
+from drumlin.response.response import angle_of_edge_zone_left_out_of_peak_search
 
 
 def element_grid_of_whole_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
@@ -167,7 +167,7 @@ def condensed_shoe_body(
     system = partial(_equations_of_shoe_before_condensation, shoe, div, grid)
     return condensed_body_with_cholesky_factor(
         found,
-        GridUnknowns.grid_unknowns_without_further_unit_loads(
+        GridUnknowns.grid_unknowns_with_original_unit_loads_only(
             grid, elastic_layers_of_shoe(shoe), system
         ),
     )
@@ -223,15 +223,15 @@ def _equations_of_shoe_before_condensation(
     basis : nodes whose displacements are unknowns of the system: all nodes of the grid, or only
         those on the sides of elements (the skeleton)
     """
-    contact = basis.convert_grid_node_numbers(np.arange(div.contact_nodes))
+    contact = basis.indices_in_this_basis_of_grid_nodes(np.arange(div.contact_nodes))
     constraints = multi_point_constraints_of_body(
         basis,
         contact,
-        basis.convert_grid_node_numbers(grid.sets["hinge"]),
+        basis.indices_in_this_basis_of_grid_nodes(grid.sets["hinge"]),
         shoe.pin_position_in_shoe_frame,
     )
     if "actuation" in grid.sets:
-        forces = _spread_end_face_forces_to_all_nodes(
+        forces = _nodal_forces_on_all_nodes_from_end_face_forces(
             grid, _unit_loads_on_loaded_end_face(div, grid).forces
         )
         loads = constraints.matrix.T @ forces[basis.dofs]
@@ -245,14 +245,16 @@ def _equations_of_shoe_before_condensation(
     )
 
 
-def nodal_forces_of_unit_actuations(div: ShoeDivision, grid: ColumnGrid) -> tuple[Floats, Floats]:
+def nodal_forces_of_unit_actuations_and_their_centre(
+    div: ShoeDivision, grid: ColumnGrid
+) -> tuple[Floats, Floats]:
     """The nodal forces of unit actuations on a shoe's loaded end face, and the face's centre.
 
     The columns of the nodal forces (2 N, 3), on all N nodes of the grid, are for a unit force along
     x, a unit force along y and a unit couple. The centre of the end face is (2,) [m].
     """
     end = _unit_loads_on_loaded_end_face(div, grid)
-    return _spread_end_face_forces_to_all_nodes(grid, end.forces), end.centre
+    return _nodal_forces_on_all_nodes_from_end_face_forces(grid, end.forces), end.centre
 
 
 def _unit_loads_on_loaded_end_face(div: ShoeDivision, grid: ColumnGrid) -> LoadedEnd:
@@ -262,7 +264,7 @@ def _unit_loads_on_loaded_end_face(div: ShoeDivision, grid: ColumnGrid) -> Loade
     return unit_actuation_loads_on_end_face(nodes, depths, div.degree)
 
 
-def _spread_end_face_forces_to_all_nodes(grid: ColumnGrid, forces: Floats) -> Floats:
+def _nodal_forces_on_all_nodes_from_end_face_forces(grid: ColumnGrid, forces: Floats) -> Floats:
     """The nodal forces (2 N, l) on all N nodes, from the forces (2n, l) on the loaded end face.
 
     The forces are zero on all other nodes.
@@ -294,6 +296,6 @@ def contact_line_of_lining_face_nodes(shoe: Shoe, radius: float, div: ShoeDivisi
         shoe.points_at_depth_and_coordinate_phi(np.zeros(1), phi, radius),
         phi,
         np.concatenate(pieces, axis=1),
-        edge=edge_zone_angle_in_shoe_frame(shoe, radius),
+        edge=angle_of_edge_zone_left_out_of_peak_search(shoe, radius),
         further_linings=tuple(firsts[1:].tolist()),
     )

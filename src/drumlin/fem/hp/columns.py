@@ -249,13 +249,13 @@ def assemble_and_condense_row_of_element_columns(
     row = [first.setdefault(id(piece), k) for k, piece in enumerate(pieces)]
     made_of: dict[tuple[int, int], int] = {}
 
-    def unknown_counts_of_neighbours_if_joined(row: list[int]) -> list[int]:
+    def counts_of_unknowns_of_neighbours_if_joined(row: list[int]) -> list[int]:
         """The number of unknowns that each pair of neighbours in the row would have if joined."""
         return [len(made[i].K) + len(made[j].K) - 2 * made[i].right for i, j in pairwise(row)]
 
     # The list `row` has the positions in `made` of the stretches that are not joined yet. In each
     # step two neighbours are replaced by one stretch.
-    sizes = unknown_counts_of_neighbours_if_joined(row)
+    sizes = counts_of_unknowns_of_neighbours_if_joined(row)
     while sizes:
         k = sizes.index(min(sizes))
         pair = row[k], row[k + 1]
@@ -269,7 +269,7 @@ def assemble_and_condense_row_of_element_columns(
         row[k : k + 2] = [made_of[pair]]
         # The numbers of unknowns change only for the pairs with the new substructure.
         near = max(k - 1, 0)
-        sizes[near : k + 2] = unknown_counts_of_neighbours_if_joined(row[near : k + 2])
+        sizes[near : k + 2] = counts_of_unknowns_of_neighbours_if_joined(row[near : k + 2])
     return made[row[0]]
 
 

@@ -28,7 +28,7 @@ from drumlin.brake.fields import AnyMaterial
 from drumlin.response.response import Response, ShoeResponse, length_of_uncompared_edge_zone
 from drumlin.response.resultants import (
     gauss_lobatto_points,
-    length_of_edge_zone_without_pressure_errors,
+    length_of_edge_zone_left_out_of_pressure_errors,
     polynomial_values_at_gauss_points,
 )
 
@@ -363,7 +363,7 @@ def response_with_power_laws_at_corners(brake: Brake, response: Response) -> Res
     1/2, which falls slowly. A power function with the same force and the same moment in a few
     columns as the computed p is far more exact there. The response of long contacts is not changed,
     because the stated error of their pressure excludes the zones at the lining's ends, see
-    `length_of_edge_zone_without_pressure_errors`.
+    `length_of_edge_zone_left_out_of_pressure_errors`.
     """
     shoes = tuple(
         _shoe_response_with_pressure_power_laws(brake, i, shoe)
@@ -417,7 +417,7 @@ def corners_with_unbounded_pressure(
     """The pressed corners of the lining of shoe `index` at which its pressure p is unbounded.
 
     The list is empty for a long contact, because the stated error of its pressure excludes the
-    zones at the lining's ends, see `length_of_edge_zone_without_pressure_errors`.
+    zones at the lining's ends, see `length_of_edge_zone_left_out_of_pressure_errors`.
     """
     theta, p = response.theta, response.pressure
     if max(p[0], p[-1]) <= 0:
@@ -427,7 +427,7 @@ def corners_with_unbounded_pressure(
         brake.shoes[index].lining.length_of_shortest_lining, brake.unit
     )
     slots = brake.shoes[index].lining.slots
-    if length_of_edge_zone_without_pressure_errors(theta, p, response.order, zone, slots) > 0:
+    if length_of_edge_zone_left_out_of_pressure_errors(theta, p, response.order, zone, slots) > 0:
         return []
     # The exponents are ordered by the shoe's own angle phi, which may grow opposite to theta.
     exponents = pressure_exponents_at_both_lining_corners(brake, index)[
@@ -451,7 +451,7 @@ def _shoe_response_with_one_corner_power_law(
     at_corner = float(response.theta[0 if corner.at_start else -1])
     arcs = response.contact_arcs
     contact_length = next((end - start for start, end in arcs if at_corner in {start, end}), 0.0)
-    theta, pressure = pressure_with_power_law_at_corner(
+    theta, pressure = nodes_and_pressures_with_power_law_at_corner(
         response.theta,
         response.pressure,
         response.order,
@@ -462,7 +462,7 @@ def _shoe_response_with_one_corner_power_law(
     return replace(response, theta=theta, pressure=pressure)
 
 
-def pressure_with_power_law_at_corner(
+def nodes_and_pressures_with_power_law_at_corner(
     theta: Floats,
     pressure: Floats,
     order: int,
@@ -498,7 +498,9 @@ def pressure_with_power_law_at_corner(
     last = order * (int(np.searchsorted(x[::order], reach, side="right")) - 1)
     if last <= 0 or x[last] <= unit * SMALLEST_PIECE:
         return theta, pressure
-    distances = _pressure_nodes_closer_towards_corner(float(x[last]), order, unit * SMALLEST_PIECE)
+    distances = _pressure_node_positions_closer_towards_corner(
+        float(x[last]), order, unit * SMALLEST_PIECE
+    )
     angles = at_corner + sign * distances
     nodes = np.abs(angles - at_corner)
     nodes[-1] = x[last]
@@ -507,9 +509,13 @@ def pressure_with_power_law_at_corner(
     power = _power_function_values_at_nodes(nodes, corner.exponent, order)
     functions = np.array([power, np.ones_like(nodes), nodes / x[last]])
     columns = [
-        [*_force_and_moment_of_pressure(nodes, values, order), values[-1]] for values in functions
+        [*_force_and_scaled_moment_of_pressure(nodes, values, order), values[-1]]
+        for values in functions
     ]
-    conditions = [*_force_and_moment_of_pressure(x[: last + 1], p[: last + 1], order), p[last]]
+    conditions = [
+        *_force_and_scaled_moment_of_pressure(x[: last + 1], p[: last + 1], order),
+        p[last],
+    ]
     fitted = np.linalg.solve(np.array(columns).T, conditions) @ functions
     return (
         np.concatenate([angles[:-1], theta[::sign][last:]])[::sign],
@@ -517,7 +523,9 @@ def pressure_with_power_law_at_corner(
     )
 
 
-def _pressure_nodes_closer_towards_corner(length: float, order: int, smallest: float) -> Floats:
+def _pressure_node_positions_closer_towards_corner(
+    length: float, order: int, smallest: float
+) -> Floats:
     """The nodes (n,) [rad] of polynomial pieces from 0 to `length`, with the shortest piece at 0.
 
     Parameters
@@ -551,7 +559,7 @@ def _power_function_values_at_nodes(x: Floats, exponent: float, order: int) -> F
     return values
 
 
-def _force_and_moment_of_pressure(x: Floats, p: Floats, order: int) -> tuple[float, float]:
+def _force_and_scaled_moment_of_pressure(x: Floats, p: Floats, order: int) -> tuple[float, float]:
     """The force Int p dx, and the moment Int p x dx divided by the last x, of a pressure p.
 
     The pressure has the values `p` at the nodes `x` and is a polynomial of degree `order` on each
@@ -563,7 +571,7 @@ def _force_and_moment_of_pressure(x: Floats, p: Floats, order: int) -> tuple[flo
     return force, moment / float(x[-1])
 
 
-def pressure_error_left_at_lining_corners(
+def remaining_pressure_error_at_lining_corners(
     brake: Brake, index: int, response: NodalPressure
 ) -> float:
     """The relative error in L2 of the pressure p of shoe `index` at corners where p is unbounded.
@@ -578,7 +586,7 @@ def pressure_error_left_at_lining_corners(
         response.theta, response.pressure, response.order
     )
     squares = np.sum(weight * p**2, axis=1)
-    if _is_unbounded_pressure_at_slot_in_stated_error(brake, index, response):
+    if _does_stated_error_include_unbounded_pressure_at_slot(brake, index, response):
         return 1.0
     for corner in corners_with_unbounded_pressure(brake, index, response):
         if corner.exponent <= -0.5:
@@ -590,7 +598,7 @@ def pressure_error_left_at_lining_corners(
     return error
 
 
-def _is_unbounded_pressure_at_slot_in_stated_error(
+def _does_stated_error_include_unbounded_pressure_at_slot(
     brake: Brake, index: int, response: NodalPressure
 ) -> bool:
     """Whether p is unbounded beside a slot between linings, and its stated error includes this."""
@@ -599,7 +607,7 @@ def _is_unbounded_pressure_at_slot_in_stated_error(
     if not np.any(response.pressure[edges] > 0):
         return False
     zone = length_of_uncompared_edge_zone(lining.length_of_shortest_lining, brake.unit)
-    counts = length_of_edge_zone_without_pressure_errors(
+    counts = length_of_edge_zone_left_out_of_pressure_errors(
         response.theta, response.pressure, response.order, zone, lining.slots
     )
     return counts == 0 and min(pressure_exponents_at_both_lining_corners(brake, index)) < 0
@@ -638,7 +646,7 @@ def logarithmic_pressures_at_pointed_gap_kinks(
     return [LogarithmicPressure(theta, half_plane * slope) for theta, slope in tips]
 
 
-def pressure_error_left_at_pointed_gap_kinks(
+def remaining_pressure_error_at_pointed_gap_kinks(
     shoe: Shoe, scale_factor: float, response: ShoeResponse
 ) -> float:
     """The relative error in L2 of a shoe's pressure p due to kinks that point to the drum.

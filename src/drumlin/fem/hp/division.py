@@ -163,7 +163,7 @@ class Level:
     through: float
 
     @property
-    def pressure_error_by_column_ratio(self) -> float:
+    def pressure_error_due_to_column_size_ratio(self) -> float:
         """The relative error in L2 of the pressure due to the ratio of neighbouring column sizes.
 
         `levels.LevelRule` derives the formula.
@@ -326,7 +326,7 @@ def interval_ends_from_interval_sizes(sizes: Sequence[float], start: float, end:
     return np.append(start + np.concatenate([[0.0], np.cumsum(sizes[:-1])]), end)
 
 
-def thickness_of_each_shoe_layer(shoe: Shoe, radius: float) -> list[ShoeLayer]:
+def shoe_layers_with_their_thickness(shoe: Shoe, radius: float) -> list[ShoeLayer]:
     """The layers of a shoe with their thickness, from the lining to the shoe's back.
 
     The block between the lining and a straight beam counts as a layer with its smallest thickness.
@@ -378,14 +378,14 @@ def divide_shoe_into_hp_elements(
     exponents : exponents a of the pressure p ~ x^a at the corners of the lining, at its start and
         its end, if the corners are in contact
     """
-    layers = thickness_of_each_shoe_layer(shoe, radius)
+    layers = shoe_layers_with_their_thickness(shoe, radius)
     # Each lining has contacts, grading points and columns of its own.
     found = [
         _divide_one_lining_into_element_columns(shoe, radius, level, points, exponents, arc)
         for arc in shoe.arcs
     ]
     angles, slots = _element_column_ends_under_linings_and_slots(shoe, radius, level, found)
-    before, after = _element_column_ends_beyond_lining(
+    before, after = _element_column_ends_before_and_behind_lining(
         shoe,
         radius,
         level,
@@ -459,7 +459,7 @@ def _divide_one_lining_into_element_columns(
         contact=contact,
         angles=_element_column_ends_between_grading_points(grading_points, level),
         end_sizes=end_sizes,
-        face_size=_size_of_element_layer_at_face(level, contact),
+        face_size=_size_of_first_element_layer_at_lining_face(level, contact),
         singular_size=min(*tip_sizes, *corner_sizes),
     )
 
@@ -488,7 +488,7 @@ def _element_column_ends_under_linings_and_slots(
     """
     angles, slots = [linings[0].angles], []
     columns = len(linings[0].angles) - 1
-    grip_size = _element_column_size_at_grip(shoe, radius, level)
+    grip_size = _element_column_size_at_ends_of_grip(shoe, radius, level)
     for before, lining in pairwise(linings):
         first = GradingPoint(float(before.angles[-1]), before.end_sizes[1], level.ratio)
         last = GradingPoint(float(lining.angles[0]), lining.end_sizes[0], level.ratio)
@@ -530,7 +530,7 @@ def _element_column_ends_between_grading_points(points: list[GradingPoint], leve
     return np.append(np.concatenate(ends), points[-1].at)
 
 
-def _size_of_element_layer_at_face(level: Level, contact: "_ContactExtent") -> float:
+def _size_of_first_element_layer_at_lining_face(level: Level, contact: "_ContactExtent") -> float:
     """The size [rad] of the layer of elements at the lining's face if the pressure is bounded.
 
     Under a short contact the layer is as thick as the columns at the contact's ends are wide.
@@ -596,7 +596,7 @@ def _extent_of_lining_contacts(
     points : singular points on the lining
     arc : positions of the lining's start and end [rad]
     """
-    layers = thickness_of_each_shoe_layer(shoe, radius)
+    layers = shoe_layers_with_their_thickness(shoe, radius)
     start, end = arc
     t = layers[0].thickness / radius
     contact_ends = [point for point in points if point.kind == Singularity.END]
@@ -703,7 +703,7 @@ def _grading_points_along_lining(
         return grading_points
     # The ends of the grip are grading points, and replace other grading points that are too near to
     # them.
-    grip_size = _element_column_size_at_grip(shoe, radius, level)
+    grip_size = _element_column_size_at_ends_of_grip(shoe, radius, level)
     kept = []
     for candidate in grading_points[1:-1]:
         distance = min(abs(candidate.at - end_of_grip) for end_of_grip in grip)
@@ -714,12 +714,12 @@ def _grading_points_along_lining(
     return [grading_points[0], *sorted([*kept, *grip_ends]), grading_points[-1]]
 
 
-def _element_column_size_at_grip(shoe: Shoe, radius: float, level: Level) -> float:
+def _element_column_size_at_ends_of_grip(shoe: Shoe, radius: float, level: Level) -> float:
     """The size [rad] of the element columns at the ends of a grip that holds the shoe's back."""
-    return level.hinge * thickness_of_each_shoe_layer(shoe, radius)[-1].thickness / radius
+    return level.hinge * shoe_layers_with_their_thickness(shoe, radius)[-1].thickness / radius
 
 
-def _element_column_ends_beyond_lining(
+def _element_column_ends_before_and_behind_lining(
     shoe: Shoe,
     radius: float,
     level: Level,

@@ -19,7 +19,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgemm, dpotrf, dtrsm
 from drumlin.fem.substructure.elasticity import (
     isotropic_and_orthotropic_elastic_constants,
-    thickness_directions_of_layers,
+    unit_vectors_through_thickness_of_layers,
 )
 from drumlin.response.resultants import gauss_lobatto_points
 
@@ -67,7 +67,7 @@ def reference_element_of_degree(p: int, *, precise: bool = False) -> ReferenceEl
     edges = number[:, 0], number[:, -1], number[0, 1:-1], number[-1, 1:-1]
     order = np.concatenate([*edges, number[1:-1, 1:-1].ravel()])
     functions = (
-        _long_double_shape_functions(p, x)
+        _shape_function_values_and_slopes_in_long_double(p, x)
         if precise
         else shape_function_values_and_slopes(p, points_of_square_grid(x))
     )
@@ -125,7 +125,7 @@ def shape_function_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]
     return nodal @ values, (nodal @ slopes.reshape(count, -1)).reshape(slopes.shape)
 
 
-def _long_double_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
+def _shape_function_values_and_slopes_in_long_double(p: int, x: Floats) -> tuple[Any, Any]:
     """The values (a, q) and slopes (a, 2, q) of an element's shape functions, in long double.
 
     They are products of Lagrange's polynomials, at the points of the square grid with the
@@ -269,13 +269,15 @@ def _integrals_for_element_stiffness(
         t = np.moveaxis(along[directed], 1, 0)  # (2, m, q)
         own = slopes[directed]
         strains = (
-            _strains_along_direction_by_unit_displacements(own, t),
-            _strains_along_direction_by_unit_displacements(own, thickness_directions_of_layers(t)),
+            _strains_along_direction_due_to_unit_displacements(own, t),
+            _strains_along_direction_due_to_unit_displacements(
+                own, unit_vectors_through_thickness_of_layers(t)
+            ),
         )
     return _ElementIntegrals(products, constants, directed, strains)
 
 
-def _strains_along_direction_by_unit_displacements(slopes: Any, direction: Any) -> Any:
+def _strains_along_direction_due_to_unit_displacements(slopes: Any, direction: Any) -> Any:
     """The strains (m, a, 2, q) in a direction due to unit displacements of m elements.
 
     `slopes` (m, 2, a, q) are the gradients of the shape functions at the Gauss points, and

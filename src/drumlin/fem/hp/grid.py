@@ -34,7 +34,7 @@ from drumlin.fem.substructure.body import (
     assemble_sparse_stiffness,
 )
 from drumlin.fem.substructure.elimination import CondensedSystem
-from drumlin.fem.substructure.expansion import Strains, stress_belonging_to_free_strain
+from drumlin.fem.substructure.expansion import Strains, stress_times_width_of_free_strain
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class ColumnGrid:
         """The numbers (2 N,) of all displacements; x and y of a node are next to each other."""
         return np.arange(2 * self.N)
 
-    def convert_grid_node_numbers(self, nodes: Ints) -> Ints:
+    def indices_in_this_basis_of_grid_nodes(self, nodes: Ints) -> Ints:
         """The given numbers of nodes, unchanged: a grid, unlike a `Skeleton`, has all nodes."""
         return nodes
 
@@ -167,14 +167,18 @@ class ColumnGrid:
             self.doflocs[:, self.element_nodes_boundary_nodes_first].transpose(1, 0, 2)
         )
 
-    def elasticity_matrix_of_each_element(self, layers: Mapping[str, ElasticLayer]) -> Floats:
+    def elasticity_matrix_times_width_of_each_element(
+        self, layers: Mapping[str, ElasticLayer]
+    ) -> Floats:
         """The elasticity matrix times the width, for each element (elements, 3, 3) [N/m]."""
         matrices = np.zeros((self.element_dofs.shape[1], 3, 3))
         for name, elements in self.subdomains.items():
             matrices[elements] = layers[name].stiffness
         return matrices
 
-    def layer_directions_at_gauss_points(self, layers: Mapping[str, ElasticLayer], xy: Any) -> Any:
+    def unit_vectors_along_layers_at_gauss_points(
+        self, layers: Mapping[str, ElasticLayer], xy: Any
+    ) -> Any:
         """The unit vectors (elements, 2, q) along the layers at the Gauss points of all elements.
 
         `xy` (elements, 2, a) are the nodes of the elements. None is returned if all layers are
@@ -199,9 +203,12 @@ class ColumnGrid:
         """
         kind = np.longdouble if precise else float
         xy = self.node_coordinates_of_each_element.astype(kind)
-        along = self.layer_directions_at_gauss_points(layers, xy)
+        along = self.unit_vectors_along_layers_at_gauss_points(layers, xy)
         K = plane_stress_stiffness_of_elements(
-            xy, self.elasticity_matrix_of_each_element(layers).astype(kind), self.degree, along
+            xy,
+            self.elasticity_matrix_times_width_of_each_element(layers).astype(kind),
+            self.degree,
+            along,
         )
         return assemble_sparse_stiffness(K, self.element_nodes_boundary_nodes_first, self.N)
 
@@ -219,7 +226,7 @@ class ColumnGrid:
         for name, strain in strains.items():
             elements = self.subdomains[name]
             at = np.moveaxis(points[elements], 1, 0)
-            stress = stress_belonging_to_free_strain(layers[name], strain(at), at)
+            stress = stress_times_width_of_free_strain(layers[name], strain(at), at)
             held = np.moveaxis(stress, 2, 0)
             own = nodal_forces_of_element_stresses(xy[elements], held, self.degree)
             np.add.at(forces, self.element_nodes_boundary_nodes_first[elements], own)
@@ -290,7 +297,7 @@ class Skeleton:
         """
         return np.asarray((2 * self.nodes[:, None] + np.arange(2)).ravel())
 
-    def convert_grid_node_numbers(self, nodes: Ints) -> Ints:
+    def indices_in_this_basis_of_grid_nodes(self, nodes: Ints) -> Ints:
         """The numbers in the skeleton of nodes that are given by their numbers in the grid."""
         return self.number[nodes]
 
@@ -299,14 +306,19 @@ class Skeleton:
         grid = self.grid
         xy, along = (
             grid.node_coordinates_of_each_element,
-            grid.layer_directions_at_gauss_points(layers, grid.node_coordinates_of_each_element),
+            grid.unit_vectors_along_layers_at_gauss_points(
+                layers, grid.node_coordinates_of_each_element
+            ),
         )
         K = condensed_element_stiffness(
-            xy[:, None], grid.elasticity_matrix_of_each_element(layers), grid.degree, along
+            xy[:, None],
+            grid.elasticity_matrix_times_width_of_each_element(layers),
+            grid.degree,
+            along,
         )
         return assemble_sparse_stiffness(K, self.element_dofs.T, self.N)
 
-    def condense_forces_to_element_boundaries(
+    def condensed_forces_on_element_boundaries_and_inner_work(
         self, layers: Mapping[str, ElasticLayer], forces: Floats
     ) -> tuple[Floats, Floats]:
         """The equivalent forces on the skeleton for forces on all nodes of the grid.
@@ -324,13 +336,19 @@ class Skeleton:
         grid, count = self.grid, forces.shape[1]
         xy, along = (
             grid.node_coordinates_of_each_element,
-            grid.layer_directions_at_gauss_points(layers, grid.node_coordinates_of_each_element),
+            grid.unit_vectors_along_layers_at_gauss_points(
+                layers, grid.node_coordinates_of_each_element
+            ),
         )
         # The forces on inner nodes become forces on the elements' boundaries, and are added to the
         # forces given there.
         inner = self._forces_on_inner_element_nodes(forces)
         condensed = condense_inner_forces_to_element_boundary(
-            xy, grid.elasticity_matrix_of_each_element(layers), grid.degree, along, inner
+            xy,
+            grid.elasticity_matrix_times_width_of_each_element(layers),
+            grid.degree,
+            along,
+            inner,
         )
         on_sides = forces.reshape(grid.N, 2, count)[self.nodes]
         by_node = condensed.forces.reshape(len(inner), -1, 2, count)
@@ -368,11 +386,18 @@ class Skeleton:
         )
         xy, along = (
             grid.node_coordinates_of_each_element,
-            grid.layer_directions_at_gauss_points(layers, grid.node_coordinates_of_each_element),
+            grid.unit_vectors_along_layers_at_gauss_points(
+                layers, grid.node_coordinates_of_each_element
+            ),
         )
         own = None if forces is None else self._forces_on_inner_element_nodes(forces)
         inner = displacements_of_inner_element_nodes(
-            xy, grid.elasticity_matrix_of_each_element(layers), grid.degree, along, outer, own
+            xy,
+            grid.elasticity_matrix_times_width_of_each_element(layers),
+            grid.degree,
+            along,
+            outer,
+            own,
         )
         inside = grid.element_nodes_boundary_nodes_first[:, len(self.element_dofs) :]
         everywhere[inside] = inner.reshape(*inside.shape, 2, -1)
@@ -411,7 +436,7 @@ class GridUnknowns:
     further: Floats
 
     @classmethod
-    def grid_unknowns_without_further_unit_loads(
+    def grid_unknowns_with_original_unit_loads_only(
         cls,
         grid: ColumnGrid,
         layers: Mapping[str, ElasticLayer],
@@ -435,7 +460,7 @@ class GridUnknowns:
         contact and hinge.
         """
         sides = self.grid.grid_without_inner_element_nodes
-        on_sides, inner_work = sides.condense_forces_to_element_boundaries(
+        on_sides, inner_work = sides.condensed_forces_on_element_boundaries_and_inner_work(
             self.layers, self.further
         )
         system = self._system_with_further_unit_loads(self.whole_system(sides), on_sides)
@@ -460,7 +485,9 @@ class GridUnknowns:
         if not count:
             on_sides = system.nodal_displacements_in_load_cases(nodal, frame, loads)
             return sides.displacements_of_all_grid_nodes(self.layers, on_sides)
-        forces_on_sides, _ = sides.condense_forces_to_element_boundaries(self.layers, self.further)
+        forces_on_sides, _ = sides.condensed_forces_on_element_boundaries_and_inner_work(
+            self.layers, self.further
+        )
         system = self._system_with_further_unit_loads(system, forces_on_sides)
         on_sides = system.nodal_displacements_in_load_cases(nodal, frame, loads)
         forces = self.further @ loads[len(loads) - count :]

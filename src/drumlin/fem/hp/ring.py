@@ -37,8 +37,8 @@ from drumlin.fem.hp.division import (
 )
 from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
 from drumlin.fem.hp.shoe import (
-    axis_angles_at_contact_nodes,
-    distinct_sizes_up_to_round_off,
+    displacement_axis_angles_at_contact_nodes,
+    distinct_sizes_and_index_of_each_size,
     node_positions_in_each_element_of_row,
     node_positions_of_element_row,
 )
@@ -61,13 +61,13 @@ from drumlin.fem.substructure.ring import (
     RingSubstructure,
     couple_ring_with_linings,
     fixed_nodes_of_ring,
+    indices_of_displacements_that_hold_free_ring,
     stiffness_of_drum_ring_without_supports,
-    unknowns_of_statically_determinate_support,
 )
 from drumlin.response.resultants import (
     WEIGHTS,
     gauss_lobatto_points,
-    shape_functions_at_gauss_points,
+    shape_functions_and_derivatives_at_gauss_points,
 )
 
 FULL_TURN = 2 * math.pi
@@ -116,7 +116,7 @@ class RingDivision(NamedTuple):
         return np.unique(self.contact_nodes_of_each_column)
 
     @property
-    def first_columns_of_contacts_and_gaps(self) -> Ints:
+    def first_element_column_of_each_contact_and_gap(self) -> Ints:
         """The number of the first column under each lining and in each gap between two linings.
 
         The columns under one lining, or between two linings, are called a run.
@@ -273,12 +273,12 @@ def _condense_ring_to_contact_nodes(
     )
     # A free ring is supported at three unknowns of its rim, which is statically determinate.
     if free:
-        A = _ring_stiffness_without_rigid_motion(A, extra, n, line, div)
+        A = _ring_stiffness_held_against_rigid_motion(A, extra, n, line, div)
     # The nodes between neighbouring runs of columns, inside the ring, are eliminated. The
     # displacements of the contact nodes are converted from axes along the radius and around the
     # drum to x and y.
     A = eliminate_nodes_on_column_side(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
-    back = -axis_angles_at_contact_nodes(div.angles, div.degree)[div.contact_nodes]
+    back = -displacement_axis_angles_at_contact_nodes(div.angles, div.degree)[div.contact_nodes]
     L, info = dpotrf(rotate_node_axes_of_matrix(A[extra:, extra:], back), lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
@@ -289,7 +289,7 @@ def _condense_ring_to_contact_nodes(
         load_on_contact=-rotate_node_axes_of_vectors(A[:extra, extra:], back).T,
         load_on_frame=np.zeros((FRAME, extra)),
         load_work=-A[:extra, :extra],
-        inner=GridUnknowns.grid_unknowns_without_further_unit_loads(
+        inner=GridUnknowns.grid_unknowns_with_original_unit_loads_only(
             grid, elastic_layers_of_ring(section), system
         ),
         columns=LoadColumns(((RIM, extra),)),
@@ -315,7 +315,7 @@ def _ring_stiffness_under_and_between_linings(
     """
     # The elements of columns of equal size have the same stiffness, which is computed once.
     p, layers = div.degree, len(div.depths) - 1
-    sizes, which = distinct_sizes_up_to_round_off(np.diff(div.angles))
+    sizes, which = distinct_sizes_and_index_of_each_size(np.diff(div.angles))
     along = 0.5 * sizes[:, None] * gauss_lobatto_points(p)
     elasticity = elasticity_times_width_of_layers(
         elastic_layers_of_ring(section), ("drum",) * layers
@@ -333,7 +333,7 @@ def _ring_stiffness_under_and_between_linings(
     # lining, or between two linings.
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
     runs = []
-    for first, last in pairwise([*div.first_columns_of_contacts_and_gaps, len(which)]):
+    for first, last in pairwise([*div.first_element_column_of_each_contact_and_gap, len(which)]):
         contact = bool(div.contact[first])
         kinds, kind_of = np.unique(which[first:last], return_inverse=True)
         line = numbering_of_element_column_unknowns(p, layers, contact=contact, held=not free).line
@@ -384,7 +384,7 @@ def _unit_rim_loads_on_element_columns(radius: float, along: Floats, p: int) -> 
     the degree.
     """
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
-    psi, slope = shape_functions_at_gauss_points(p)
+    psi, slope = shape_functions_and_derivatives_at_gauss_points(p)
     x = xy @ psi
     ds = np.hypot(*(xy @ slope)) * WEIGHTS / (FULL_TURN * radius)
     one, zero = np.ones_like(ds), np.zeros_like(ds)
@@ -425,7 +425,7 @@ def _assemble_stiffness_of_closed_ring(
     line : number of unknowns of a line without its first node
     extra : number of extra unknowns, the factors of unit loads
     """
-    starts, count = div.first_columns_of_contacts_and_gaps, len(runs)
+    starts, count = div.first_element_column_of_each_contact_and_gap, len(runs)
     # `own` is the number of contact unknowns counted for each run, without its last node, which is
     # the first node of the next run. A run between two linings has only its two end nodes in
     # contact.
@@ -451,7 +451,7 @@ def _assemble_stiffness_of_closed_ring(
     return A
 
 
-def _ring_stiffness_without_rigid_motion(
+def _ring_stiffness_held_against_rigid_motion(
     A: Floats, extra: int, contact: int, line: int, div: RingDivision
 ) -> Floats:
     """The stiffness of the drum's free ring with three displacements of its rim fixed to zero.
@@ -468,7 +468,7 @@ def _ring_stiffness_without_rigid_motion(
     div : division of the ring
     """
     # The other node is the end of a run that is farthest from the first node.
-    angles = div.angles[div.first_columns_of_contacts_and_gaps]
+    angles = div.angles[div.first_element_column_of_each_contact_and_gap]
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())
     # A rotation about the first node moves the other node around the drum or along the radius. The
@@ -501,7 +501,7 @@ def element_grid_of_whole_drum_ring(radius: float, sign: int, div: RingDivision)
     # The ring is closed: after the last column of nodes comes the first column again.
     closed = np.column_stack([nodes, nodes[:, 0]])
 
-    def ring_point_at_depth_and_angle(depth: Floats, phi: Floats) -> Floats:
+    def ring_points_at_depth_and_angle(depth: Floats, phi: Floats) -> Floats:
         """The points (2, ...) [m] of the ring at depths [m] and angles phi [rad]."""
         r = radius + sign * depth
         return np.stack([r * np.cos(phi), r * np.sin(phi)])
@@ -509,7 +509,7 @@ def element_grid_of_whole_drum_ring(radius: float, sign: int, div: RingDivision)
     contact = nodes[0, div.contact_nodes]
     sets = {"contact": contact, "surface": nodes[0], "support": nodes[-1]}
     block = ElementBlock(closed, depth, along, ("drum",) * (len(div.depths) - 1))
-    return ColumnGrid(p, (block,), ring_point_at_depth_and_angle, sets, rows * n)
+    return ColumnGrid(p, (block,), ring_points_at_depth_and_angle, sets, rows * n)
 
 
 def nodal_forces_of_unit_rim_loads(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
@@ -547,10 +547,10 @@ def _equations_of_ring_before_condensation(
     basis : nodes whose displacements are unknowns of the system: all nodes of the grid, or only
         those on the boundaries of elements (the skeleton)
     """
-    contact = basis.convert_grid_node_numbers(grid.sets["contact"])
-    far_edge = basis.convert_grid_node_numbers(grid.sets["support"])
+    contact = basis.indices_in_this_basis_of_grid_nodes(grid.sets["contact"])
+    far_edge = basis.indices_in_this_basis_of_grid_nodes(grid.sets["support"])
     # A free ring has loads on its rim, and three displacements of the rim are fixed to zero.
-    alone = unknowns_of_statically_determinate_support(basis, far_edge) if rim.shape[1] else None
+    alone = indices_of_displacements_that_hold_free_ring(basis, far_edge) if rim.shape[1] else None
     constraints = multi_point_constraints_of_body(
         basis, contact, fixed_nodes_of_ring(ring, far_edge), np.zeros(2), alone
     )

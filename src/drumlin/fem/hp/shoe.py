@@ -44,7 +44,7 @@ from drumlin.response.resultants import (
     GAUSS,
     WEIGHTS,
     gauss_lobatto_points,
-    shape_functions_at_gauss_points,
+    shape_functions_and_derivatives_at_gauss_points,
 )
 
 PointMap = Callable[[Floats, Floats], Floats]
@@ -69,7 +69,7 @@ class LoadedEnd(NamedTuple):
     centre: Floats
     moments: Floats
 
-    def force_and_moment_about_pin(self, pin: Floats) -> Floats:
+    def forces_and_moments_of_unit_loads_about_pin(self, pin: Floats) -> Floats:
         """The force x, force y and moment about the `pin` (2,) [m] of each unit load (3, l)."""
         arm = self.centre - pin
         resultants = self.moments.copy()
@@ -96,7 +96,7 @@ def unit_actuation_loads_on_end_face(
     # The ends of the elements along the end face, as positions from -1/2 to 1/2.
     ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5
     at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
-    psi, _ = shape_functions_at_gauss_points(p)
+    psi, _ = shape_functions_and_derivatives_at_gauss_points(p)
     half = 0.5 * (ends[1:] - ends[:-1])[:, None]
     where = ends[:-1, None] + half * (1 + GAUSS)
     weights = half * WEIGHTS * np.reshape(share, (-1, 1))
@@ -148,13 +148,13 @@ def function_from_depth_and_angle_to_point(shoe: Shoe, radius: float) -> PointMa
     `radius` is the radius of the drum [m].
     """
     return (
-        _function_from_depth_and_angle_of_beam_shoe(shoe, radius)
+        _function_from_depth_and_angle_to_beam_shoe_point(shoe, radius)
         if isinstance(shoe.body, Beam)
         else partial(shoe.points_at_depth_and_coordinate_phi, size=radius)
     )
 
 
-def _function_from_depth_and_angle_of_beam_shoe(shoe: Shoe, radius: float) -> PointMap:
+def _function_from_depth_and_angle_to_beam_shoe_point(shoe: Shoe, radius: float) -> PointMap:
     """The function from depths and positions to points [m] of a shoe with a straight beam.
 
     Depths from 0 to 1 are in the lining, from 1 to 2 in the block between lining and beam, and from
@@ -170,7 +170,7 @@ def _function_from_depth_and_angle_of_beam_shoe(shoe: Shoe, radius: float) -> Po
     ends = axis.angle(shoe.frame.theta(np.array([s, e])))
     start = float(np.min(ends))
 
-    def beam_shoe_point_at_depth_and_angle(depth: Floats, phi: Floats) -> Floats:
+    def beam_shoe_points_at_depth_and_angle(depth: Floats, phi: Floats) -> Floats:
         """The points (2, ...) [m] of a straight-beam shoe at depths and positions phi [rad]."""
         depth, phi = np.broadcast_arrays(depth, phi)
         # In the axes of the beam, x runs along the beam. Under the lining the angle `a` is counted
@@ -193,7 +193,7 @@ def _function_from_depth_and_angle_of_beam_shoe(shoe: Shoe, radius: float) -> Po
             0,
         )
 
-    return beam_shoe_point_at_depth_and_angle
+    return beam_shoe_points_at_depth_and_angle
 
 
 def node_positions_in_each_element_of_row(ends: Floats, p: int) -> Floats:
@@ -235,7 +235,7 @@ def node_coordinates_of_layers_and_columns(
     return np.ascontiguousarray(xy[..., reference_element_of_degree(p).order])
 
 
-def distinct_sizes_up_to_round_off(sizes: Floats) -> tuple[Floats, Ints]:
+def distinct_sizes_and_index_of_each_size(sizes: Floats) -> tuple[Floats, Ints]:
     """The k distinct values (k,) among `sizes` (m,), and the number (m,) of each size's value.
 
     Sizes that agree in twelve digits count as equal.
@@ -317,7 +317,7 @@ def group_equal_element_columns_of_shoe(
     if isinstance(shoe.body, Beam):
         along = np.concatenate([node_positions_in_each_element_of_row(ends, p) for ends in rows])
         return _ColumnKinds(along, None, np.arange(len(along)))
-    sizes, which = distinct_sizes_up_to_round_off(
+    sizes, which = distinct_sizes_and_index_of_each_size(
         np.concatenate([ends[1:] - ends[:-1] for ends in rows])
     )
     along = 0.5 * sizes[:, None] * gauss_lobatto_points(p)
@@ -447,7 +447,7 @@ def _condensed_elements_of_straight_beam_shoe(
     return condensed_element_stiffness(xy, whole.elasticity[layer:], p, directions)
 
 
-def axis_angles_at_contact_nodes(ends: Floats, p: int) -> Floats:
+def displacement_axis_angles_at_contact_nodes(ends: Floats, p: int) -> Floats:
     """The angles (m p + 1,) of the axes in which displacements of contact nodes are measured.
 
     A node at an end of an element column has the angle of this end. A node inside a column has the
@@ -470,13 +470,13 @@ def angles_of_displacement_axes(shoe: Shoe, phi: Floats) -> Floats:
     return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
 
 
-def rotation_angles_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
+def rotation_angles_of_contact_nodes_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
     """The angles (n,) [rad] that rotate the contact nodes' displacements to the shoe's frame.
 
     In the element columns the displacements are measured along the radius and around the drum.
     """
     angles = [
-        axis_angles_at_contact_nodes(ends, div.degree)
+        displacement_axis_angles_at_contact_nodes(ends, div.degree)
         for ends in div.element_column_ends_on_each_lining
     ]
     return -angles_of_displacement_axes(shoe, np.concatenate(angles))
@@ -523,12 +523,14 @@ def condense_shoe_to_contact_nodes(
         if any(row.grip)
         else _contact_stiffness_of_linings_on_rigid_body(row.under, div)
     )
-    return condensed_shoe_with_held_back(
-        shoe, rotate_node_axes_of_matrix(S, rotation_angles_to_shoe_frame(shoe, div)), R
+    return condensed_shoe_held_at_its_back(
+        shoe,
+        rotate_node_axes_of_matrix(S, rotation_angles_of_contact_nodes_to_shoe_frame(shoe, div)),
+        R,
     )
 
 
-def condensed_shoe_with_held_back(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
+def condensed_shoe_held_at_its_back(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     """The condensed shoe whose back is held by a grip, or is bonded to a rigid body.
 
     The actuation force then acts on the frame: the rigid grip or body. `S` (2n, 2n) is the
@@ -570,28 +572,28 @@ def _condense_shoe_that_hinge_holds(
     # loads].
     columns = row.under.copy()
     columns[0] = _join_first_column_to_body_at_hinge(columns[0], row.before, faces.hinge_modes)
-    loaded = condensed_stiffness_of_body_behind_lining(row.after, faces.end_forces)
+    loaded = condensed_stiffness_of_body_beyond_lining_end(row.after, faces.end_forces)
     columns[-1] = eliminate_nodes_on_column_side(
         columns[-1], loaded, len(faces.end_forces), right=True
     )
     A = _assemble_columns_of_linings_and_slots(columns, div)
-    back = rotation_angles_to_shoe_frame(shoe, div)
+    back = rotation_angles_of_contact_nodes_to_shoe_frame(shoe, div)
 
-    def contact_forces_in_shoe_frame(V: Floats) -> Floats:
+    def contact_forces_converted_to_shoe_frame(V: Floats) -> Floats:
         """The forces (m, 2n) on the contact nodes, with their components in the shoe's frame."""
         return rotate_node_axes_of_vectors(V, back)
 
-    def contact_stiffness_in_shoe_frame(S: Floats) -> Floats:
+    def contact_stiffness_converted_to_shoe_frame(S: Floats) -> Floats:
         """The stiffness (2n, 2n) of the contact nodes, with components in the shoe's frame."""
         return rotate_node_axes_of_matrix(S, back)
 
-    return condensed_shoe_with_balanced_loads(
+    return condensed_shoe_corrected_for_round_off(
         A,
         faces.end,
         R,
         shoe.pin_position_in_shoe_frame,
-        contact_forces_in_shoe_frame,
-        contact_stiffness_in_shoe_frame,
+        contact_forces_converted_to_shoe_frame,
+        contact_stiffness_converted_to_shoe_frame,
     )
 
 
@@ -632,7 +634,7 @@ def _hinge_face_modes_and_end_face_loads(
     )
 
 
-def condensed_shoe_with_balanced_loads(
+def condensed_shoe_corrected_for_round_off(
     A: Floats,
     end: LoadedEnd,
     R: Floats,
@@ -663,9 +665,11 @@ def condensed_shoe_with_balanced_loads(
     on_frame = -A[frame, loads]
 
     # Add small forces on the contact nodes, so that loads and reactions are in equilibrium.
-    imbalance = end.force_and_moment_about_pin(pin) - on_frame - R.T @ load
+    imbalance = end.forces_and_moments_of_unit_loads_about_pin(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
-    corrected = stiffness_without_forces_by_rigid_motion(S, R, forces_in_frame(A[frame, contact]).T)
+    corrected = contact_stiffness_without_strain_in_rigid_motion(
+        S, R, forces_in_frame(A[frame, contact]).T
+    )
     actuation = end.columns.column_slice_of_each_load[ACTUATION]
     return CondensedShoe(
         S=stiffness_of_hinge_face_and_contact_nodes(corrected.S, R),
@@ -810,7 +814,7 @@ def _join_first_column_to_body_at_hinge(
     return eliminate_nodes_on_column_side(first, body.K, len(held))
 
 
-def condensed_stiffness_of_body_behind_lining(
+def condensed_stiffness_of_body_beyond_lining_end(
     after: list[ColumnSubstructure], load: Floats
 ) -> Floats:
     """The condensed stiffness of the part of a shoe's body behind the lining, with its unit loads.
@@ -863,7 +867,7 @@ class _CorrectedStiffness(NamedTuple):
     round_off_forces: Floats
 
 
-def stiffness_without_forces_by_rigid_motion(
+def contact_stiffness_without_strain_in_rigid_motion(
     S: Floats, R: Floats, held: Floats
 ) -> _CorrectedStiffness:
     """The stiffness of the contact nodes, corrected so that rigid-body modes cause no strain.

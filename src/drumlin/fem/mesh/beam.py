@@ -13,7 +13,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import Axis, make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
-from drumlin.brake.units import mm_text
+from drumlin.brake.units import text_in_mm
 from drumlin.fem.mesh.grading import (
     MOST_LINEAR_LAYERS,
     MOST_QUADRATIC_LAYERS,
@@ -35,7 +35,7 @@ distances along the beam to the radius of the lining's back. Distances of this s
 """
 
 
-def reason_why_beam_shoe_has_no_mesh(shoe: Shoe, radius: float) -> str | None:
+def reason_why_beam_shoe_cannot_be_meshed(shoe: Shoe, radius: float) -> str | None:
     """The reason why a shoe with a straight beam cannot be meshed, as a text for a message.
 
     None is returned if the shoe can be meshed, or if its body is no straight beam. `radius` is the
@@ -70,7 +70,9 @@ def _reason_why_no_block_fits_behind_lining(
     nearest = back * (1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max()))
     room = axis.distance - section.thickness / 2 - nearest
     if room <= 0:
-        return f"its beam reaches {mm_text(-room)} into the lining; there is no room for the block"
+        return (
+            f"its beam reaches {text_in_mm(-room)} into the lining; there is no room for the block"
+        )
     if x.min() < 0 or x.max() > axis.length:
         return "its block reaches beyond the beam's ends"
     return None
@@ -106,7 +108,7 @@ class _BeamShape(NamedTuple):
         """Distance of the beam's face from the drum's centre [m]."""
         return self.axis.distance - self.beam / 2
 
-    def points_in_brake_frame(self, depth: Floats, s: Floats) -> Floats:
+    def beam_shoe_points_in_brake_frame(self, depth: Floats, s: Floats) -> Floats:
         """The points in the brake's frame [m] at given depths and positions s along the shoe.
 
         The depth grows by 1 through each layer: lining, block and beam. Under the lining s is the
@@ -129,7 +131,7 @@ class _BeamShape(NamedTuple):
     def _distances_along_beam(self, s: Floats) -> Floats:
         """The distances from the hinge along the beam [m] at positions s of the lining's back.
 
-        See `points_in_brake_frame` for s.
+        See `beam_shoe_points_in_brake_frame` for s.
         """
         start, end = self.start, self.end
         inside = self.axis.foot + self.back * np.sin(np.clip(s, start, end))
@@ -155,7 +157,7 @@ def mesh_of_straight_beam_shoe(
     # scikit-fem takes long to load, and only meshes need it.
     import skfem  # noqa: PLC0415
 
-    # `reason_why_beam_shoe_has_no_mesh` has refused beams without a section before this call.
+    # `reason_why_beam_shoe_cannot_be_meshed` has refused beams without a section before this call.
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
@@ -177,7 +179,9 @@ def mesh_of_straight_beam_shoe(
     mesh = shape.from_mesh(grid)
     depth, s = mesh.doflocs
     return shape(
-        shoe.frame.convert_vectors_to_shoe_frame(form.points_in_brake_frame(depth, s)).T.copy(),
+        shoe.frame.convert_vectors_to_shoe_frame(
+            form.beam_shoe_points_in_brake_frame(depth, s)
+        ).T.copy(),
         mesh.t,
         _subdomains={name: np.flatnonzero(layer == i) for i, name in enumerate(PARTS)},
         _boundaries={name: np.flatnonzero(where) for name, where in on.items()},

@@ -16,7 +16,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Bar
-from drumlin.brake.units import mm_text
+from drumlin.brake.units import text_in_mm
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 
@@ -100,7 +100,7 @@ def check_mesh_and_drop_unneeded_groups(
     _check_elements_are_valid_and_connected(mesh, shoe, fault)
     _check_named_edges_are_on_outline(mesh, fault)
     _check_contact_is_face_of_lining(mesh, shoe, radius, fault)
-    _check_hinge_is_nearer_to_pin(mesh, shoe, fault)
+    _check_hinge_is_nearer_to_pin_than_actuation(mesh, shoe, fault)
     return mesh
 
 
@@ -192,9 +192,9 @@ def _check_nodes_are_near_and_distinct(mesh: Any, shoe: Shoe, radius: float, fau
     size = float(np.abs(mesh.doflocs).max())
     if size > LARGEST_REACH * radius:
         where = (
-            f"on a plane, its lining {mm_text(radius)} long"
+            f"on a plane, its lining {text_in_mm(radius)} long"
             if shoe.flat
-            else f"in a drum of radius {mm_text(radius)}"
+            else f"in a drum of radius {text_in_mm(radius)}"
         )
         raise BadInput(
             f"{fault}: reaches {size:.3g} m far; must be a shoe {where} "
@@ -247,7 +247,7 @@ def _check_elements_are_valid_and_connected(mesh: Any, shoe: Shoe, fault: str) -
     # other.
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
     sides = np.array(
-        [_side_of_edge_where_element_lies(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)]
+        [_sign_of_edge_side_where_element_lies(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)]
     )
     folded = inner[sides[0] * sides[1] > 0]
     if len(folded):
@@ -279,7 +279,7 @@ def _text_with_count_of_faulty_elements(mesh: Any, elements: Ints, shoe: Shoe) -
     )
 
 
-def _side_of_edge_where_element_lies(mesh: Any, facets: Ints, elements: Ints) -> Floats:
+def _sign_of_edge_side_where_element_lies(mesh: Any, facets: Ints, elements: Ints) -> Floats:
     """The side of each edge (n,) on which the centre of an adjoining element lies: 1 or -1.
 
     `facets` (n,) are the numbers of the edges, and `elements` (n,) are the numbers of the elements.
@@ -312,17 +312,17 @@ def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
     basis = nodal_basis_of_mesh(mesh)
     line = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
-    off, word = shoe.distance_from_friction_surface(line, radius), shoe.surface.word
+    off, word = shoe.distances_from_friction_surface(line, radius), shoe.surface.word
     most, deep = float(np.abs(off).max()), -float(off.min())
     if most > CONTACT_OFFSET * radius:
-        surface = "plane" if shoe.flat else f"drum's radius {mm_text(radius)}"
+        surface = "plane" if shoe.flat else f"drum's radius {text_in_mm(radius)}"
         raise BadInput(
-            f"{fault}: the group contact lies up to {mm_text(most)} off the {surface}; "
-            f"must be within {mm_text(CONTACT_OFFSET * radius)} of it "
+            f"{fault}: the group contact lies up to {text_in_mm(most)} off the {surface}; "
+            f"must be within {text_in_mm(CONTACT_OFFSET * radius)} of it "
             f"(coordinates are read in {shoe.mesh_unit})"
         )
     # The lining's elements must lie behind its face, which must not reach deep into the drum.
-    behind = shoe.distance_from_friction_surface(
+    behind = shoe.distances_from_friction_surface(
         mesh.p[:, mesh.t[:, mesh.subdomains["lining"]]].mean(axis=1), radius
     )
     if behind.mean() < 0 and not shoe.mesh_interference:
@@ -331,9 +331,9 @@ def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault
         )
     if deep > CONTACT_DEPTH * shoe.lining.thickness and not shoe.mesh_interference:
         raise BadInput(
-            f"{fault}: the group contact lies up to {mm_text(deep)} in the {word}, "
+            f"{fault}: the group contact lies up to {text_in_mm(deep)} in the {word}, "
             f"over {CONTACT_DEPTH:g} of the lining's thickness of "
-            f"{mm_text(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
+            f"{text_in_mm(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
         )
     steep = (np.abs(np.diff(off, axis=0)) > CONTACT_SLOPE * np.hypot(*np.diff(line, axis=1))).any(
         axis=0
@@ -395,7 +395,7 @@ def _check_contact_covers_lining(
     )
 
 
-def _check_hinge_is_nearer_to_pin(mesh: Any, shoe: Shoe, fault: str) -> None:
+def _check_hinge_is_nearer_to_pin_than_actuation(mesh: Any, shoe: Shoe, fault: str) -> None:
     """Refuse a mesh whose group "actuation" is nearer to the pin than its group "hinge"."""
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
     if "actuation" in nodes and not shoe.has_support_on_back_of_body:
@@ -405,7 +405,7 @@ def _check_hinge_is_nearer_to_pin(mesh: Any, shoe: Shoe, fault: str) -> None:
         }
         if away["hinge"] > away["actuation"]:
             raise BadInput(
-                f"{fault}: the group hinge lies {mm_text(away['hinge'])} from the pin, "
-                f"the group actuation {mm_text(away['actuation'])}; "
+                f"{fault}: the group hinge lies {text_in_mm(away['hinge'])} from the pin, "
+                f"the group actuation {text_in_mm(away['actuation'])}; "
                 "must be the nearer one (are they swapped?)"
             )

@@ -157,7 +157,7 @@ def _contact_nodes_in_order_of_angle(
         nodes=nodes,
         middle=(np.arange(len(nodes)) >= len(corners))[order],
         phi=phi[order],
-        off=shoe.distance_from_friction_surface(xy, radius),
+        off=shoe.distances_from_friction_surface(xy, radius),
         slack=slack,
     )
 

@@ -91,14 +91,14 @@ class NodalElement:
         return np.hstack([np.array([a, b, d])[:, lower], np.array([b, c, d])[:, upper]])
 
     @cached_property
-    def _exponents(self) -> Ints:
+    def _monomial_exponents(self) -> Ints:
         """The exponents (2, nodes) of x and y in the monomials that span the polynomials."""
         i, j = np.indices((self.degree + 1, self.degree + 1)).reshape(2, -1)
         is_spanned = (i + j <= self.degree) | (self.corners == 4)
         return np.array([i[is_spanned], j[is_spanned]])
 
     @cached_property
-    def _coefficients(self) -> Any:
+    def _shape_function_coefficients(self) -> Any:
         """The coefficients (monomials, nodes) of the shape functions, in long double."""
         values, _ = self._monomial_values_and_slopes(self.doflocs.astype(np.longdouble).T)
         found = np.linalg.inv(values.astype(float)).astype(np.longdouble)
@@ -110,7 +110,7 @@ class NodalElement:
 
         `at` (2, points) are points of the reference triangle or square.
         """
-        i, j = self._exponents
+        i, j = self._monomial_exponents
         x, y = self._powers_of_coordinates(at)
         by_x = i * x[:, np.maximum(i - 1, 0)] * y[:, j]
         by_y = j * x[:, i] * y[:, np.maximum(j - 1, 0)]
@@ -126,9 +126,9 @@ class NodalElement:
 
     def shape_function_values(self, X: Floats) -> Floats:
         """All shape functions (points, nodes) at reference points X (2, points)."""
-        i, j = self._exponents
+        i, j = self._monomial_exponents
         x, y = self._powers_of_coordinates(X)
-        return np.asarray((x[:, i] * y[:, j]) @ self._coefficients.astype(float))
+        return np.asarray((x[:, i] * y[:, j]) @ self._shape_function_coefficients.astype(float))
 
     def lbasis(self, X: Any, i: int) -> tuple[Any, Any]:
         """Shape function i (points,) and its slopes (2, points), at reference points X (2, points).
@@ -136,7 +136,7 @@ class NodalElement:
         Name and arguments are those of scikit-fem's elements.
         """
         values, slopes = self._monomial_values_and_slopes(X)
-        own = self._coefficients[:, i].astype(X.dtype)
+        own = self._shape_function_coefficients[:, i].astype(X.dtype)
         return values @ own, slopes @ own
 
 
@@ -175,7 +175,9 @@ class NodalBasis:
         """The numbers of all nodes on some sides of elements."""
         return np.unique(nodes_along_element_edges(self, facets))
 
-    def gradients_and_determinants(self, at: Floats, elements: Any) -> tuple[Floats, Floats]:
+    def shape_function_gradients_and_jacobian_determinants(
+        self, at: Floats, elements: Any
+    ) -> tuple[Floats, Floats]:
         """The gradients (nodes, 2, m, points) [1/m] and Jacobian determinants (m, points) [m^2].
 
         Parameters
@@ -194,20 +196,22 @@ class NodalBasis:
         return np.einsum("adq,dcjq->acjq", local, inverse, optimize=True), determinant
 
     @cached_property
-    def _gradients_and_areas(self) -> tuple[Floats, Floats]:
+    def _shape_function_gradients_and_areas(self) -> tuple[Floats, Floats]:
         """The gradients (nodes, 2, elements, points) [1/m], and areas (elements, points) [m^2]."""
-        gradients, determinants = self.gradients_and_determinants(self.X, slice(None))
+        gradients, determinants = self.shape_function_gradients_and_jacobian_determinants(
+            self.X, slice(None)
+        )
         return gradients, np.abs(determinants) * self.W
 
     @property
     def basis(self) -> list[tuple[_Slopes]]:
         """The gradients of each shape function, under the attribute names of scikit-fem's basis."""
-        return [(_Slopes(gradient),) for gradient in self._gradients_and_areas[0]]
+        return [(_Slopes(gradient),) for gradient in self._shape_function_gradients_and_areas[0]]
 
     @property
     def dx(self) -> Floats:
         """Weights (elements, points) [m^2] of the quadrature points, which add up to the area."""
-        return self._gradients_and_areas[1]
+        return self._shape_function_gradients_and_areas[1]
 
     def positions_of_points_in_elements(self, elements: Ints, at: Floats) -> Floats:
         """The places (2, m, q) [m] of q points in each of m elements.
@@ -309,14 +313,14 @@ def _basis_with_contact_nodes_at_mesh_offsets(
     mesh = basis.mesh
     facets = mesh.boundaries["contact"]
     own = nodal_basis_of_mesh(mesh)
-    given = shoe.distance_from_friction_surface(
+    given = shoe.distances_from_friction_surface(
         own.doflocs[:, nodes_along_element_edges(own, facets)], radius
     )
     at = gauss_lobatto_points(basis.elem.degree)
     target = lagrange_shape_function_values(len(given) - 1, at).T @ given
     xy = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
     outward = -shoe.sign * xy / np.hypot(*xy)
-    moves = (target - shoe.distance_from_friction_surface(xy, radius)) * outward
+    moves = (target - shoe.distances_from_friction_surface(xy, radius)) * outward
     return basis.basis_with_moved_nodes(
         node_displacements_that_follow_moved_sides(basis, facets, moves)
     )

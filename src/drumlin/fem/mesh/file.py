@@ -37,7 +37,10 @@ from drumlin.fem.mesh.contact_surface import (
 from drumlin.fem.mesh.content import read_bytes_of_mesh_file
 from drumlin.fem.mesh.content_of_file import FileContent, largest_rounding_errors_of_coordinates
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
-from drumlin.fem.mesh.edges import element_edges_between_vertices, nodes_along_element_edges
+from drumlin.fem.mesh.edges import (
+    element_edges_between_vertices_and_missing_count,
+    nodes_along_element_edges,
+)
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.mesh.inp import read_mesh_from_inp_text
 from drumlin.fem.mesh.msh4 import is_text_in_gmsh_format_4, read_mesh_in_gmsh_format_4
@@ -123,7 +126,9 @@ def _write_mesh_as_gmsh_file(
         for number, block in zip(numbers, blocks, strict=True)
     ]
     data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
-    content = meshio.Mesh(_points_with_zero_z(xy), blocks, cell_data=data, field_data=names)
+    content = meshio.Mesh(
+        _plane_points_with_zero_z_added(xy), blocks, cell_data=data, field_data=names
+    )
     meshio.write(path, content, file_format="gmsh22", binary=False)
 
 
@@ -141,7 +146,7 @@ def _write_mesh_as_vtu_file(
     }
     nodes = {name: np.isin(np.arange(len(xy)), along) for name, along in edges.items()}
     content = meshio.Mesh(
-        _points_with_zero_z(xy),
+        _plane_points_with_zero_z_added(xy),
         [(cell, cells)],
         cell_data={name: [inside.astype(np.int32)] for name, inside in members.items()},
         point_data={name: inside.astype(np.int32) for name, inside in nodes.items()},
@@ -149,7 +154,7 @@ def _write_mesh_as_vtu_file(
     meshio.write(path, content, file_format="vtu")
 
 
-def _points_with_zero_z(xy: Floats) -> Floats:
+def _plane_points_with_zero_z_added(xy: Floats) -> Floats:
     """The points (n, 3) in space for points (n, 2) in the plane; their z is zero."""
     return np.column_stack([xy, np.zeros(len(xy))])
 
@@ -191,8 +196,10 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     if set(content.cells) & set(LOWER):
         slack[:] = np.abs(CUBIC_MIDDLE).sum() * rounding.max(axis=0) * unit
     slack[: len(points)] = rounding * unit
-    mesh, vertex = _mesh_of_cells_and_vertex_numbers(plane.cell, plane.cells, plane.points, fault)
-    nodal, _ = _mesh_of_cells_and_vertex_numbers(plane.cell, plane.cells, slack, fault)
+    mesh, vertex = _mesh_of_cells_and_vertex_number_of_each_node(
+        plane.cell, plane.cells, plane.points, fault
+    )
+    nodal, _ = _mesh_of_cells_and_vertex_number_of_each_node(plane.cell, plane.cells, slack, fault)
     mesh = _mesh_with_named_groups_of_file(content, shoe, plane, mesh, vertex, fault)
     mesh = check_mesh_and_drop_unneeded_groups(
         mesh, shoe, radius, fault, content.names_of_all_groups
@@ -343,7 +350,7 @@ def _xy_coordinates_of_plane_mesh(content: FileContent, fault: str) -> Floats:
     return points[:, :2]
 
 
-def _mesh_of_cells_and_vertex_numbers(
+def _mesh_of_cells_and_vertex_number_of_each_node(
     cell: str, cells: Ints, points: Floats, fault: str
 ) -> tuple[Any, Ints]:
     """scikit-fem's mesh of the cells in a file, and the vertex number of each node of the file.
@@ -430,7 +437,7 @@ def _find_elements_in_named_groups(
     for name in names:
         for cell, rows in content.cell_groups.get(name, {}).items():
             if cell in plane.parent:
-                found.append(plane.new_cells_made_of_file_cells(cell, rows))
+                found.append(plane.indices_of_new_cells_made_of_file_cells(cell, rows))
     return np.unique(np.concatenate(found))
 
 
@@ -501,7 +508,7 @@ def _require_element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -
 
     BadInput is raised for pairs that are no edge of the mesh; its message begins with `fault`.
     """
-    found, strange = element_edges_between_vertices(mesh, ends)
+    found, strange = element_edges_between_vertices_and_missing_count(mesh, ends)
     if strange:
         wanted = len(np.unique(np.sort(ends, axis=1), axis=0))
         raise BadInput(f"{fault}: {strange} of its {wanted} edges are not edges of the cells")

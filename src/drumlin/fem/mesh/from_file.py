@@ -157,8 +157,8 @@ def _check_contact_is_no_zigzag(off: Floats, compression: float, lead: str, surf
     surface : word for the surface in the message: drum or plane
     """
     turns, high = (
-        count_turns_between_rise_and_fall(off, ZIGZAG * compression),
-        count_turns_between_rise_and_fall(off, compression / 2),
+        count_changes_between_rise_and_fall(off, ZIGZAG * compression),
+        count_changes_between_rise_and_fall(off, compression / 2),
     )
     unresolved = turns > FEW_TURNS and len(off) < NODES_PER_TURN * turns
     if unresolved or high > MOST_TURNS:
@@ -171,7 +171,7 @@ def _check_contact_is_no_zigzag(off: Floats, compression: float, lead: str, surf
         )
 
 
-def count_turns_between_rise_and_fall(off: Floats, height: float) -> int:
+def count_changes_between_rise_and_fall(off: Floats, height: float) -> int:
     """The number of times that offsets (n,) turn from rising to falling or from falling to rising.
 
     A turn is counted only after a rise or fall by more than `height`.

@@ -90,7 +90,7 @@ def _element_ends_along_linings_and_slots(shoe: Shoe, radius: float, elements: i
     start, end = shoe.arc
     parts = []
     for (first, last), count in zip(
-        shoe.arcs, numbers_of_elements_on_linings(shoe, elements), strict=True
+        shoe.arcs, number_of_elements_on_each_lining(shoe, elements), strict=True
     ):
         parts.append(first + element_ends_along_lining(last - first, shoe, radius, count))
     # In a slot the elements have the mean length of those along the linings.
@@ -100,7 +100,7 @@ def _element_ends_along_linings_and_slots(shoe: Shoe, radius: float, elements: i
     return np.sort(np.concatenate(parts))
 
 
-def numbers_of_elements_on_linings(shoe: Shoe, elements: int) -> list[int]:
+def number_of_elements_on_each_lining(shoe: Shoe, elements: int) -> list[int]:
     """The number of elements along each lining of a shoe, in proportion to its length.
 
     `elements` is the number along all linings together. If there are several linings, each of them
@@ -152,7 +152,7 @@ def element_ends_beyond_lining(near: float, far: float, division: LiningDivision
     count = max(1, round(length / step))
     parts = np.linspace(0, 1, min(count, MOST_OVERHANG_ELEMENTS) + 1)
     if count > MOST_OVERHANG_ELEMENTS:
-        growth = _growth_of_elements_beyond_lining(length / step)
+        growth = _element_growth_exponent_for_total_length(length / step)
         parts = np.expm1(growth * np.arange(MOST_OVERHANG_ELEMENTS + 1)) / np.expm1(
             growth * MOST_OVERHANG_ELEMENTS
         )
@@ -179,7 +179,7 @@ def relative_layer_depths_behind_lining(
     return np.arange(1, count + 1) / count
 
 
-def _growth_of_elements_beyond_lining(total: float) -> float:
+def _element_growth_exponent_for_total_length(total: float) -> float:
     """The growth g for which the sum of the steps 1, e^g, e^(2g), ... is `total`, by bisection.
 
     The steps are lengths of elements beyond the lining, relative to the first element's length.

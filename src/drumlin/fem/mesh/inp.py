@@ -108,12 +108,12 @@ class _Assembled:
         self.cells: dict[str, list[list[int]]] = {}
         self.plane_strain: dict[str, None] = {}
         self.broken: dict[str, str] = {}
-        self.points, self.rounding = self._assign_numbers_to_nodes_of_all_bodies()
+        self.points, self.rounding = self._number_all_nodes_and_return_points_and_rounding()
         for body in bodies:
             for block in body.part.blocks:
                 self._add_elements_of_one_type(body, block.kind, block.elements)
 
-    def _assign_numbers_to_nodes_of_all_bodies(self) -> tuple[Floats, Floats]:
+    def _number_all_nodes_and_return_points_and_rounding(self) -> tuple[Floats, Floats]:
         """Give each node of all instances a number; return the nodes' points and rounding errors.
 
         The points (n, 3) are in their places in the assembly. The rounding errors (n, 2) are the
@@ -304,7 +304,7 @@ class _Assembled:
         """The edges and nodes of all *SURFACE sections of the deck."""
         found = _Surfaces({}, {}, {})
 
-        def add_one_surface(body: DeckInstance, name: str) -> list[None]:
+        def add_edges_and_nodes_of_one_surface(body: DeckInstance, name: str) -> list[None]:
             """Add the edges or nodes of the surface `name` of a body to `found`; return no members.
 
             The empty list is what `_collect_members_by_group_name` collects in place of members.
@@ -332,7 +332,9 @@ class _Assembled:
                 raise ValueError(f"the surface {name.upper()}: TYPE={kind} is not read")
             return []
 
-        self._collect_members_by_group_name(lambda body: body.part.surfaces, add_one_surface)
+        self._collect_members_by_group_name(
+            lambda body: body.part.surfaces, add_edges_and_nodes_of_one_surface
+        )
         return found
 
     def _nodes_or_elements_named_by_word_of_surface(

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drumlin.fem.mesh.inp_keywords import refuse_or_ignore_section
+from drumlin.fem.mesh.inp_keywords import refuse_or_note_ignored_section
 from drumlin.fem.mesh.inp_parts import (
     IN_PLACE,
     DeckInstance,
@@ -17,8 +17,8 @@ from drumlin.fem.mesh.inp_parts import (
     Member,
     parse_node_or_element_label,
     parse_numbers_of_data_line,
-    placement_by_coordinate_system,
     placement_of_instance_in_assembly,
+    placement_of_nodes_after_system_section,
 )
 from drumlin.fem.mesh.inp_text import InputSection, split_input_file_into_sections
 
@@ -102,12 +102,12 @@ class Deck:
         elif keyword == "SURFACE":
             self._add_surface_of_section(section)
         elif keyword == "SYSTEM":
-            self._system = placement_by_coordinate_system(section.rows)
+            self._system = placement_of_nodes_after_system_section(section.rows)
         elif keyword in SCOPES:
             self._system = IN_PLACE
             SCOPES[keyword](self, section)
         elif keyword:
-            refuse_or_ignore_section(section, self.unknown)
+            refuse_or_note_ignored_section(section, self.unknown)
 
     def _add_nodes_of_section(self, section: InputSection) -> None:
         """Add the nodes of a *NODE section; a *SYSTEM section before it may move or turn them."""

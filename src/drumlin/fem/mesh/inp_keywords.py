@@ -53,7 +53,7 @@ elements nor groups. The materials, supports and loads of a brake come from the 
 """
 
 
-def refuse_or_ignore_section(section: InputSection, seen: dict[str, None]) -> None:
+def refuse_or_note_ignored_section(section: InputSection, seen: dict[str, None]) -> None:
     """Refuse or ignore a section of an Abaqus deck whose keyword is not read.
 
     ValueError is raised for a keyword in `REFUSED`. A keyword that is ignored and not in `HARMLESS`

@@ -159,7 +159,7 @@ def _rotation_matrix_about_axis(axis: Floats, angle: float) -> Floats:
     return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
 
 
-def placement_by_coordinate_system(rows: list[list[str]]) -> Placement:
+def placement_of_nodes_after_system_section(rows: list[list[str]]) -> Placement:
     """The placement of the nodes after a *SYSTEM section, from its data lines.
 
     The lines have the origin of the system, a point on its x-axis, and a point in its x-y plane. An

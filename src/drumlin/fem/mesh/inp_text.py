@@ -69,7 +69,7 @@ def split_input_file_into_sections(
         section, goes_on = _section_from_keyword_line(line), False
         if section.keyword == "INCLUDE":
             yield from split_input_file_into_sections(
-                *_read_text_of_included_file(section, folder, depth), depth + 1
+                *_read_text_and_folder_of_included_file(section, folder, depth), depth + 1
             )
             section = InputSection("", {}, [])
     yield section
@@ -114,7 +114,7 @@ def _section_from_keyword_line(line: str) -> InputSection:
     return InputSection(" ".join(first.upper().split()), options, [])
 
 
-def _read_text_of_included_file(
+def _read_text_and_folder_of_included_file(
     section: InputSection, folder: Path | None, depth: int
 ) -> tuple[str, Path | None]:
     """The text and the folder of the file that an *INCLUDE section names.

@@ -69,7 +69,7 @@ class PlaneCells:
         """Number of corners of each cell."""
         return PLANE_SHAPES[self.cell]
 
-    def new_cells_made_of_file_cells(self, cell: str, rows: Ints) -> Ints:
+    def indices_of_new_cells_made_of_file_cells(self, cell: str, rows: Ints) -> Ints:
         """The numbers of the new cells that were made of some cells of the file.
 
         `cell` is the type of the file's cells, and `rows` are their numbers.
@@ -112,7 +112,9 @@ def convert_plane_cells_to_one_kind(
     own = len(points)
     notes: list[str] = []
     if set(kinds) & set(LOWER):
-        kinds, points = _convert_third_order_cells_to_second(kinds, points, on_drum)
+        kinds, points = _convert_third_order_cells_and_points_to_second_order(
+            kinds, points, on_drum
+        )
         notes.append("its elements of third order are solved as elements of second order")
     if len(kinds) > 1:
         counts = ", ".join(f"{len(cells)} {name}" for name, cells in kinds.items())
@@ -125,13 +127,15 @@ def convert_plane_cells_to_one_kind(
     ((source, cells),) = kinds.items()
     cell = LOWER.get(source, source)
     if cell == "quad8":
-        cell, cells, points = _add_centre_nodes_to_quadrilaterals(cells, points)
+        cell, cells, points = _add_centre_nodes_to_cells_and_points_of_quadrilaterals(cells, points)
     whole = np.arange(len(cells)), np.ones(len(cells), dtype=np.int64)
     added = np.arange(len(points)) >= own
     return PlaneCells(cell, cells, points, {source: whole}, added, tuple(notes))
 
 
-def _add_centre_nodes_to_quadrilaterals(cells: Ints, points: Floats) -> tuple[str, Ints, Floats]:
+def _add_centre_nodes_to_cells_and_points_of_quadrilaterals(
+    cells: Ints, points: Floats
+) -> tuple[str, Ints, Floats]:
     """The kind, cells and points of nine-node quadrilaterals that replace eight-node ones.
 
     Each cell (m, 8) gets a node in its centre, which is added to the points (n, 2).
@@ -141,7 +145,7 @@ def _add_centre_nodes_to_quadrilaterals(cells: Ints, points: Floats) -> tuple[st
     return "quad9", np.column_stack([cells, numbers]), np.vstack([points, centres])
 
 
-def _convert_third_order_cells_to_second(
+def _convert_third_order_cells_and_points_to_second_order(
     kinds: dict[str, Ints], points: Floats, on_drum: bool
 ) -> tuple[dict[str, Ints], Floats]:
     """The cells of a mesh file with second order in place of third order, and all points.

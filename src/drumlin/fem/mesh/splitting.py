@@ -25,7 +25,7 @@ from drumlin.fem.mesh.degree import (
     NodalElement,
     nodal_basis_with_given_node_positions,
 )
-from drumlin.fem.mesh.edges import element_edges_between_vertices
+from drumlin.fem.mesh.edges import element_edges_between_vertices_and_missing_count
 
 SIDE_PER_DISTANCE = 1.0
 """Largest side of a triangle relative to its distance from a singular point.
@@ -218,7 +218,8 @@ def nodal_basis_on_split_triangles(
     }
     mesh = skfem.MeshTri1(np.ascontiguousarray(parts.xy), np.ascontiguousarray(t.T))
     boundaries = {
-        name: element_edges_between_vertices(mesh, line)[0] for name, line in parts.lines.items()
+        name: element_edges_between_vertices_and_missing_count(mesh, line)[0]
+        for name, line in parts.lines.items()
     }
     mesh = replace(mesh, _subdomains=groups, _boundaries=boundaries)
     return nodal_basis_with_given_node_positions(mesh, elem, places)

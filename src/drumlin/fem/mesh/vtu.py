@@ -98,10 +98,13 @@ def _compressed_blocks_of_vtu_arrays(
         if kind == "appended":
             text = rest[int(array.get("offset", "0")) :]
         sizes = _compressed_sizes_of_vtu_array_blocks(
-            base64.b64decode(text[: _number_of_base64_letters(width)])[:width], width, order, text
+            base64.b64decode(text[: _number_of_base64_letters_for_bytes(width)])[:width],
+            width,
+            order,
+            text,
         )
-        at = _number_of_base64_letters(width * (3 + len(sizes)))
-        content = base64.b64decode(text[at : at + _number_of_base64_letters(sum(sizes))])
+        at = _number_of_base64_letters_for_bytes(width * (3 + len(sizes)))
+        content = base64.b64decode(text[at : at + _number_of_base64_letters_for_bytes(sum(sizes))])
         for size in sizes:
             yield content[:size]
             content = content[size:]
@@ -124,15 +127,15 @@ def _compressed_sizes_of_vtu_array_blocks(
     count = int.from_bytes(data[:width], order)
     length = width * (3 + count)
     if text is not None:
-        if _number_of_base64_letters(length) > len(text):
+        if _number_of_base64_letters_for_bytes(length) > len(text):
             raise ValueError("has an array that is shorter than its head says")
-        data = base64.b64decode(text[: _number_of_base64_letters(length)])
+        data = base64.b64decode(text[: _number_of_base64_letters_for_bytes(length)])
     if length > len(data):
         raise ValueError("has an array that is shorter than its head says")
     return [int.from_bytes(data[i : i + width], order) for i in range(3 * width, length, width)]
 
 
-def _number_of_base64_letters(count: int) -> int:
+def _number_of_base64_letters_for_bytes(count: int) -> int:
     """The number of letters that `count` bytes take as text in base64."""
     return -(-count // 3) * 4
 

@@ -24,7 +24,7 @@ from drumlin.fem.substructure.expansion import Strains, nodal_forces_of_thermal_
 from drumlin.fem.substructure.interface import (
     ContactLine,
     Coupling,
-    function_for_drum_normals_and_tangents,
+    function_that_returns_drum_normals_and_tangents,
     plane_normals_and_tangents,
 )
 from drumlin.fem.substructure.loads import ACTUATION, FURTHER_FORCES, HEAT, LoadColumns
@@ -106,7 +106,7 @@ class ShoeSubstructure:
         return int(2 * self.basis.N)
 
     @cached_property
-    def gap_closure_and_slip_by_turn_about_pin(self) -> tuple[Floats, Floats]:
+    def gap_closure_and_slip_per_turn_about_pin(self) -> tuple[Floats, Floats]:
         """Weighted gap closure N u and slip T u (n, 1) [m^3] as the shoe rotates about its pin.
 
         The rotation is one radian.
@@ -115,7 +115,7 @@ class ShoeSubstructure:
         return self.coupling.N @ mode, self.coupling.T @ mode
 
     @cached_property
-    def resultants_of_contact_node_forces(self) -> Floats:
+    def resultants_of_unit_nodal_pressures_and_tractions(self) -> Floats:
         """Resultants (2, 3, n) of the nodal forces N^T p and T^T p due to each unit nodal pressure.
 
         A resultant has force x, force y and the moment about the drum's centre.
@@ -162,7 +162,7 @@ def couple_shoe_with_drum_or_plane(line: ContactLine, shoe: Shoe) -> Coupling:
     directions = (
         plane_normals_and_tangents
         if shoe.flat
-        else function_for_drum_normals_and_tangents(shoe.sign)
+        else function_that_returns_drum_normals_and_tangents(shoe.sign)
     )
     return line.couple_lining_with_drum_or_plane(shoe.lining.width, directions)
 
@@ -192,7 +192,7 @@ def make_shoe_substructure(
     coupling = couple_shoe_with_drum_or_plane(line, shoe)
     # The columns of Y, and of all matrices that follow from Y, stand for pressures, unit loads and
     # friction, in this order.
-    Y = _half_flexibility_of_contact_nodes(condensed, coupling, friction=friction)
+    Y = _inverse_cholesky_factor_times_contact_loads(condensed, coupling, friction=friction)
     first_friction = n + condensed.columns.number_of_load_columns
     pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
     closure = -Y[:, :n].T @ Y
@@ -225,7 +225,7 @@ def make_shoe_substructure(
     )
 
 
-def _half_flexibility_of_contact_nodes(
+def _inverse_cholesky_factor_times_contact_loads(
     condensed: CondensedBody, coupling: Coupling, *, friction: bool
 ) -> Floats:
     """The half flexibility Y = L^-1 G of loads G on the contact nodes, with the Cholesky factor L.
@@ -242,10 +242,10 @@ def _half_flexibility_of_contact_nodes(
     forces = [-coupling.N.T, condensed.load_on_contact]
     if friction:
         forces.append(coupling.T.T)
-    return condensed.nodal_forces_over_cholesky_factor(np.concatenate(forces, axis=1))
+    return condensed.inverse_cholesky_factor_times_nodal_forces(np.concatenate(forces, axis=1))
 
 
-def free_thermal_strains_of_heated_layers(shoe: Shoe, radius: float) -> Strains:
+def functions_of_free_thermal_strain_by_layer(shoe: Shoe, radius: float) -> Strains:
     """The free thermal strains of each heated layer of a shoe, as functions of points.
 
     The result has a function from points to strains by the name of each heated layer, in the shoe's
@@ -265,7 +265,7 @@ def _free_thermal_strains_at_points(
 ) -> Floats:
     """The free thermal strains (2, ...) of a heated layer of a shoe at points (2, ...) [m]."""
     return np.asarray(
-        heated.free_thermal_strains_at_depths(shoe.distance_from_friction_surface(points, radius))
+        heated.free_thermal_strains_at_depths(shoe.distances_from_friction_surface(points, radius))
     )
 
 
@@ -284,7 +284,7 @@ def nodal_forces_of_unit_loads_besides_actuation(
     radius : radius of the drum [m]; on a plane the length of phi = 1
     """
     loads = unit_loads_at_points_and_mass(basis, shoe, radius)
-    strains = free_thermal_strains_of_heated_layers(shoe, radius)
+    strains = functions_of_free_thermal_strain_by_layer(shoe, radius)
     if strains:
         loads[HEAT] = nodal_forces_of_thermal_expansion(
             basis, elastic_layers_of_shoe(shoe), strains
@@ -439,7 +439,7 @@ def support_reaction_of_shoe(
     body : the substructure of the shoe
     p : (n,) pressure at the contact nodes [Pa]
     dragging : (n,) pressures [Pa] whose product with `drag` is the friction per area, see
-        `GroupState.friction_stress_over_coefficient_of_shoe`
+        `GroupState.friction_stress_over_friction_coefficient_of_shoe`
     drag : friction coefficient mu times the sense s = +-1 of sliding
     load : (l,) factors of the load columns
     """

@@ -65,7 +65,7 @@ def cache_key_of_shoe_shape(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     )
 
 
-def index_of_first_shoe_of_equal_shape(brake: Brake) -> tuple[int, ...]:
+def indices_of_first_shoes_of_equal_shape(brake: Brake) -> tuple[int, ...]:
     """For each shoe of a brake, the index of the first shoe that has the same shape.
 
     Shoes of the same shape share one condensed body. The first shoe of a shape has its own index.

@@ -14,7 +14,7 @@ from drumlin.fem.hp.body import (
     condensed_shoe_body,
     contact_line_of_lining_face_nodes,
     element_grid_of_whole_shoe,
-    nodal_forces_of_unit_actuations,
+    nodal_forces_of_unit_actuations_and_their_centre,
 )
 from drumlin.fem.hp.corner import pressure_exponents_at_both_lining_corners
 from drumlin.fem.hp.division import (
@@ -24,7 +24,7 @@ from drumlin.fem.hp.division import (
     Singularity,
     SingularPoint,
     divide_shoe_into_hp_elements,
-    thickness_of_each_shoe_layer,
+    shoe_layers_with_their_thickness,
 )
 from drumlin.fem.hp.ring import condensed_ring_in_hp_elements
 from drumlin.fem.hp.shoe import condense_shoe_to_contact_nodes
@@ -43,7 +43,7 @@ from drumlin.fem.preparation.cache import (
     shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.load_places import BODY_PARTS, points_where_shoe_body_is_loaded
-from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time
+from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time_of_block_to_phase
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 
 MOST_CONTACT_NODES = 3000
@@ -98,7 +98,7 @@ def make_condensed_shoes_of_hp_elements(
     level : degree of the elements, and their sizes at singular points
     places : singular points of the pressure, for each shape of shoe
     alike : for each shoe the index of the first shoe of the same shape, see
-        `cache.index_of_first_shoe_of_equal_shape`
+        `cache.indices_of_first_shoes_of_equal_shape`
     cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
     seconds : time of each phase [s], to which this function adds its own times
 
@@ -130,7 +130,7 @@ def make_condensed_shoes_of_hp_elements(
         loadless = brake_without_loads_and_clearances(brake)
         key = (loadless, level, singular_layer_size, *keys)
         lines = tuple(body.line for body in bodies)
-        with add_elapsed_time(seconds, "ring"):
+        with add_elapsed_time_of_block_to_phase(seconds, "ring"):
             ring = cache.get(key, partial(ring_under, lines), memory_of_condensed_body)
 
     # Analyses of changed shoes divide a changed shoe by the same rule as the present shoe.
@@ -183,7 +183,7 @@ def _refinement_level_for_loads_on_body(shoe: Shoe, radius: float, level: Level)
         return level
     body = sum(
         layer.thickness
-        for layer in thickness_of_each_shoe_layer(shoe, radius)
+        for layer in shoe_layers_with_their_thickness(shoe, radius)
         if layer.part in BODY_PARTS
     )
     return replace(level, largest=min(level.largest, body / radius))
@@ -209,14 +209,14 @@ def _condense_and_couple_hp_shoe(
     shoe: Shoe, radius: float, division: ShoeDivision, friction: bool, seconds: Seconds
 ) -> ShoeSubstructure:
     """Make the condensed body of a parametric shoe, coupled with the drum or the plane."""
-    with add_elapsed_time(seconds, "condensation"):
+    with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
         found = condense_shoe_to_contact_nodes(shoe, radius, division, elastic_layers_of_shoe(shoe))
         line = contact_line_of_lining_face_nodes(shoe, radius, division)
         grid = element_grid_of_whole_shoe(shoe, radius, division)
         inner = condensed_shoe_body(shoe, division, found, grid)
         if loads := nodal_forces_of_unit_loads_besides_actuation(grid, shoe, radius):
             inner = inner.body_with_further_loads(loads)
-    with add_elapsed_time(seconds, "coupling"):
+    with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
         divided = DividedBody(grid, grid, line)
         return make_shoe_substructure(
             ShoeSubstructure, shoe, divided, inner, found.centre, friction=friction
@@ -270,7 +270,7 @@ def _hp_element_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other:
     grid = element_grid_of_whole_shoe(other, radius, division)
     if "actuation" not in grid.sets:
         return BodyNodes(grid.doflocs, np.zeros(grid.doflocs.shape))
-    unit_loads, centre = nodal_forces_of_unit_actuations(division, grid)
+    unit_loads, centre = nodal_forces_of_unit_actuations_and_their_centre(division, grid)
     factors, _ = actuation_force_and_moments_per_newton(centre, other)
     load = unit_loads @ factors
     return BodyNodes(grid.doflocs, load.reshape(-1, 2).T)

@@ -181,7 +181,7 @@ def _unit_loads_on_cross_section_at_point(
     """
     along = layers["shoe"].along
 
-    def position_along_body(xy: Floats) -> Floats:
+    def positions_along_body(xy: Floats) -> Floats:
         """The position (...) of points (2, ...) along the body: an angle, or a length [m]."""
         if along is None:
             return shoe.surface_coordinates_of_points_in_shoe_frame(xy, radius)
@@ -190,11 +190,11 @@ def _unit_loads_on_cross_section_at_point(
     area = float(body.areas.sum())
     mean_radius = float((np.hypot(*body.xy) * body.areas).sum()) / area
     unit = mean_radius if along is None else 1.0
-    ends = position_along_body(body.node_places[:, np.unique(body.nodes)])
+    ends = positions_along_body(body.node_places[:, np.unique(body.nodes)])
     first, last = float(ends.min()), float(ends.max())
     thickness = area / (unit * (last - first))
-    at = np.clip(float(position_along_body(place)), first, last)
-    distance = (position_along_body(body.xy) - at) * unit / (SPREAD * thickness)
+    at = np.clip(float(positions_along_body(place)), first, last)
+    distance = (positions_along_body(body.xy) - at) * unit / (SPREAD * thickness)
     density = np.exp(-0.5 * distance**2)
     total = float((density * body.areas).sum())
     even = body.integrals_with_shape_functions(density / total)

@@ -41,11 +41,11 @@ from drumlin.fem.preparation.cache import (
     memory_of_condensed_body,
     shoe_without_loads_and_clearances,
 )
-from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time
+from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time_of_block_to_phase
 from drumlin.fem.substructure.body import (
     FRAME,
     Constraints,
-    condense_body_to_contact_and_frame,
+    condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
     sparse_stiffness_of_body,
 )
@@ -53,11 +53,11 @@ from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.interface import (
     ContactLine,
     make_contact_line_of_lining,
-    nodal_forces_of_unit_loads_on_loaded_end,
+    nodal_forces_of_unit_end_loads_and_end_centre,
 )
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 from drumlin.fem.substructure.ring import condense_meshed_drum_ring_to_contact_nodes
-from drumlin.response.response import edge_zone_angle_in_shoe_frame
+from drumlin.response.response import angle_of_edge_zone_left_out_of_peak_search
 
 ELEMENTS = 80
 """Default number of elements of a mesh along a lining.
@@ -175,7 +175,7 @@ def make_condensed_shoes_from_meshes(
         digests = map(digest_of_mesh_file_of_shoe, brake.shoes)
         ring_key = (brake_without_loads_and_clearances(brake), setting, *digests)
         lines = tuple(body.line for body in bodies)
-        with add_elapsed_time(seconds, "ring"):
+        with add_elapsed_time_of_block_to_phase(seconds, "ring"):
             ring = cache.get(ring_key, partial(ring_under, lines), memory_of_condensed_body)
     nodes_of = partial(_mesh_nodes_of_changed_shoe, mesher, brake.size, bodies)
     return DividedBodies(bodies, ring, nodes_of, ring_under)
@@ -196,7 +196,7 @@ def _mesh_nodes_of_changed_shoe(
         mesh, basis = bodies[i].mesh, bodies[i].basis
     if "actuation" not in mesh.boundaries or shoe.has_support_on_back_of_body:
         return BodyNodes(basis.doflocs, np.zeros(basis.doflocs.shape))
-    unit_loads, centre = nodal_forces_of_unit_loads_on_loaded_end(
+    unit_loads, centre = nodal_forces_of_unit_end_loads_and_end_centre(
         basis, mesh.boundaries["actuation"]
     )
     factors, _ = actuation_force_and_moments_per_newton(centre, shoe)
@@ -247,7 +247,7 @@ def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: fl
     middle = sum(shoe.arc) / 2
     unit = radius if shoe.flat else None
     line = make_contact_line_of_lining(
-        basis, facets, middle, unit, edge_zone_angle_in_shoe_frame(shoe, radius)
+        basis, facets, middle, unit, angle_of_edge_zone_left_out_of_peak_search(shoe, radius)
     )
     # A lining ends at an edge whose last node is not the first node of the next edge.
     first, last = line.pieces[0], line.pieces[-1]
@@ -278,7 +278,7 @@ def mesh_and_assemble_shoe(
     BadInput
         if a mesh file cannot be used
     """
-    with add_elapsed_time(seconds, "mesh"):
+    with add_elapsed_time_of_block_to_phase(seconds, "mesh"):
         of_file = read_mesh_file_of_shoe(brake, shoe, cache or Cache())
         mesh = mesher(shoe, brake.size) if of_file is None else of_file.mesh
         # The degree of a parametric mesh is never raised, and its elements are never split: their
@@ -286,15 +286,15 @@ def mesh_and_assemble_shoe(
         degree = OWN_DEGREE if of_file is None else raised
         basis = _basis_of_raised_degree(mesh, degree, shoe, brake.size)
         mesh = basis.mesh
-    with add_elapsed_time(seconds, "assembly"):
+    with add_elapsed_time_of_block_to_phase(seconds, "assembly"):
         K = sparse_stiffness_of_body(basis, elastic_layers_of_shoe(shoe))
-    with add_elapsed_time(seconds, "ties"):
+    with add_elapsed_time_of_block_to_phase(seconds, "ties"):
         pin = shoe.pin_position_in_shoe_frame
         line = contact_line_of_meshed_shoe(basis, mesh.boundaries["contact"], shoe, brake.size)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         constraints = multi_point_constraints_of_body(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.has_support_on_back_of_body:
-            unit_loads, load_centre = nodal_forces_of_unit_loads_on_loaded_end(
+            unit_loads, load_centre = nodal_forces_of_unit_end_loads_and_end_centre(
                 basis, mesh.boundaries["actuation"]
             )
             actuated = constraints.matrix.T @ unit_loads
@@ -416,14 +416,14 @@ def _mesh_condense_and_couple_shoe(
     The parameters are those of `mesh_and_assemble_shoe`.
     """
     parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds, raised, cache)
-    with add_elapsed_time(seconds, "condensation"):
+    with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
         contact_unknowns = 2 * len(parts.line.nodes)
-        condensed = condense_body_to_contact_and_frame(
+        condensed = condense_body_to_contact_and_hinge_face(
             parts.K, parts.constraints, parts.loads, contact_unknowns
         )
     divided = DividedBody(parts.mesh, parts.basis, parts.line, parts.of_file)
     friction = brake.friction > 0
-    with add_elapsed_time(seconds, "coupling"):
+    with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
         return make_shoe_substructure(
             ShoeSubstructure, shoe, divided, condensed, parts.load_centre, friction=friction
         )

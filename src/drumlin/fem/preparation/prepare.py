@@ -7,7 +7,7 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.hp.division import Level
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.cache import index_of_first_shoe_of_equal_shape as equal_shapes
+from drumlin.fem.preparation.cache import indices_of_first_shoes_of_equal_shape as equal_shapes
 from drumlin.fem.preparation.columns import PointsByShape, make_condensed_shoes_of_hp_elements
 from drumlin.fem.preparation.meshes import (
     ELEMENTS,
@@ -48,7 +48,7 @@ def make_prepared_model(
     places : singular points of the pressure for each shape of shoe; they matter for hp elements
         only
     alike : for each shoe the index of the first shoe of the same shape, see
-        `cache.index_of_first_shoe_of_equal_shape`; if it is empty, the indices are computed here
+        `cache.indices_of_first_shoes_of_equal_shape`; if it is empty, the indices are computed here
     elements : number of elements along each lining with a parametric mesh
     kind : kind of the elements of a parametric mesh, "quad2", "quad1", "tri2" or "tri1"
     mesher : function that makes the mesh of a shoe without a file, in place of

@@ -22,7 +22,7 @@ Seconds = dict[str, float]
 
 
 @contextmanager
-def add_elapsed_time(seconds: Seconds, phase: str) -> Iterator[None]:
+def add_elapsed_time_of_block_to_phase(seconds: Seconds, phase: str) -> Iterator[None]:
     """Measure the time [s] of the block of a `with` statement, and add it to seconds[phase]."""
     start = time.perf_counter()
     yield
@@ -94,8 +94,8 @@ class PreparedModel:
 
 def reason_why_brake_is_not_modelled(brake: Brake) -> str | None:
     """The reason why finite elements do not apply to a brake; None if they apply."""
-    if brake.reason_why_not_meshable() is not None:
-        return brake.reason_why_not_meshable()
+    if brake.reason_why_shoes_cannot_be_meshed() is not None:
+        return brake.reason_why_shoes_cannot_be_meshed()
     if brake.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
         return "shoes inside and outside of one elastic ring are not modelled"
     if brake.ring is not None and brake.ring.section is None:
@@ -110,7 +110,7 @@ def reason_why_brake_is_not_modelled(brake: Brake) -> str | None:
     ):
         return "a cam on heated shoes is not modelled: its travel would count their growth as well"
     for shoe in brake.shoes:
-        reason = beam_mesh.reason_why_beam_shoe_has_no_mesh(shoe, brake.size)
+        reason = beam_mesh.reason_why_beam_shoe_cannot_be_meshed(shoe, brake.size)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
     return None

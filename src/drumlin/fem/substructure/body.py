@@ -22,7 +22,7 @@ from drumlin.base.lapack import dpotrf, solve_lower_triangular_system
 from drumlin.brake.elasticity import ElasticLayer, which_elasticity_matrices_are_orthotropic
 from drumlin.fem.substructure.elasticity import (
     isotropic_and_orthotropic_elastic_constants,
-    thickness_directions_of_layers,
+    unit_vectors_through_thickness_of_layers,
 )
 from drumlin.fem.substructure.elimination import (
     SINGULAR_BODY,
@@ -199,7 +199,7 @@ class CondensedBody:
         """
         return self.assemble_equations_of_whole_body().loads
 
-    def nodal_forces_over_cholesky_factor(self, forces: Floats) -> Floats:
+    def inverse_cholesky_factor_times_nodal_forces(self, forces: Floats) -> Floats:
         """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes.
 
         L_cc is the Cholesky factor of the condensed stiffness. Y^T Y (m, m) is a flexibility: the
@@ -295,7 +295,7 @@ def sparse_stiffness_of_body(
         # option `precise`.
         return basis.stiffness(layers, precise=True) if precise else basis.stiffness(layers)
     if precise:
-        gradients, dx = _shape_gradients_in_long_double(basis)
+        gradients, dx = _shape_gradients_and_quadrature_areas_in_long_double(basis)
     else:
         gradients, dx = np.array([psi[0].grad for psi in basis.basis]), basis.dx
     K = _isotropic_element_stiffness(basis, layers, gradients, dx)
@@ -355,7 +355,7 @@ def assemble_sparse_stiffness(K: Any, nodes: Ints, N: int) -> Any:
     return sp.coo_matrix(entries, shape=(2 * N, 2 * N)).tocsc()
 
 
-def shape_function_values_at_points(basis: Any, *, precise: bool = False) -> Any:
+def shape_function_values_at_quadrature_points(basis: Any, *, precise: bool = False) -> Any:
     """Values (a, points) of a basis's shape functions at its quadrature points.
 
     With `precise` the values are computed in long double.
@@ -370,7 +370,9 @@ def quadrature_points_of_elements(basis: Any, *, precise: bool = False) -> Any:
     With `precise` the coordinates are computed in long double.
     """
     nodes = basis.doflocs[:, basis.element_dofs]
-    return np.einsum("cae,aq->ceq", nodes, shape_function_values_at_points(basis, precise=precise))
+    return np.einsum(
+        "cae,aq->ceq", nodes, shape_function_values_at_quadrature_points(basis, precise=precise)
+    )
 
 
 class ElementQuadrature(NamedTuple):
@@ -399,7 +401,7 @@ def quadrature_of_elements(basis: Any) -> ElementQuadrature:
         return found
     return ElementQuadrature(
         xy=quadrature_points_of_elements(basis),
-        shapes=shape_function_values_at_points(basis),
+        shapes=shape_function_values_at_quadrature_points(basis),
         areas=basis.dx,
         nodes=basis.element_dofs.T,
         parts=basis.mesh.subdomains,
@@ -431,12 +433,12 @@ def _orthotropic_part_of_element_stiffness(
     added = by_along * integrals_of_products_of_strains_in_direction(
         along
     ) + by_through * integrals_of_products_of_strains_in_direction(
-        thickness_directions_of_layers(along)
+        unit_vectors_through_thickness_of_layers(along)
     )
     return added.reshape(elements, a, d, a, d)
 
 
-def _shape_gradients_in_long_double(basis: Any) -> tuple[Any, Any]:
+def _shape_gradients_and_quadrature_areas_in_long_double(basis: Any) -> tuple[Any, Any]:
     """Shape-function gradients (a, 2, elements, points) and quadrature areas, in long double.
 
     The areas are (elements, points). The elements are isoparametric: the same shape functions
@@ -530,7 +532,7 @@ def matrix_from_unknowns_to_displacements(
     return sp.csc_matrix(entries, shape=(count, unknowns))
 
 
-def condense_body_to_contact_and_frame(
+def condense_body_to_contact_and_hinge_face(
     K: Any, constraints: Constraints, loads: Mapping[str, Floats], contact: int
 ) -> CondensedBody:
     """The body reduced to its contact nodes and its frame by static condensation.

@@ -18,7 +18,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
-from drumlin.brake.elasticity import ElasticLayer, orthotropic_excess_of_normal_stiffness
+from drumlin.brake.elasticity import ElasticLayer, normal_stiffness_in_excess_of_isotropic
 
 
 def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
@@ -64,7 +64,7 @@ def isotropic_and_orthotropic_elastic_constants(elasticity: Any) -> Any:
     part; a and b are the additional stiffness along and through the layer.
     """
     isotropic = np.stack([elasticity[..., 0, 1], elasticity[..., 2, 2]], axis=-1)
-    return np.concatenate([isotropic, orthotropic_excess_of_normal_stiffness(elasticity)], axis=-1)
+    return np.concatenate([isotropic, normal_stiffness_in_excess_of_isotropic(elasticity)], axis=-1)
 
 
 def elasticity_times_width_of_layers(
@@ -74,7 +74,7 @@ def elasticity_times_width_of_layers(
     return np.array([layers[name].stiffness for name in part])
 
 
-def thickness_directions_of_layers(along: Any) -> Any:
+def unit_vectors_through_thickness_of_layers(along: Any) -> Any:
     """Unit vectors (2, ...) through layers, from the unit vectors `along` the layers (2, ...)."""
     return np.stack([-along[1], along[0]])
 
@@ -97,7 +97,10 @@ def stresses_from_displacement_gradients(
     for i in range(2):
         stresses[i, i] += lam * (gradient[0, 0] + gradient[1, 1])
     if along is not None:
-        for stiffer, direction in ((a, along), (b, thickness_directions_of_layers(along))):
+        for stiffer, direction in (
+            (a, along),
+            (b, unit_vectors_through_thickness_of_layers(along)),
+        ):
             stretch = np.einsum("i...,ij...,j...->...", direction, strain, direction)
             stresses += stiffer * stretch * direction[:, None] * direction
     return stresses

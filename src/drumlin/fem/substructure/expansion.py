@@ -20,7 +20,7 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.substructure.body import quadrature_points_of_elements
 from drumlin.fem.substructure.elasticity import (
     stresses_from_displacement_gradients,
-    thickness_directions_of_layers,
+    unit_vectors_through_thickness_of_layers,
 )
 
 Strains = Mapping[str, Callable[[Floats], Floats]]
@@ -32,14 +32,16 @@ temperature rise.
 """
 
 
-def stress_belonging_to_free_strain(layer: ElasticLayer, strain: Floats, points: Floats) -> Floats:
+def stress_times_width_of_free_strain(
+    layer: ElasticLayer, strain: Floats, points: Floats
+) -> Floats:
     """The stress D eps_0 that belongs to the free strain of a layer, times the layer's width [N/m].
 
     The result is (2, 2, ...) at points (2, ...) [m]. `strain` (2, ...) are the free strains along
     and through the layer at these points.
     """
     along = layer.directions(points)
-    through = thickness_directions_of_layers(along)
+    through = unit_vectors_through_thickness_of_layers(along)
     free_strain = strain[0] * along[:, None] * along + strain[1] * through[:, None] * through
     return stresses_from_displacement_gradients(free_strain, layer.stiffness, along)
 
@@ -63,7 +65,7 @@ def nodal_forces_of_thermal_expansion(
     for name, strain in strains.items():
         members = basis.mesh.subdomains[name]
         at = points[:, members]
-        held = stress_belonging_to_free_strain(layers[name], strain(at), at)
+        held = stress_times_width_of_free_strain(layers[name], strain(at), at)
         own = np.einsum("ijeq,ajeq,eq->aei", held, gradients[:, :, members], basis.dx[members])
         np.add.at(forces, basis.element_dofs[:, members], own)
     return forces.ravel()

@@ -30,7 +30,7 @@ from drumlin.response.resultants import (
     lagrange_shape_function_derivatives,
     lagrange_shape_function_values,
     polynomial_nodes_on_linings_and_slots,
-    shape_functions_at_gauss_points,
+    shape_functions_and_derivatives_at_gauss_points,
     slots_between_nodes,
 )
 
@@ -118,7 +118,7 @@ class ContactLine:
         """
         return self.phi, p
 
-    def pressure_over_arc_and_width(self, p: Floats) -> PressureOverWidth | None:
+    def pressure_distribution_over_arc_and_width(self, p: Floats) -> PressureOverWidth | None:
         """The pressure over arc and width on the contact face of a solid; None on a line."""
         return None
 
@@ -179,7 +179,7 @@ def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEI
     """
     order = xy.shape[1] - 1
     psi, slope = (
-        shape_functions_at_gauss_points(order)
+        shape_functions_and_derivatives_at_gauss_points(order)
         if at is GAUSS
         else (
             lagrange_shape_function_values(order, at),
@@ -190,7 +190,9 @@ def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEI
     return EdgePoints(psi, xy @ psi, np.hypot(*(xy @ slope)) * weights)
 
 
-def nodal_forces_of_unit_loads_on_loaded_end(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
+def nodal_forces_of_unit_end_loads_and_end_centre(
+    basis: Any, facets: Ints
+) -> tuple[Floats, Floats]:
     """Nodal forces (2 nodes, 3) of the unit loads on a loaded end, and the end's centre (2,) [m].
 
     The loads are unit force x, unit force y and a unit couple about the centre. The forces are
@@ -242,7 +244,7 @@ def make_contact_line_of_lining(
     return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces, edge=edge)
 
 
-def function_for_drum_normals_and_tangents(sign: int) -> Directions:
+def function_that_returns_drum_normals_and_tangents(sign: int) -> Directions:
     """The function that returns unit normals sign e_r and unit tangents e_phi of a drum about O.
 
     `sign` is 1 for shoes inside the drum, and -1 for shoes outside.

@@ -29,13 +29,13 @@ from drumlin.fem.mesh.grading import (
     EDGE_SIZE,
     element_ends_along_lining,
     number_of_element_layers_in_lining,
-    numbers_of_elements_on_linings,
+    number_of_elements_on_each_lining,
     points_graded_to_both_ends,
 )
 from drumlin.fem.substructure.body import (
     FRAME,
     CondensedBody,
-    condense_body_to_contact_and_frame,
+    condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
     rigid_body_displacements_of_nodes,
     sparse_stiffness_of_body,
@@ -86,7 +86,7 @@ class RingSubstructure:
     held: Ints
     rim_balance: "RimBalance | None"
 
-    def displacement_of_ring_nodes(
+    def displacements_of_ring_nodes(
         self, pressures: list[Floats], dragging: list[Floats], drags: list[float]
     ) -> Floats:
         """Displacement (2, nodes) [m] of all nodes of the ring under the pressures of the linings.
@@ -158,7 +158,7 @@ def _angles_where_ring_elements_meet(
     """
     parts, arcs = [], []
     for shoe in sorted(shoes, key=lambda shoe: shoe.lining.start % (2 * math.pi)):
-        counts = numbers_of_elements_on_linings(shoe, elements)[:: shoe.frame.sense]
+        counts = number_of_elements_on_each_lining(shoe, elements)[:: shoe.frame.sense]
         for (start, end), count in zip(shoe.lining.arcs, counts, strict=True):
             arcs.append(end - start)
             angles_of_lining = element_ends_along_lining(arcs[-1], shoe, radius, count)
@@ -254,15 +254,15 @@ def condense_meshed_drum_ring_to_contact_nodes(
     held = fixed_nodes_of_ring(ring, far_edge)
     if ring.support != "free":
         constraints = multi_point_constraints_of_body(basis, line.nodes, held, np.zeros(2))
-        condensed = condense_body_to_contact_and_frame(K, constraints, {}, n)
+        condensed = condense_body_to_contact_and_hinge_face(K, constraints, {}, n)
         rim_balance = None
     else:
-        determinate = unknowns_of_statically_determinate_support(basis, far_edge)
+        determinate = indices_of_displacements_that_hold_free_ring(basis, far_edge)
         constraints = multi_point_constraints_of_body(
             basis, line.nodes, held, np.zeros(2), determinate
         )
         rim = rim_forces_distributed_like_rigid_modes(basis, mesh.boundaries["support"])
-        condensed = condense_body_to_contact_and_frame(
+        condensed = condense_body_to_contact_and_hinge_face(
             K, constraints, {RIM: constraints.matrix.T @ rim}, n
         )
         rim_balance = RimBalance.force_balance_of_free_ring(basis, rim, condensed, line)
@@ -322,10 +322,11 @@ def couple_ring_with_linings(
         line,
         condensed,
         normal_half_flexibilities=tuple(
-            _half_flexibility_of_ring_under_forces(condensed, N.T, rim_balance) for N, _ in matrices
+            _inverse_cholesky_factor_times_ring_forces(condensed, N.T, rim_balance)
+            for N, _ in matrices
         ),
         friction_half_flexibilities=tuple(
-            _half_flexibility_of_ring_under_forces(condensed, -T.T, rim_balance)
+            _inverse_cholesky_factor_times_ring_forces(condensed, -T.T, rim_balance)
             for _, T in matrices
         ),
         coupling_matrices=tuple(matrices),
@@ -339,17 +340,17 @@ def _ring_facets_under_arcs(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
     facets = mesh.boundaries["contact"]
     x, y = mesh.p[:, mesh.facets[:, facets]]
     first, second = np.arctan2(y, x)
-    half_facet = 0.5 * np.abs(_angle_wrapped_to_half_turn(second - first))
+    half_facet = 0.5 * np.abs(_angles_wrapped_to_half_turn(second - first))
     middle = np.arctan2(y.sum(axis=0), x.sum(axis=0))
     under = np.zeros(len(facets), dtype=bool)
     for start, end in arcs:
-        away = np.abs(_angle_wrapped_to_half_turn(middle - 0.5 * (start + end)))
+        away = np.abs(_angles_wrapped_to_half_turn(middle - 0.5 * (start + end)))
         half_arc = 0.5 * (end - start)
         under |= away < half_arc + half_facet * (1 - 1e-9)
     return facets[under]
 
 
-def _angle_wrapped_to_half_turn(angle: Floats) -> Floats:
+def _angles_wrapped_to_half_turn(angle: Floats) -> Floats:
     """The angles [rad] moved by whole turns to the interval from -pi to pi."""
     return np.asarray((angle + math.pi) % (2 * math.pi) - math.pi)
 
@@ -530,7 +531,7 @@ def rim_forces_distributed_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
     return loads.reshape(-1, FRAME)
 
 
-def unknowns_of_statically_determinate_support(basis: Any, support: Ints) -> Ints:
+def indices_of_displacements_that_hold_free_ring(basis: Any, support: Ints) -> Ints:
     """Numbers (3,) of three displacements whose fixing keeps a free ring from rigid-body motion.
 
     They belong to two nodes of the far edge. The support is statically determinate: it takes no
@@ -588,12 +589,14 @@ class RimBalance:
         return cls(
             forces=rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
             factors=np.asarray(factors),
-            half_flexibility=condensed.nodal_forces_over_cholesky_factor(condensed.load_on_contact),
+            half_flexibility=condensed.inverse_cholesky_factor_times_nodal_forces(
+                condensed.load_on_contact
+            ),
             root_of_work=sqrtm(condensed.load_work).real,
         )
 
 
-def _half_flexibility_of_ring_under_forces(
+def _inverse_cholesky_factor_times_ring_forces(
     condensed: CondensedBody, forces: Floats, rim_balance: RimBalance | None
 ) -> Floats:
     """The half flexibility W (m, k) of a drum ring under nodal forces on its contact nodes.
@@ -606,7 +609,7 @@ def _half_flexibility_of_ring_under_forces(
     forces : (2n, k) nodal forces
     rim_balance : balance of forces on a free ring; None if the far edge is fixed
     """
-    Y = condensed.nodal_forces_over_cholesky_factor(forces)
+    Y = condensed.inverse_cholesky_factor_times_nodal_forces(forces)
     if rim_balance is None:
         return Y
     rim_factors = rim_balance.factors @ forces

@@ -75,18 +75,18 @@ class AlongRow(NamedTuple):
     right: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
 
     @property
-    def contact_unknowns_along_row(self) -> tuple[int, ...]:
+    def indices_of_unknowns_along_row_from_left_to_right(self) -> tuple[int, ...]:
         """Numbers of the row's displacements in the section, from the left to the right."""
         return tuple(sorted((*self.left[0], *self.inside[0], *self.right[0])))
 
 
-def unknown_numbers_along_node_row(p: int) -> AlongRow:
+def indices_of_unknowns_along_node_row(p: int) -> AlongRow:
     """The numbers of the unknowns along a row of p + 1 nodes; x and y of a node are neighbours."""
     inside = tuple(range(2, 2 * p)), tuple(range(1, p))
     return AlongRow(((0, 1), (0,)), inside, ((2 * p, 2 * p + 1), (p,)))
 
 
-def unknown_numbers_along_symmetric_half_row(p: int, symmetry: int) -> AlongRow:
+def indices_of_unknowns_along_symmetric_half_row(p: int, symmetry: int) -> AlongRow:
     """The numbers of the symmetric or of the antisymmetric unknowns along a row of p + 1 nodes.
 
     `symmetry` is 0 for displacements that are symmetric about the column's middle, and 1 for
@@ -120,7 +120,7 @@ class ColumnLayers(NamedTuple):
     contact: bool
     back: BackEdge
 
-    def numbers_of_width_functions_at_node_row(self, row: int) -> tuple[int, int]:
+    def counts_of_even_and_odd_functions_at_node_row(self, row: int) -> tuple[int, int]:
         """Numbers of even and of odd functions of z that have unknowns at a row of nodes."""
         layers = len(self.counts)
         if row == layers * self.p and self.back != BackEdge.FREE:
@@ -135,7 +135,7 @@ class ColumnLayers(NamedTuple):
         The kind is 1 for displacements along z and 0 for displacements in the section. Functions
         that are zero on the narrower parts come first.
         """
-        even, odd = self.numbers_of_width_functions_at_node_row(row)
+        even, odd = self.counts_of_even_and_odd_functions_at_node_row(row)
         found = []
         for piece in range(max((*self.even, *self.odd)), -1, -1):
             found += [(0, f) for f in range(even) if self.even[f] == piece]
@@ -180,7 +180,9 @@ class ColumnLayers(NamedTuple):
             return []
         functions = range(self.counts[0][0])
         return [
-            WidthUnknown(0, a, 0, f) for a in along.contact_unknowns_along_row for f in functions
+            WidthUnknown(0, a, 0, f)
+            for a in along.indices_of_unknowns_along_row_from_left_to_right
+            for f in functions
         ]
 
 
@@ -198,7 +200,7 @@ def column_layers_of_shoe(
     """
     return ColumnLayers(
         p,
-        tuple(functions.numbers_of_even_and_odd_functions(half) for half in halves),
+        tuple(functions.counts_of_even_and_odd_functions_on_part(half) for half in halves),
         tuple(function.piece for function in functions.even_functions_across_width),
         tuple(function.piece for function in functions.odd_functions_across_width),
         contact,
@@ -251,7 +253,7 @@ def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnP
 
     `along` has the numbers of the unknowns along a row of nodes; they are the same for all rows.
     """
-    names = unknown_names_of_element_column(stack, along)
+    names = unknowns_of_element_column_by_role_in_condensation(stack, along)
     kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (names.kept, names.rest))
     layers = []
     for k, counts in enumerate(stack.counts):
@@ -293,7 +295,9 @@ class ColumnUnknownNames(NamedTuple):
     within: list[list[WidthUnknown]]
 
 
-def unknown_names_of_element_column(stack: ColumnLayers, along: AlongRow) -> ColumnUnknownNames:
+def unknowns_of_element_column_by_role_in_condensation(
+    stack: ColumnLayers, along: AlongRow
+) -> ColumnUnknownNames:
     """The unknowns of a column, sorted by what its condensation does with them.
 
     `stack` are the layers of the column. `along` has the numbers of the unknowns along a row of
@@ -538,7 +542,7 @@ def condense_columns_of_any_shape(
     widths : integrals over the width of each layer
     stack : the layers of the columns
     """
-    plan = condensation_plan_of_column(stack, unknown_numbers_along_node_row(stack.p))
+    plan = condensation_plan_of_column(stack, indices_of_unknowns_along_node_row(stack.p))
     order = _order_of_column_unknowns_by_contact_nodes(stack, plan, 2)
     columns = _condensed_stiffness_of_columns(parts, widths, plan)
     if len(order):
@@ -583,7 +587,7 @@ def condense_mirror_symmetric_columns(
     """
     plans = [
         condensation_plan_of_column(
-            stack, unknown_numbers_along_symmetric_half_row(stack.p, symmetry)
+            stack, indices_of_unknowns_along_symmetric_half_row(stack.p, symmetry)
         )
         for symmetry in SYMMETRIES
     ]
@@ -594,7 +598,7 @@ def condense_mirror_symmetric_columns(
         [
             _sign_of_displacement_on_mirrored_side(unknown)
             for unknown in stack.unknowns_on_left_or_right_side_of_column(
-                unknown_numbers_along_symmetric_half_row(stack.p, 0).left
+                indices_of_unknowns_along_symmetric_half_row(stack.p, 0).left
             )
         ]
     )
@@ -680,7 +684,7 @@ def column_with_back_held_beside_grip(
     right : whether the grip lies on the column's right side; otherwise it lies on its left side
     """
     last = len(stack.counts) * stack.p
-    side = unknown_numbers_along_symmetric_half_row(stack.p, 0).left
+    side = indices_of_unknowns_along_symmetric_half_row(stack.p, 0).left
     held = [
         u.row == last and u.z == 0 for u in stack.unknowns_on_left_or_right_side_of_column(side)
     ]

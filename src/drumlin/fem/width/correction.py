@@ -15,14 +15,14 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.texts import error_as_text, number_as_text
+from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.width.error import (
     CoarseAnswers,
     coarse_solutions_with_and_without_shoe_width,
-    distance_of_plane_stress_from_width_solution,
+    relative_distance_of_plane_stress_from_width_solution,
 )
 from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.response.balance import (
@@ -34,7 +34,7 @@ from drumlin.response.response import (
     ModelError,
     Response,
     ShoeResponse,
-    length_of_edge_zone_without_peak,
+    length_of_edge_zone_left_out_of_peak_search,
 )
 from drumlin.response.resultants import LiningWithoutEndZones, contact_arcs_from_nodal_pressures
 
@@ -91,7 +91,7 @@ def correct_response_for_shoe_widths(
         )
     except NoAnswer as error:
         raise NoAnswer(f"--finite-width: the correction is not known: {error}") from error
-    change = distance_of_plane_stress_from_width_solution(brake, *answers)
+    change = relative_distance_of_plane_stress_from_width_solution(brake, *answers)
     if change.unknown:
         raise NoAnswer(f"--finite-width: the correction is not known: {change.unknown}")
     shoes = []
@@ -149,7 +149,7 @@ def shoe_response_corrected_for_widths(
     ) - pressure_of_shoe_zero_outside_contact(plane, theta)
     # Where only one of the coarse answers is in contact, the sum may be slightly negative.
     pressure = np.maximum(fine.pressure + difference, 0.0)
-    zone = length_of_edge_zone_without_peak(brake.shoes[index], brake.scale_factor)
+    zone = length_of_edge_zone_left_out_of_peak_search(brake.shoes[index], brake.scale_factor)
     return replace(
         fine,
         pressure=pressure,
@@ -191,6 +191,6 @@ def note_on_correction_for_shoe_widths(change: ModelError, corrected: Response) 
     return (
         f"corrected for the widths of the shoes: torque by {torque}, p by {pressure} (L2, worst "
         f"shoe), reaction by {reaction}; each is corrected by itself, so that p(theta) balances "
-        f"to {error_as_text(balance.force)} (force) and "
-        f"{error_as_text(balance.moment)} (moment) only"
+        f"to {error_text_in_percent(balance.force)} (force) and "
+        f"{error_text_in_percent(balance.moment)} (moment) only"
     )

@@ -23,11 +23,11 @@ from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
 from drumlin.fem.error_control.levels import LEVEL_RULE, LEVELS
 from drumlin.fem.error_control.singular_points import (
     reason_if_any_contact_is_too_short,
-    singular_points_of_all_linings,
+    singular_points_of_each_shoe_shape,
 )
 from drumlin.fem.hp.division import Level, ShoeDivision
 from drumlin.fem.model import PENALTY, solve_prepared_model
-from drumlin.fem.preparation.cache import Cache, index_of_first_shoe_of_equal_shape
+from drumlin.fem.preparation.cache import Cache, indices_of_first_shoes_of_equal_shape
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.width.prepare import (
     prepare_model_with_widths_on_given_elements,
@@ -96,7 +96,7 @@ def plane_stress_solution_on_coarse_hp_elements(
         coarse = answered(WIDTH_LEVEL)
     except NoAnswer:
         return answered(LEVELS[0])
-    error = distance_of_plane_stress_from_width_solution(brake, coarse.plane, response)
+    error = relative_distance_of_plane_stress_from_width_solution(brake, coarse.plane, response)
     if error.unknown or error.brake["pressure"] > COARSE_ENOUGH:
         return answered(LEVELS[0])
     return coarse
@@ -126,11 +126,11 @@ def plane_stress_solution_on_given_hp_elements(
         if plane stress has no answer on the level
     """
     alike, level = (
-        index_of_first_shoe_of_equal_shape(brake),
+        indices_of_first_shoes_of_equal_shape(brake),
         refinement_level_for_narrow_shoes(brake, level),
     )
-    points = singular_points_of_all_linings(
-        brake, response, alike, level.pressure_error_by_column_ratio
+    points = singular_points_of_each_shoe_shape(
+        brake, response, alike, level.pressure_error_due_to_column_size_ratio
     )
     scene = make_prepared_model(brake, level, points, alike=alike, cache=cache)
     plane = solve_prepared_model(scene, brake, penalty=penalty, start=response)
@@ -198,10 +198,10 @@ def estimate_error_of_plane_stress(
         )
     except NoAnswer as error:
         return ModelError({}, unknown=str(error))
-    return distance_of_plane_stress_from_width_solution(brake, *answers)
+    return relative_distance_of_plane_stress_from_width_solution(brake, *answers)
 
 
-def distance_of_plane_stress_from_width_solution(
+def relative_distance_of_plane_stress_from_width_solution(
     brake: Brake, plane: Response, wide: Response
 ) -> ModelError:
     """The relative distance of the answer of plane stress from the answer with widths.

@@ -60,7 +60,7 @@ class WidthFace(ContactLine):
     @cached_property
     def node_distances_from_mid_plane(self) -> Floats:
         """Distances (m,) [m] of the nodes across the width from the mid-plane."""
-        return self.functions.node_distances_across_part(self.half)
+        return self.functions.node_distances_across_half_width_of_part(self.half)
 
     @cached_property
     def mass_matrix_across_width(self) -> Floats:
@@ -122,14 +122,14 @@ class WidthFace(ContactLine):
     def _mid_plane_distances_of_written_pressures(self) -> Floats:
         """The distances (k,) [m] from the mid-plane at which pressures are written to a file."""
         ends = np.array(self.functions.breaks)
-        ends = ends[: self.functions.number_of_pieces_in_part(self.half) + 1]
+        ends = ends[: self.functions.number_of_width_pieces_in_part(self.half) + 1]
         if len(ends) == 1:
             ends = np.array([0.0, self.half])
         steps = np.arange(FACE_STEPS) / FACE_STEPS
         return np.append((ends[:-1, None] + np.diff(ends)[:, None] * steps).ravel(), ends[-1])
 
     @cached_property
-    def _integration_weights_of_written_pressures(self) -> Floats:
+    def _half_width_integration_weights_of_written_pressures(self) -> Floats:
         """The weights (k,) [m] of pressures at these distances in the integral over half the width.
 
         The distances are `_mid_plane_distances_of_written_pressures`.
@@ -141,7 +141,7 @@ class WidthFace(ContactLine):
     def _values_of_node_polynomials(self, z: Floats) -> Floats:
         """Values (m, k) at distances z (k,) [m] of m polynomials, each 1 at one of the m nodes."""
         own = self.functions.even_functions_across_width[
-            : self.functions.numbers_of_even_and_odd_functions(self.half)[0]
+            : self.functions.counts_of_even_and_odd_functions_on_part(self.half)[0]
         ]
         values, _ = self.functions.function_values_and_slopes(own, z)
         to_functions = matrix_from_node_values_to_function_factors(self.functions, self.half)
@@ -156,7 +156,7 @@ class WidthFace(ContactLine):
         by_line_node = p.reshape(-1, len(self.node_distances_from_mid_plane))
         return np.asarray(by_line_node @ self._values_of_node_polynomials(z))
 
-    def pressure_over_arc_and_width(self, p: Floats) -> PressureOverWidth:
+    def pressure_distribution_over_arc_and_width(self, p: Floats) -> PressureOverWidth:
         """The pressure over the arc and the whole width of the lining, as a file has it.
 
         The distances z from the mid-plane divide each piece of the half width into FACE_STEPS equal
@@ -165,7 +165,10 @@ class WidthFace(ContactLine):
         z = self._mid_plane_distances_of_written_pressures
         half = self.pressure_at_distances_from_mid_plane(p, z)
         # The pressure is symmetric about the mid-plane.
-        both, own = np.concatenate([-z[:0:-1], z]), self._integration_weights_of_written_pressures
+        both, own = (
+            np.concatenate([-z[:0:-1], z]),
+            self._half_width_integration_weights_of_written_pressures,
+        )
         widths = np.concatenate([own[:0:-1], [2 * own[0]], own[1:]])
         return PressureOverWidth(both, np.hstack([half[:, :0:-1], half]), widths)
 

@@ -106,7 +106,7 @@ class WidthFunctions:
             found += [WidthFunction(piece, degree) for degree in range(1, self.degree + 1)]
         return tuple(found)
 
-    def number_of_pieces_in_part(self, half: float) -> int:
+    def number_of_width_pieces_in_part(self, half: float) -> int:
         """Number of pieces of the half width from the mid-plane to the side of a part.
 
         `half` [m] is the half width of the part.
@@ -114,11 +114,11 @@ class WidthFunctions:
         within = np.array(self.breaks[1:]) <= half * (1 + SAME_SIDE)
         return int(np.count_nonzero(within))
 
-    def numbers_of_even_and_odd_functions(self, half: float) -> tuple[int, int]:
+    def counts_of_even_and_odd_functions_on_part(self, half: float) -> tuple[int, int]:
         """Numbers of even and of odd functions on a part of the shoe of half width `half` [m]."""
         # In plane stress every part has the single function 1. The only piece is then as wide as
         # the shoe, and so no piece lies within a narrower part.
-        pieces = max(self.number_of_pieces_in_part(half), 1)
+        pieces = max(self.number_of_width_pieces_in_part(half), 1)
         even = sum(function.piece < pieces for function in self.even_functions_across_width)
         return even, sum(function.piece < pieces for function in self.odd_functions_across_width)
 
@@ -143,7 +143,9 @@ class WidthFunctions:
             x = (z[here] - start) * to_unit - 1
             # Degrees from 2 on are integrated Legendre polynomials, and degree 1 is a hat function.
             if degree >= 2:
-                values[k, here], slope = _integrated_legendre_polynomial(degree, x)
+                values[k, here], slope = _values_and_slopes_of_integrated_legendre_polynomial(
+                    degree, x
+                )
                 slopes[k, here] = slope * to_unit
                 continue
             values[k, here], slopes[k, here] = 0.5 * (1 + x), 0.5 * to_unit
@@ -153,7 +155,7 @@ class WidthFunctions:
                 slopes[k, after] = -1 / length
         return values, slopes
 
-    def node_distances_across_part(self, half: float) -> Floats:
+    def node_distances_across_half_width_of_part(self, half: float) -> Floats:
         """Distances z (n,) [m] of the contact nodes across half the width of a part.
 
         The n values of a field at these nodes determine the factors of its n even functions. The
@@ -165,7 +167,7 @@ class WidthFunctions:
         highest = self.degree - self.degree % 2
         inner = gauss_lobatto_points(highest) if highest else np.ones(1)
         nodes = [self.breaks[1] * inner[inner >= 0]]
-        for start, end in pairwise(self.breaks[1 : self.number_of_pieces_in_part(half) + 1]):
+        for start, end in pairwise(self.breaks[1 : self.number_of_width_pieces_in_part(half) + 1]):
             nodes.append(start + (end - start) * (gauss_lobatto_points(self.degree)[1:] + 1) / 2)
         return np.concatenate(nodes)
 
@@ -178,11 +180,11 @@ def integrals_of_function_products_over_width(
 
     `half` is the half width of the part [m]. The Gauss rule is exact for functions up to degree 11.
     """
-    n, m = functions.numbers_of_even_and_odd_functions(half)
+    n, m = functions.counts_of_even_and_odd_functions_on_part(half)
     if functions.degree == 0:
         empty, none = np.zeros((0, 0)), np.zeros((1, 0))
         return WidthIntegrals(np.array([[2 * half]]), np.zeros((1, 1)), empty, empty, none, none)
-    starts = np.array(functions.breaks[: functions.number_of_pieces_in_part(half)])
+    starts = np.array(functions.breaks[: functions.number_of_width_pieces_in_part(half)])
     lengths = np.diff(functions.breaks)[: len(starts)]
     z = (starts[:, None] + lengths[:, None] * (GAUSS + 1) / 2).ravel()
     # The weights on [-1, 1] times half the length of a piece integrate over one half of the width,
@@ -208,15 +210,17 @@ def matrix_from_node_values_to_function_factors(functions: WidthFunctions, half:
     this part.
     """
     own = functions.even_functions_across_width[
-        : functions.numbers_of_even_and_odd_functions(half)[0]
+        : functions.counts_of_even_and_odd_functions_on_part(half)[0]
     ]
     values, _ = functions.function_values_and_slopes(
-        own, functions.node_distances_across_part(half)
+        own, functions.node_distances_across_half_width_of_part(half)
     )
     return np.asarray(np.linalg.inv(values.T), dtype=float)
 
 
-def _integrated_legendre_polynomial(degree: int, x: Floats) -> tuple[Floats, Floats]:
+def _values_and_slopes_of_integrated_legendre_polynomial(
+    degree: int, x: Floats
+) -> tuple[Floats, Floats]:
     """The values and slopes of the integrated Legendre polynomial N_n at points x in [-1, 1].
 
     `degree` is n, at least 2. N_n is defined in the docstring of this module.

@@ -45,7 +45,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drumlin.base.errors import NoAnswer
-from drumlin.base.texts import error_as_text
+from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors, read_safety_factors
@@ -177,7 +177,7 @@ class SolidErrors(NamedTuple):
         return max(shoe["pressure"] for shoe in self.shoes)
 
     @property
-    def tolerance_that_errors_just_meet(self) -> Tolerance:
+    def smallest_tolerance_that_errors_meet(self) -> Tolerance:
         """The smallest tolerance that these errors meet: the largest pressure error, and torque."""
         return Tolerance(self.largest_pressure_error, self.torque)
 
@@ -296,14 +296,16 @@ def solve_brake_with_widths_and_keep_model(
     share = Tolerance(SECTION_SHARE * tolerance.pressure, SECTION_SHARE * tolerance.torque)
     cache = cache or Cache()
     answer = partial(solve_prepared_model, penalty=penalty)
-    climb = refine_cross_section_up_to_tolerance(brake, share, answer, cache)
+    climb = refine_cross_section_mesh_until_tolerance_is_met(brake, share, answer, cache)
     plane, factors = climb.response, ErrorFactors(1.0, 1.0)
     largest_degree = LARGEST_STATED_DEGREE
     if has_shoe_with_parts_of_different_widths(brake):
         factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
         asked = Tolerance(share.pressure / factors.pressure, share.torque / factors.force)
         levels = LEVELS[: MOST_SECTION_LEVELS + 1] if must else LEVELS[:MOST_SECTION_LEVELS]
-        climb = refine_cross_section_up_to_tolerance(brake, asked, answer, cache, levels, plane)
+        climb = refine_cross_section_mesh_until_tolerance_is_met(
+            brake, asked, answer, cache, levels, plane
+        )
         if not must:
             largest_degree = MOST_DEGREE
     section = coarsest_cross_section_mesh_within_tolerance(brake, climb, share, factors)
@@ -319,7 +321,7 @@ def solve_brake_with_widths_and_keep_model(
     if not width.error.is_within_error_tolerance(left):
         # The hp elements need not be more exact than the degree across the width allows.
         section = coarsest_cross_section_mesh_within_tolerance(
-            brake, climb, width.error.tolerance_that_errors_just_meet, factors
+            brake, climb, width.error.smallest_tolerance_that_errors_meet, factors
         )
     found = section.error.sum_of_these_and_other_errors(width.error)
     warning = ""
@@ -404,7 +406,7 @@ def _solved_level_with_errors_and_notes(
     return SolvedLevel(solved.scene, stated)
 
 
-def refine_cross_section_up_to_tolerance(
+def refine_cross_section_mesh_until_tolerance_is_met(
     brake: Brake,
     tolerance: Tolerance,
     answer: ResponseFunction,
@@ -497,8 +499,8 @@ def _message_on_unreached_error_tolerance(
     pressure = error.largest_pressure_error
     return (
         f"tolerance {tolerance.pressure:g} not reached with degree {degree} across the width: "
-        f"estimated error of p {error_as_text(pressure)}, "
-        f"of the torque {error_as_text(error.torque)}"
+        f"estimated error of p {error_text_in_percent(pressure)}, "
+        f"of the torque {error_text_in_percent(error.torque)}"
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
-from drumlin.brake.friction import reason_against_pressure_dependent_friction
+from drumlin.brake.friction import reason_if_friction_depends_on_pressure
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.fem.hp.body import (
@@ -21,14 +21,14 @@ from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe_into_hp_ele
 from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
 from drumlin.fem.preparation.cache import (
     Cache,
-    index_of_first_shoe_of_equal_shape,
+    indices_of_first_shoes_of_equal_shape,
     shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.columns import MOST_CONTACT_NODES, PointsByShape
 from drumlin.fem.preparation.scene import (
     PreparedModel,
     Seconds,
-    add_elapsed_time,
+    add_elapsed_time_of_block_to_phase,
     messages_on_rigid_parts,
     messages_on_shoes_of_equal_shape,
 )
@@ -83,8 +83,8 @@ class WidthBody(ShoeSubstructure):
 
 def reason_why_width_model_does_not_apply(brake: Brake) -> str | None:
     """The reason why the model of the width does not apply to a brake; None where it applies."""
-    if brake.reason_why_not_meshable() is not None:
-        return brake.reason_why_not_meshable()
+    if brake.reason_why_shoes_cannot_be_meshed() is not None:
+        return brake.reason_why_shoes_cannot_be_meshed()
     if brake.ring is not None:
         return "its drum is an elastic ring, whose own width is not modelled"
     for shoe in brake.shoes:
@@ -96,7 +96,7 @@ def reason_why_width_model_does_not_apply(brake: Brake) -> str | None:
         brake.reason_if_several_linings_are_not_allowed(model)
         or reason_if_any_part_is_orthotropic(brake, model)
         or reason_if_any_shoe_is_heated(brake, model)
-        or reason_against_pressure_dependent_friction(brake, model)
+        or reason_if_friction_depends_on_pressure(brake, model)
         or plane_why_not(brake)
     )
 
@@ -143,10 +143,10 @@ def prepare_model_with_shoe_widths(
     NoAnswer
         for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
     """
-    alike = index_of_first_shoe_of_equal_shape(brake)
+    alike = indices_of_first_shoes_of_equal_shape(brake)
     tip = brake.actuation is not None and brake.actuation.is_cam_or_wedge
 
-    def division_of_shoe(i: int) -> ShoeDivision:
+    def hp_element_division_of_shoe(i: int) -> ShoeDivision:
         """The division of the section of the shoe with index `i` into hp elements."""
         places = (points or {}).get(i, ())
         return divide_shoe_into_hp_elements(
@@ -159,7 +159,7 @@ def prepare_model_with_shoe_widths(
     if not callable(degree) and not 0 <= degree <= LARGEST_WIDTH_DEGREE:
         raise BadInput(f"--across = {degree}: must be from 0 to {LARGEST_WIDTH_DEGREE}")
     level = refinement_level_for_narrow_shoes(brake, level)
-    divisions = {i: division_of_shoe(i) for i in dict.fromkeys(alike)}
+    divisions = {i: hp_element_division_of_shoe(i) for i in dict.fromkeys(alike)}
     return prepare_model_with_widths_on_given_elements(brake, divisions, degree, cache=cache)
 
 
@@ -204,7 +204,7 @@ def prepare_model_with_widths_on_given_elements(
     make = degree if callable(degree) else partial(functions_across_width_of_shoe, degree=degree)
     seconds: Seconds = {}
     cache = cache or Cache()
-    alike = index_of_first_shoe_of_equal_shape(brake)
+    alike = indices_of_first_shoes_of_equal_shape(brake)
     made: dict[int, ShoeSubstructure] = {}
     # One body is condensed for each different shape of shoe.
     for i in dict.fromkeys(alike):
@@ -244,7 +244,7 @@ def _require_few_nodes_of_contact_face(
     shoe: Shoe, division: ShoeDivision, functions: WidthFunctions
 ) -> None:
     """Raise NoAnswer if the contact face of a shoe has more than MOST_CONTACT_NODES nodes."""
-    across = len(functions.node_distances_across_part(shoe.lining.width / 2))
+    across = len(functions.node_distances_across_half_width_of_part(shoe.lining.width / 2))
     nodes = division.contact_nodes * across
     if nodes > MOST_CONTACT_NODES:
         raise NoAnswer(
@@ -281,12 +281,12 @@ def condense_and_couple_shoe_with_width(
     NoAnswer
         for a singular stiffness
     """
-    with add_elapsed_time(seconds, "condensation"):
+    with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
         found = condense_shoe_with_width(shoe, radius, division, functions)
         condensed = condensed_body_with_cholesky_factor(
             found, WidthUnknowns(shoe, radius, division, functions)
         )
-    with add_elapsed_time(seconds, "coupling"):
+    with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
         face = friction_surface_of_shoe_with_width(shoe, radius, division, functions)
         basis = NodesOverWidth(number_of_displacement_unknowns_of_shoe(shoe, division, functions))
         divided = DividedBody(basis, basis, face)
@@ -300,7 +300,7 @@ def friction_surface_of_shoe_with_width(
 ) -> WidthFace:
     """The friction surface of a divided shoe with functions across the shoe's width."""
     line, half = contact_line_of_lining_face_nodes(shoe, radius, division), shoe.lining.width / 2
-    count = len(functions.node_distances_across_part(half))
+    count = len(functions.node_distances_across_half_width_of_part(half))
     return WidthFace(
         nodes=np.arange(len(line.nodes) * count),
         xy=np.repeat(line.xy, count, axis=1),
@@ -333,6 +333,6 @@ def number_of_displacement_unknowns_of_shoe(
             p, first, contact=False, back=BackEdge.FREE
         )
         for row in range((division.number_of_element_layers - first) * p + 1):
-            even, odd = stack.numbers_of_width_functions_at_node_row(row)
+            even, odd = stack.counts_of_even_and_odd_functions_at_node_row(row)
             count += (2 * even + odd) * nodes
     return count

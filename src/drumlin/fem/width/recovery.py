@@ -32,8 +32,8 @@ from drumlin.fem.width.columns import (
     assembled_stiffness_of_columns,
     condensation_plan_of_column,
     displacements_inside_elements,
-    unknown_names_of_element_column,
-    unknown_numbers_along_node_row,
+    indices_of_unknowns_along_node_row,
+    unknowns_of_element_column_by_role_in_condensation,
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
@@ -147,9 +147,9 @@ class WidthUnknowns:
         """
         forces = self._forces_on_contact_face(nodal)
         if "actuation" in self.grid.sets:
-            at, unit = self._unit_loads_on_loaded_end()
+            at, unit = self._indices_of_unknowns_and_unit_loads_on_loaded_end()
             forces[at] += unit @ loads
-        u = self._displacements_with_frame_held(forces)
+        u = self._displacements_with_hinge_face_held(forces)
         # A motion of the frame moves the whole shoe as a rigid body and causes no strain.
         modes = rigid_body_displacements_of_nodes(
             self.grid.doflocs, self.shoe.pin_position_in_shoe_frame
@@ -169,7 +169,7 @@ class WidthUnknowns:
         even = 2 * len(self.functions.even_functions_across_width)
         return by_node[:, :even].reshape(self.grid.N, -1, 2), by_node[:, even:]
 
-    def _numbers_of_displacements(
+    def _indices_of_displacements_among_unknowns(
         self, nodes: Ints, function: Ints, component: Ints, along_z: Ints
     ) -> Ints:
         """The numbers (n,) of n displacements among the unknowns of the shoe.
@@ -197,7 +197,7 @@ class WidthUnknowns:
         forces[:contact, : 2 * count] = by_function.reshape(contact, 2 * count, cases)
         return forces.reshape(-1, cases)
 
-    def _unit_loads_on_loaded_end(self) -> tuple[Ints, Floats]:
+    def _indices_of_unknowns_and_unit_loads_on_loaded_end(self) -> tuple[Ints, Floats]:
         """The numbers (n,) of unknowns on the loaded end face, and the unit loads (n, 3) on them.
 
         They are the same unit loads as in `shoe.condense_shoe_with_width`.
@@ -207,10 +207,12 @@ class WidthUnknowns:
             div, self.grid.doflocs[:, nodes], np.zeros(1)
         ).forces
         line = self.layers.unknowns_across_body_thickness(div)
-        at = self._numbers_of_displacements(nodes[line.row], line.function, line.component, line.z)
+        at = self._indices_of_displacements_among_unknowns(
+            nodes[line.row], line.function, line.component, line.z
+        )
         return at, loads
 
-    def _which_unknowns_are_zero_with_frame_held(self) -> Bools:
+    def _which_unknowns_are_zero_with_hinge_face_held(self) -> Bools:
         """True for each unknown (unknowns,) that is zero while the shoe's frame is held."""
         div, nodes = self.division, self.grid.sets["hinge"]
         held = np.zeros(self.grid.N * self.unknowns_per_node, dtype=bool)
@@ -223,7 +225,7 @@ class WidthUnknowns:
             by_node[nodes, : 2 * len(self.functions.even_functions_across_width)] = True
         else:
             line = self.layers.unknowns_across_body_thickness(div)
-            numbers = self._numbers_of_displacements(
+            numbers = self._indices_of_displacements_among_unknowns(
                 nodes[line.row], line.function, line.component, line.z
             )
             held[numbers[line.z == 0]] = True
@@ -255,28 +257,28 @@ class WidthUnknowns:
         stack = self.layers.layers_of_element_column_from_given_layer(
             p, first, contact=False, back=BackEdge.FREE
         )
-        along = unknown_numbers_along_node_row(p)
+        along = indices_of_unknowns_along_node_row(p)
         plan, names = (
             condensation_plan_of_column(stack, along),
-            unknown_names_of_element_column(stack, along),
+            unknowns_of_element_column_by_role_in_condensation(stack, along),
         )
         found = []
         for start in range(0, number.shape[1] - 1, p):
             nodes = number[:, start : start + p + 1]
 
-            def numbers_of_column_unknowns(
+            def indices_of_column_unknowns(
                 unknowns: list[WidthUnknown], nodes: Ints = nodes
             ) -> Ints:
                 """The numbers of a column's unknowns among the unknowns of the shoe."""
                 z, place, row, function = np.array(unknowns, dtype=int).reshape(-1, 4).T
                 node = nodes[row, np.where(z == 1, place, place // 2)]
-                return self._numbers_of_displacements(node, function, place % 2, z)
+                return self._indices_of_displacements_among_unknowns(node, function, place % 2, z)
 
-            boundary = tuple(numbers_of_column_unknowns(own) for own in names.boundary)
-            within = tuple(numbers_of_column_unknowns(own) for own in names.within)
+            boundary = tuple(indices_of_column_unknowns(own) for own in names.boundary)
+            within = tuple(indices_of_column_unknowns(own) for own in names.within)
             kept, rest = (
-                numbers_of_column_unknowns(names.kept),
-                numbers_of_column_unknowns(names.rest),
+                indices_of_column_unknowns(names.kept),
+                indices_of_column_unknowns(names.rest),
             )
             found.append(_Column(nodes, first, plan, kept, rest, boundary, within))
         return found
@@ -311,12 +313,12 @@ class WidthUnknowns:
             made.kept[0] * np.outer(kept, kept), made.coupling[0] * np.outer(rest, kept), own
         )
 
-    def _displacements_with_frame_held(self, forces: Floats) -> Floats:
+    def _displacements_with_hinge_face_held(self, forces: Floats) -> Floats:
         """The displacements (unknowns, m) due to forces (unknowns, m) [N] while the frame is held.
 
         Raises NoAnswer for a singular stiffness.
         """
-        held = self._which_unknowns_are_zero_with_frame_held()
+        held = self._which_unknowns_are_zero_with_hinge_face_held()
         forces = np.where(held[:, None], 0.0, forces)
         columns = self.element_columns_from_hinge_to_far_end()
         u = np.zeros(forces.shape)

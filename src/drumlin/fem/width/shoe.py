@@ -26,15 +26,15 @@ from drumlin.fem.hp.shoe import (
     CondensedShoe,
     LoadedEnd,
     angles_of_displacement_axes,
-    condensed_shoe_with_balanced_loads,
-    condensed_shoe_with_held_back,
-    condensed_stiffness_of_body_behind_lining,
+    condensed_shoe_corrected_for_round_off,
+    condensed_shoe_held_at_its_back,
+    condensed_stiffness_of_body_beyond_lining_end,
     function_from_depth_and_angle_to_point,
     group_equal_element_columns_of_shoe,
     node_coordinates_of_layers_and_columns,
     node_positions_of_element_row,
     rotate_axes_of_all_nodes_by_one_angle,
-    rotation_angles_to_shoe_frame,
+    rotation_angles_of_contact_nodes_to_shoe_frame,
     unit_actuation_loads_on_end_face,
 )
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
@@ -46,7 +46,7 @@ from drumlin.fem.width.columns import (
     column_with_back_held_beside_grip,
     condense_columns_of_any_shape,
     condense_mirror_symmetric_columns,
-    unknown_numbers_along_symmetric_half_row,
+    indices_of_unknowns_along_symmetric_half_row,
 )
 from drumlin.fem.width.functions import (
     WidthFunctions,
@@ -107,7 +107,7 @@ class WidthLayers(NamedTuple):
             div.degree, div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
         )
         line = stack.unknowns_on_left_or_right_side_of_column(
-            unknown_numbers_along_symmetric_half_row(div.degree, 0).left
+            indices_of_unknowns_along_symmetric_half_row(div.degree, 0).left
         )
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
         return BodyLine(z, component, row, function)
@@ -228,7 +228,7 @@ first layer, counted from the contact, and the layers of the columns.
 """
 
 
-def _function_that_makes_element_columns(
+def _function_that_makes_columns_and_kind_of_each_column(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
 ) -> tuple[ColumnsFrom, Ints]:
     """The function that makes the columns of a shoe's elements, and the kind of each column.
@@ -304,7 +304,7 @@ def _condensed_element_columns_of_shoe(
     The parameters are those of `condense_shoe_with_width`, and `layers` are the shoe's layers.
     """
     p = div.degree
-    make, which = _function_that_makes_element_columns(shoe, radius, div, layers)
+    make, which = _function_that_makes_columns_and_kind_of_each_column(shoe, radius, div, layers)
 
     def condensed_columns_from_given_layer_on(
         row: Ints, first: int, *, contact: bool, back: BackEdge
@@ -364,7 +364,8 @@ def condense_shoe_with_width(
     """Condense a shoe with a width to its frame and to the nodes of its contact face.
 
     The nodes of the face are sorted by angle, and at each angle by distance from the mid-plane; the
-    distances are `WidthFunctions.node_distances_across_part`. x and y of a node are neighbours.
+    distances are `WidthFunctions.node_distances_across_half_width_of_part`. x and y of a node are
+    neighbours.
 
     Parameters
     ----------
@@ -380,7 +381,7 @@ def condense_shoe_with_width(
     """
     layers = layers_with_width_functions(shoe, div, functions)
     row = _condensed_element_columns_of_shoe(shoe, radius, div, layers)
-    count = layers.functions.numbers_of_even_and_odd_functions(layers.halves[0])[0]
+    count = layers.functions.counts_of_even_and_odd_functions_on_part(layers.halves[0])[0]
     phi = node_positions_of_element_row(div.angles, div.degree)
     xy = np.repeat(
         function_from_depth_and_angle_to_point(shoe, radius)(np.zeros(1), phi), count, axis=1
@@ -411,7 +412,7 @@ def condense_shoe_with_width(
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], ends[1], last, right=True)
     S = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
     face = _FaceAxes.conversion_to_displacements_of_face_nodes(shoe, div, layers)
-    return condensed_shoe_with_held_back(shoe, face.stiffness_of_face_nodes(S), R)
+    return condensed_shoe_held_at_its_back(shoe, face.stiffness_of_face_nodes(S), R)
 
 
 class _FaceAxes(NamedTuple):
@@ -437,7 +438,7 @@ class _FaceAxes(NamedTuple):
     ) -> "_FaceAxes":
         """The conversion for the contact face of a divided shoe."""
         inverse = matrix_from_node_values_to_function_factors(layers.functions, layers.halves[0])
-        angles = np.repeat(rotation_angles_to_shoe_frame(shoe, div), len(inverse))
+        angles = np.repeat(rotation_angles_of_contact_nodes_to_shoe_frame(shoe, div), len(inverse))
         return cls(angles, inverse)
 
     def forces_on_face_nodes(self, V: Floats) -> Floats:
@@ -507,25 +508,25 @@ def _condense_hinged_shoe_with_width(
         line.values_on_unknowns_of_thickness_line([modes])[line.z == 0],
     )
     if row.before:
-        held = _column_with_left_side_tied_to_frame(row.before[0], tied, modes)
+        held = _column_with_left_side_tied_to_hinge_face(row.before[0], tied, modes)
         body = assemble_and_condense_row_of_element_columns([held, *row.before[1:]], 0)
         columns[0] = eliminate_nodes_on_column_side(columns[0], body.K, len(line.z))
     else:
         own = columns[0].left - len(line.z)
-        columns[0] = _column_with_left_side_tied_to_frame(columns[0], own + tied, modes)._replace(
-            left=0
-        )
-    loaded = condensed_stiffness_of_body_behind_lining(row.after, end_forces)
+        columns[0] = _column_with_left_side_tied_to_hinge_face(
+            columns[0], own + tied, modes
+        )._replace(left=0)
+    loaded = condensed_stiffness_of_body_beyond_lining_end(row.after, end_forces)
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], loaded, len(end_forces), right=True)
-    count = layers.functions.numbers_of_even_and_odd_functions(layers.halves[0])[0]
+    count = layers.functions.counts_of_even_and_odd_functions_on_part(layers.halves[0])[0]
     A = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
     face = _FaceAxes.conversion_to_displacements_of_face_nodes(shoe, div, layers)
-    return condensed_shoe_with_balanced_loads(
+    return condensed_shoe_corrected_for_round_off(
         A, end, R, pin, face.forces_on_face_nodes, face.stiffness_of_face_nodes
     )
 
 
-def _column_with_left_side_tied_to_frame(
+def _column_with_left_side_tied_to_hinge_face(
     piece: ColumnSubstructure, tied: Ints, modes: Floats
 ) -> ColumnSubstructure:
     """A column of elements with its left side tied to the frame; its unknowns are [frame | others].

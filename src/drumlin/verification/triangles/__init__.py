@@ -14,7 +14,7 @@ degree. The change of a quantity over the last meshes estimates its error.
 from drumlin.verification.triangles.levels import (
     TRIANGLE_LEVELS,
     solve_brake_on_one_triangle_mesh,
-    solve_on_triangle_level_sequence,
+    solve_brake_on_sequence_of_triangle_meshes,
 )
 from drumlin.verification.triangles.outline import TriangleLevel
 from drumlin.verification.triangles.solution import ShoeSolution
@@ -24,5 +24,5 @@ __all__ = [
     "ShoeSolution",
     "TriangleLevel",
     "solve_brake_on_one_triangle_mesh",
-    "solve_on_triangle_level_sequence",
+    "solve_brake_on_sequence_of_triangle_meshes",
 ]

@@ -17,7 +17,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import (
     NOT_HELD_TEXT,
     SupportForce,
-    choices_of_supports_that_bear,
+    all_choices_of_bearing_supports,
     forces_of_one_sided_supports_on_shoe,
 )
 from drumlin.brake.support import Freedoms, displacements_in_rigid_body_motions
@@ -26,7 +26,7 @@ from drumlin.verification.triangles.face import CondensedFace
 from drumlin.verification.triangles.one_sided import (
     ShoeInEquations,
     contact_equations_on_supports_that_bear,
-    do_supports_bear_in_triangle_solution,
+    do_supports_bear_as_assumed_in_triangle_solution,
     equations_of_one_sided_support_openings,
     one_sided_supports_of_shoes,
 )
@@ -370,7 +370,7 @@ def _solve_on_one_sided_supports(
     openings = equations_of_one_sided_support_openings(supports, places, brake)
     failure: NoAnswer | None = None
     earlier = tuple(support.name in start.supports for support in supports)
-    for bearing in choices_of_supports_that_bear(len(supports), earlier if any(earlier) else ()):
+    for bearing in all_choices_of_bearing_supports(len(supports), earlier if any(earlier) else ()):
         on_supports = contact_equations_on_supports_that_bear(equations, openings, bearing)
         if on_supports is None:
             continue
@@ -381,7 +381,7 @@ def _solve_on_one_sided_supports(
             continue
         y, s = found.motions[: len(equations.h)], np.zeros(len(supports))
         s[np.array(bearing)] = found.motions[len(equations.h) :]
-        if do_supports_bear_in_triangle_solution(openings, bearing, found.force, s, y):
+        if do_supports_bear_as_assumed_in_triangle_solution(openings, bearing, found.force, s, y):
             return [
                 one._replace(supports=forces_of_one_sided_supports_on_shoe(supports, s, i))
                 for i, one in enumerate(_split_contact_solution_by_shoe(places, found))

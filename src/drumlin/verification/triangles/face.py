@@ -103,7 +103,7 @@ def node_numbers_along_edges(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -
     return nodes.of[tri[:, None], local]
 
 
-def edge_shape_functions(degree: int, at: Floats) -> tuple[Floats, Floats]:
+def edge_shape_function_values_and_derivatives(degree: int, at: Floats) -> tuple[Floats, Floats]:
     """Values and derivatives (degree + 1, q) of the shape functions of an edge at q points.
 
     The shape functions are Lagrange polynomials on the Gauss-Lobatto nodes of the edge. The points
@@ -117,14 +117,16 @@ def edge_shape_functions(degree: int, at: Floats) -> tuple[Floats, Floats]:
     return (value @ V).T, (slope @ V).T
 
 
-def gauss_rule_on_curved_edges(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
+def gauss_points_lengths_and_shape_functions_on_curved_edges(
+    xy: Floats, degree: int
+) -> tuple[Floats, Floats, Floats]:
     """The Gauss rule on k curved edges: shape functions, points and lengths at its q points.
 
     The nodes of the edges are xy (k, degree + 1, 2) [m]. Returned are the values (degree + 1, q) of
     the shape functions, the points (k, q, 2) [m], and the lengths ds (k, q) [m], which include the
     weights of the rule.
     """
-    psi, slope = edge_shape_functions(degree, 0.5 + 0.5 * FACE_GAUSS)
+    psi, slope = edge_shape_function_values_and_derivatives(degree, 0.5 + 0.5 * FACE_GAUSS)
     x, dx = (np.einsum("kac,aq->kqc", xy, values) for values in (psi, slope))
     return psi, x, np.hypot(dx[..., 0], dx[..., 1]) * 0.5 * FACE_WEIGHTS
 
@@ -145,7 +147,9 @@ def _nodal_forces_on_loaded_end(body: MeshedBody, force: Floats, point: Floats) 
     )
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
     of = node_numbers_along_edges(body.nodes, tri, edge, body.degree)
-    psi, x, ds = gauss_rule_on_curved_edges(body.nodes.xy[of], body.degree)
+    psi, x, ds = gauss_points_lengths_and_shape_functions_on_curved_edges(
+        body.nodes.xy[of], body.degree
+    )
     centre = np.einsum("kqc,kq->c", x, ds) / ds.sum()
     arm = x - centre
     lever = point - centre
@@ -178,7 +182,7 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
     compliance = lagrange.condense_body_to_kept_nodes(
-        body.K, nodes, np.repeat(_mark_fixed_nodes_of_shoe(body), 2), kept, loads
+        body.K, nodes, np.repeat(_mask_of_fixed_nodes_of_shoe(body), 2), kept, loads
     )
     er = np.stack([np.cos(theta), np.sin(theta)], axis=1)
     normal = shoe.sign * er
@@ -195,7 +199,7 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         pushed=compliance.loaded[:, 2:],
         push_travel=compliance.work[2:, :2].sum(axis=1),
         push_compliance=compliance.work[2:, 2:],
-        gap=clearance.gap_between_unloaded_lining_and_surface(brake, shoe, theta) - growth,
+        gap=clearance.gaps_between_unloaded_lining_and_surface(brake, shoe, theta) - growth,
         degree=body.degree,
         unknowns=2 * len(nodes.xy),
     )
@@ -218,7 +222,7 @@ def _nodal_forces_of_unit_pushes(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
     return loads
 
 
-def _mark_fixed_nodes_of_shoe(body: MeshedBody) -> Bools:
+def _mask_of_fixed_nodes_of_shoe(body: MeshedBody) -> Bools:
     """Mark the fixed nodes of a shoe, as a mask (N,).
 
     A shoe with a hinged end is fixed at this end of its body. Any other shoe is fixed at its back,
@@ -250,7 +254,9 @@ def _mass_matrix_of_face(body: MeshedBody, kept: Ints, width: float) -> Floats:
     place[kept] = np.arange(len(kept))
     edges = body.mesh.indices_of_triangle_edges_on_friction_surface
     of = place[node_numbers_along_edges(nodes, *edges, body.degree)]
-    psi, _, ds = gauss_rule_on_curved_edges(nodes.xy[kept][of], body.degree)
+    psi, _, ds = gauss_points_lengths_and_shape_functions_on_curved_edges(
+        nodes.xy[kept][of], body.degree
+    )
     mass = np.zeros((len(kept), len(kept)))
     products = width * np.einsum("aq,bq,kq->kab", psi, psi, ds)
     np.add.at(mass, (of[:, :, None], of[:, None, :]), products)

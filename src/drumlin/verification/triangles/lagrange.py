@@ -93,7 +93,7 @@ def _legendre_polynomials_and_slopes(degree: int, x: Floats) -> tuple[Floats, Fl
 
 
 @cache
-def triangle_shape_functions(degree: int) -> tuple[Floats, Floats, Floats]:
+def triangle_shape_functions_gradients_and_weights(degree: int) -> tuple[Floats, Floats, Floats]:
     """Shape functions of the reference triangle at the q points of a quadrature rule.
 
     Returned are the values (n, q), the gradients (n, 2, q) and the weights (q,) of the rule. The
@@ -155,7 +155,7 @@ def triangle_stiffness_matrices(
 
     Unknown 2 i + c of a triangle is component c of the displacement of its node i.
     """
-    values, slopes, weights = triangle_shape_functions(degree)
+    values, slopes, weights = triangle_shape_functions_gradients_and_weights(degree)
     matrices = np.array([layer.elastic.stiffness for layer in layers])
     directed = which_elasticity_matrices_are_orthotropic(matrices)
     n = slopes.shape[0]
@@ -232,7 +232,7 @@ def nodal_forces_of_heated_triangles(
     Element Analysis, section 8.2), with the free strains eps_0 in the directions of the layer. The
     free strains are linear from the near to the far face of the layer. N is the number of nodes.
     """
-    values, slopes, weights = triangle_shape_functions(degree)
+    values, slopes, weights = triangle_shape_functions_gradients_and_weights(degree)
     forces = np.zeros_like(nodes.xy)
     for number, layer in enumerate(layers):
         if layer.free_strains is None:

@@ -12,7 +12,7 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.friction import require_friction_independent_of_pressure
 from drumlin.brake.further_loads import (
-    reason_against_loads_besides_actuation,
+    reason_if_loads_besides_actuation_act,
     require_springs_with_constant_pull,
 )
 from drumlin.brake.one_sided import groups_of_shoes_on_anchors
@@ -29,7 +29,7 @@ from drumlin.verification.triangles.face import (
     triangle_body_with_nodes_and_stiffness,
 )
 from drumlin.verification.triangles.outline import (
-    Draft,
+    DraftShoeMesh,
     Outline,
     SingularPlaces,
     TriangleLevel,
@@ -38,10 +38,10 @@ from drumlin.verification.triangles.outline import (
 )
 from drumlin.verification.triangles.ring import (
     condense_ring_to_lining_nodes,
-    mesh_drum_ring_to_match_shoe_meshes,
+    mesh_drum_ring_and_refine_shoe_meshes_to_match,
 )
 from drumlin.verification.triangles.shared import solve_shoes_with_cam_or_strut_forces
-from drumlin.verification.triangles.solution import ShoeSolution, solution_from_contact_forces
+from drumlin.verification.triangles.solution import ShoeSolution, shoe_solution_from_contact_forces
 
 MOST_HALVINGS_AT_CONTACT_ENDS = 13
 """Largest number of times that triangles are halved towards an end of the contact.
@@ -81,7 +81,8 @@ TRIANGLE_LEVELS = (
     TriangleLevel(4, 13, 0.7, 0.8),
     TriangleLevel(5, 15, 0.7, 0.8),
 )
-"""Degree and grading of the meshes of `solve_on_triangle_level_sequence`, from coarse to fine."""
+"""Degree and grading of the meshes of `solve_brake_on_sequence_of_triangle_meshes`, from coarse to
+fine."""
 
 
 def indices_of_shoes_pressed_on_drum(brake: Brake) -> list[int]:
@@ -136,7 +137,7 @@ def solve_brake_on_one_triangle_mesh(
     refusal = reason_if_ring_edge_is_not_fixed_or_free(brake, "the verification by triangles")
     shared = _are_forces_set_by_cam_or_strut(brake)
     if refusal is None and shared:
-        refusal = reason_against_loads_besides_actuation(brake, "a cam or strut on triangles")
+        refusal = reason_if_loads_besides_actuation_act(brake, "a cam or strut on triangles")
     if refusal is not None:
         raise BadInput(refusal)
     require_springs_with_constant_pull(brake, "the verification by triangles")
@@ -151,7 +152,7 @@ def solve_brake_on_one_triangle_mesh(
     ]
     meshes, ring = [one.mesh for one in drafts], None
     if brake.ring is not None:
-        meshes, ring = mesh_drum_ring_to_match_shoe_meshes(brake, drafts, level)
+        meshes, ring = mesh_drum_ring_and_refine_shoe_meshes_to_match(brake, drafts, level)
     # Shoes whose forces come from a cam or a strut are condensed under a force of 1 N, which is
     # scaled later.
     faces = [
@@ -163,20 +164,21 @@ def solve_brake_on_one_triangle_mesh(
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
     nodes = [
-        _mark_nodes_in_contact_at_start(one, its) for one, its in zip(faces, earlier, strict=True)
+        _mask_of_nodes_in_contact_at_start(one, its)
+        for one, its in zip(faces, earlier, strict=True)
     ]
     bore = {force.name for its in before or () for force in its.supports if force.push.force > 0}
     first = ContactAtStart(nodes, frozenset(bore))
-    shoes, found = _contact_forces_of_condensed_shoes(brake, faces, ring, first)
+    shoes, found = _loaded_shoes_and_their_contact_forces(brake, faces, ring, first)
     return [
-        solution_from_contact_forces(brake, shoe, one, its)
+        shoe_solution_from_contact_forces(brake, shoe, one, its)
         for shoe, one, its in zip(shoes, faces, found, strict=True)
     ]
 
 
 def _mesh_shoe_graded_to_corners_and_contact_ends(
     brake: Brake, shoe: Shoe, before: ShoeSolution | None, level: TriangleLevel
-) -> Draft:
+) -> DraftShoeMesh:
     """The mesh of a shoe, graded to its corners and to the ends of its contact.
 
     Parameters
@@ -191,7 +193,7 @@ def _mesh_shoe_graded_to_corners_and_contact_ends(
     return make_graded_shoe_mesh(shape, sharp, level, _shortest_wavelength_of_drum(brake))
 
 
-def _contact_forces_of_condensed_shoes(
+def _loaded_shoes_and_their_contact_forces(
     brake: Brake, faces: list[CondensedFace], ring: MeshedBody | None, first: ContactAtStart
 ) -> tuple[list[Shoe], list[ContactForces]]:
     """The shoes of a brake under their actuation forces, and the contact forces of each.
@@ -275,7 +277,7 @@ def _places_where_pressure_is_not_smooth(
     return SingularPlaces((angle - shape.origin) * shape.turn, length * 0.5**most)
 
 
-def _mark_nodes_in_contact_at_start(one: CondensedFace, before: ShoeSolution | None) -> Bools:
+def _mask_of_nodes_in_contact_at_start(one: CondensedFace, before: ShoeSolution | None) -> Bools:
     """Mark the nodes (n,) of a lining's face that are in contact when the contact solver starts.
 
     These are the nodes in contact in the earlier solution `before`, or all nodes if it is None.
@@ -286,7 +288,7 @@ def _mark_nodes_in_contact_at_start(one: CondensedFace, before: ShoeSolution | N
     return np.any(inside, axis=0)
 
 
-def solve_on_triangle_level_sequence(
+def solve_brake_on_sequence_of_triangle_meshes(
     brake: Brake, levels: Sequence[TriangleLevel] = TRIANGLE_LEVELS
 ) -> list[list[ShoeSolution]]:
     """Solve a brake on a sequence of meshes; returns for each mesh the solutions of all shoes.
@@ -304,7 +306,7 @@ def solve_on_triangle_level_sequence(
     for part in FIRST_FRICTION_FRACTIONS:
         with suppress(NoAnswer):
             before = solve_brake_on_one_triangle_mesh(
-                brake.brake_with_scaled_friction(part * brake.friction),
+                brake.brake_with_new_friction_coefficient(part * brake.friction),
                 CONTACT_FINDING_LEVEL,
                 before,
             )

@@ -148,7 +148,7 @@ def contact_equations_on_supports_that_bear(
     )
 
 
-def do_supports_bear_in_triangle_solution(
+def do_supports_bear_as_assumed_in_triangle_solution(
     supports: SupportEquations, bearing: Bearing, f: Floats, s: Floats, y: Floats
 ) -> bool:
     """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.

@@ -118,7 +118,7 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
     if isinstance(shoe.body, Beam):
         return _outline_of_beam_shoe(shoe, R)
     lining, body = shoe.lining, shoe.body
-    layers, thickness = _layers_of_arc_shoe(shoe)
+    layers, thickness = _layers_and_thicknesses_of_arc_shoe(shoe)
     plates = 0 if body is None else len(body.plates)
     before_body = len(layers) - plates
     held = loaded = grip = None
@@ -137,7 +137,7 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
             s += grip
             corners += [(end, float(len(layers))) for end in grip]
     return Outline(
-        place=_point_map_of_arc_shoe(shoe, R, thickness),
+        place=_function_from_coordinates_to_arc_shoe_points(shoe, R, thickness),
         layers=layers,
         thickness=np.array(thickness),
         s=_sorted_distinct_values(s),
@@ -159,7 +159,7 @@ def _points_at_all_pairs_of_coordinates(
     return [(along, float(across)) for along, across in product(s, d)]
 
 
-def _layers_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
+def _layers_and_thicknesses_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
     """The layers of a shoe on an arc, counted from the lining's face, and their thicknesses [m].
 
     Lining and backing come first, then the plates of the shoe's body; s is the angle theta.
@@ -204,7 +204,9 @@ def _angles_of_gripped_part_of_arc_shoe(shoe: Shoe, R: float) -> tuple[float, fl
     return first, last
 
 
-def _point_map_of_arc_shoe(shoe: Shoe, R: float, thickness: Sequence[float]) -> PointMap:
+def _function_from_coordinates_to_arc_shoe_points(
+    shoe: Shoe, R: float, thickness: Sequence[float]
+) -> PointMap:
     """The function from angles and layer coordinates to points of a shoe on an arc.
 
     Parameters
@@ -288,7 +290,7 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
         (s, d) for s in (low, high) for d in (2.0, 3.0)
     ]
     return Outline(
-        place=_point_map_of_beam_shoe(size, R),
+        place=_function_from_coordinates_to_beam_shoe_points(size, R),
         layers=layers,
         thickness=np.array([size.lining, size.smallest_block_thickness, size.beam]),
         s=_sorted_distinct_values([low, *ends, high]),
@@ -314,11 +316,11 @@ def _dimensions_of_beam_shoe(shoe: Shoe, R: float, section: Section) -> _BeamSho
     )
 
 
-def _point_map_of_beam_shoe(size: _BeamShoeDimensions, R: float) -> PointMap:
+def _function_from_coordinates_to_beam_shoe_points(size: _BeamShoeDimensions, R: float) -> PointMap:
     """The function from coordinates (s, d) to points of a beam shoe, with drum radius R [m]."""
     axis = size.axis
 
-    def points_of_beam_shoe(s: Floats, d: Floats) -> Floats:
+    def beam_shoe_points_at_angles_and_layer_coordinates(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of lining (d < 1), block (d < 2) and beam, in the brake's frame."""
         inside = np.clip(s, size.first, size.last)
         along = axis.foot + size.back * (np.sin(inside) + (s - inside))
@@ -329,7 +331,7 @@ def _point_map_of_beam_shoe(size: _BeamShoeDimensions, R: float) -> PointMap:
         y = np.where(d >= 2, size.distance_of_beam_face_from_axis - (d - 2) * size.beam, y)
         return axis.convert_beam_coordinates_to_brake_points(x, y)
 
-    return points_of_beam_shoe
+    return beam_shoe_points_at_angles_and_layer_coordinates
 
 
 def _sorted_distinct_values(values: Sequence[float]) -> Floats:
@@ -395,18 +397,20 @@ def _grid_lines_across_layers(shape: Outline, size: float, least: float) -> list
     for j, t in enumerate(shape.thickness.tolist()):
         coarsest = t * (1.0 if j == 0 else 0.5) * min(1.0, 1.25 * size)
 
-        def grid_step_across_layer(x: float, t: float = t, coarsest: float = coarsest) -> float:
+        def relative_grid_step_across_layer(
+            x: float, t: float = t, coarsest: float = coarsest
+        ) -> float:
             """Distance of grid lines, divided by the layer's thickness t, at the depth x t."""
             return min(coarsest / t, least / t + min(x, 1 - x))
 
         across = coordinates_with_position_dependent_spacing(
-            np.array([0.0, 1.0]), grid_step_across_layer
+            np.array([0.0, 1.0]), relative_grid_step_across_layer
         )
         d.append(j + across)
     return d
 
 
-class Draft(NamedTuple):
+class DraftShoeMesh(NamedTuple):
     """A shoe's mesh of triangles with corners only, before nodes on edges and inside are added.
 
     Attributes
@@ -425,7 +429,7 @@ class Draft(NamedTuple):
 
 def make_graded_shoe_mesh(
     shape: Outline, sharp: SingularPlaces, level: TriangleLevel, wavelength: float
-) -> Draft:
+) -> DraftShoeMesh:
     """Mesh a shoe by triangles that shrink towards its corners and the places `sharp` on its face.
 
     Parameters
@@ -446,7 +450,7 @@ def make_graded_shoe_mesh(
         ]
     )
     at = shape.place(points[:, 0], points[:, 1])
-    return Draft(
+    return DraftShoeMesh(
         shape,
         s,
         sharp,

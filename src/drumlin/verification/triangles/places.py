@@ -24,7 +24,7 @@ another shoe.
 """
 
 
-class _Points(NamedTuple):
+class _TriangleQuadraturePoints(NamedTuple):
     """The quadrature points of all triangles of a shoe.
 
     Attributes
@@ -51,19 +51,19 @@ def nodal_forces_of_loads_besides_actuation(body: "MeshedBody", shoe: Shoe) -> F
         density += _force_density_of_force_at_body_point(body, points, shoe, force, np.zeros(3))
     if shoe.mass is not None:
         density += _force_density_on_mass(body, points, shoe)
-    values, _, _ = lagrange.triangle_shape_functions(body.degree)
+    values, _, _ = lagrange.triangle_shape_functions_gradients_and_weights(body.degree)
     forces = np.zeros_like(body.nodes.xy)
     np.add.at(forces, body.nodes.of, np.einsum("nq,mqc,mq->mnc", values, density, points.area))
     return forces.ravel()
 
 
-def _quadrature_points_of_triangles(body: "MeshedBody") -> _Points:
+def _quadrature_points_of_triangles(body: "MeshedBody") -> _TriangleQuadraturePoints:
     """The quadrature points of all triangles of a meshed shoe."""
-    values, slopes, weights = lagrange.triangle_shape_functions(body.degree)
+    values, slopes, weights = lagrange.triangle_shape_functions_gradients_and_weights(body.degree)
     x = body.nodes.xy[body.nodes.of]
     J = np.einsum("mnc,ndq->mqcd", x, slopes)
     widths = np.array([layer.elastic.width for layer in body.shape.layers])
-    return _Points(
+    return _TriangleQuadraturePoints(
         xy=np.einsum("mnc,nq->mqc", x, values),
         s=np.einsum("mn,nq->mq", body.nodes.at[body.nodes.of, 0], values),
         area=np.abs(np.linalg.det(J)) * weights,
@@ -73,7 +73,11 @@ def _quadrature_points_of_triangles(body: "MeshedBody") -> _Points:
 
 
 def _force_density_of_force_at_body_point(
-    body: "MeshedBody", points: _Points, shoe: Shoe, force: ForceAtPoint, more: Floats
+    body: "MeshedBody",
+    points: _TriangleQuadraturePoints,
+    shoe: Shoe,
+    force: ForceAtPoint,
+    more: Floats,
 ) -> Floats:
     """The force density (m, q, 2) [N/m^2] of a force at a point of the body.
 
@@ -113,7 +117,9 @@ def _force_density_of_force_at_body_point(
     return np.einsum("i,icmq,mq->mqc", factors, motions, bell)
 
 
-def _force_density_on_mass(body: "MeshedBody", points: _Points, shoe: Shoe) -> Floats:
+def _force_density_on_mass(
+    body: "MeshedBody", points: _TriangleQuadraturePoints, shoe: Shoe
+) -> Floats:
     """The force density (m, q, 2) [N/m^2] of gravity and rotation on the mass of a shoe."""
     assert shoe.mass is not None
     loads, mass, centre = shoe.loads_of_brake, shoe.mass.mass, shoe.mass.point.xy

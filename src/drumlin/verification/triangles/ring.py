@@ -18,11 +18,11 @@ from drumlin.verification.triangles.contact import CondensedRing
 from drumlin.verification.triangles.face import (
     CondensedFace,
     MeshedBody,
-    gauss_rule_on_curved_edges,
+    gauss_points_lengths_and_shape_functions_on_curved_edges,
     node_numbers_along_edges,
     triangle_body_with_nodes_and_stiffness,
 )
-from drumlin.verification.triangles.outline import Draft, Outline, TriangleLevel
+from drumlin.verification.triangles.outline import DraftShoeMesh, Outline, TriangleLevel
 from drumlin.verification.triangles.triangulation import (
     TriangleLayer,
     Triangles,
@@ -63,8 +63,8 @@ class _LiningOnRing(NamedTuple):
         return np.sort((theta + self.whole_turns - self.origin) * self.turn)
 
 
-def mesh_drum_ring_to_match_shoe_meshes(
-    brake: Brake, drafts: list[Draft], level: TriangleLevel
+def mesh_drum_ring_and_refine_shoe_meshes_to_match(
+    brake: Brake, drafts: list[DraftShoeMesh], level: TriangleLevel
 ) -> tuple[list[Triangles], MeshedBody]:
     """Mesh the drum ring, and refine the shoes' meshes so that nodes of both lie opposite.
 
@@ -76,15 +76,17 @@ def mesh_drum_ring_to_match_shoe_meshes(
         raise BadInput("its ring has no section to mesh")
     if any(shoe.sign != brake.shoes[0].sign for shoe in brake.shoes):
         raise BadInput("shoes inside and outside of one ring")
-    linings = _linings_on_one_turn_of_ring(brake, drafts)
-    shape, mesh = _ring_mesh_graded_to_linings(brake, section, drafts, linings, level)
+    linings = _positions_of_linings_on_one_turn_of_ring(brake, drafts)
+    shape, mesh = _ring_outline_and_mesh_graded_to_linings(brake, section, drafts, linings, level)
     mesh, meshes = _halve_edges_of_ring_and_linings_until_ends_match(
         mesh, [one.mesh for one in drafts], linings
     )
     return meshes, triangle_body_with_nodes_and_stiffness(shape, mesh, level.degree)
 
 
-def _linings_on_one_turn_of_ring(brake: Brake, drafts: list[Draft]) -> list[_LiningOnRing]:
+def _positions_of_linings_on_one_turn_of_ring(
+    brake: Brake, drafts: list[DraftShoeMesh]
+) -> list[_LiningOnRing]:
     """Where each lining lies on the ring, with all linings on one turn."""
     first = min(shoe.lining.start for shoe in brake.shoes)
     return [
@@ -97,10 +99,10 @@ def _linings_on_one_turn_of_ring(brake: Brake, drafts: list[Draft]) -> list[_Lin
     ]
 
 
-def _ring_mesh_graded_to_linings(
+def _ring_outline_and_mesh_graded_to_linings(
     brake: Brake,
     section: Section,
-    drafts: list[Draft],
+    drafts: list[DraftShoeMesh],
     linings: list[_LiningOnRing],
     level: TriangleLevel,
 ) -> tuple[Outline, Triangles]:
@@ -122,7 +124,9 @@ def _ring_mesh_graded_to_linings(
     least = min(
         *(one.shape.triangle_length_before_first_halving for one in drafts), section.thickness
     )
-    s, d = _grid_line_coordinates_of_first_ring_mesh(under, section, brake.size, least, level.size)
+    s, d = _grid_line_angles_and_depths_of_first_ring_mesh(
+        under, section, brake.size, least, level.size
+    )
     shape = _ring_outline(brake, section, s[[0, -1]])
     ends = np.concatenate([_ring_angles_of_lining_ends(lining, one) for lining, one in pairs])
     sharp = np.concatenate(
@@ -142,7 +146,7 @@ def _ring_mesh_graded_to_linings(
     return shape, mesh
 
 
-def _ring_angles_of_lining_ends(lining: _LiningOnRing, draft: Draft) -> Floats:
+def _ring_angles_of_lining_ends(lining: _LiningOnRing, draft: DraftShoeMesh) -> Floats:
     """Angles [rad] on the ring of the ends of a shoe's linings, those at slots included."""
     face = draft.shape.layers[0]
     return lining.ring_angles_at_face_coordinates(
@@ -150,7 +154,7 @@ def _ring_angles_of_lining_ends(lining: _LiningOnRing, draft: Draft) -> Floats:
     )
 
 
-def _ring_angles_of_lining_grid_lines(lining: _LiningOnRing, draft: Draft) -> Floats:
+def _ring_angles_of_lining_grid_lines(lining: _LiningOnRing, draft: DraftShoeMesh) -> Floats:
     """Angles [rad], growing, of a lining's grid lines, which the ring's mesh has as well."""
     face = draft.shape.layers[0]
     within = (draft.s > face.start - ANGLE_SLACK) & (draft.s < face.end + ANGLE_SLACK)
@@ -220,7 +224,7 @@ def _halve_edges_of_ring_and_linings_until_ends_match(
     raise AssertionError("ring and linings do not match")
 
 
-def _grid_line_coordinates_of_first_ring_mesh(
+def _grid_line_angles_and_depths_of_first_ring_mesh(
     under: list[Floats], section: Section, R: float, least: float, size: float
 ) -> tuple[Floats, Floats]:
     """Grid lines of the ring's first mesh: angles [rad] along it, coordinates d in [0, 1] across.
@@ -264,7 +268,7 @@ def condense_ring_to_lining_nodes(
     forces. The mean motion of a free rim is zero.
     """
     nodes = ring.nodes
-    chosen, of = _ring_nodes_opposite_linings(brake, ring, faces)
+    chosen, of = _ring_nodes_opposite_linings_and_their_positions(brake, ring, faces)
     outer = np.flatnonzero(nodes.at[:, 1] > 1 - ANGLE_SLACK)
     held = np.zeros((len(nodes.xy), 2), dtype=bool)
     assert brake.ring is not None
@@ -298,7 +302,9 @@ def _nodal_forces_of_rigid_mode_tractions_on_rim(ring: MeshedBody) -> Floats:
     on = ring.mesh.at[..., 1] > 1 - ANGLE_SLACK
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
     edges = node_numbers_along_edges(nodes, tri, edge, ring.degree)
-    psi, x, ds = gauss_rule_on_curved_edges(nodes.xy[edges], ring.degree)
+    psi, x, ds = gauss_points_lengths_and_shape_functions_on_curved_edges(
+        nodes.xy[edges], ring.degree
+    )
     modes = _displacements_of_points_by_rigid_motions(x)
     spread = np.zeros((len(nodes.xy), 2, 3))
     np.add.at(spread, edges, np.einsum("aq,kqcl,kq->kacl", psi, modes, ds / ds.sum()))
@@ -317,7 +323,7 @@ def _displacements_of_points_by_rigid_motions(xy: Floats) -> Floats:
     )
 
 
-def _ring_nodes_opposite_linings(
+def _ring_nodes_opposite_linings_and_their_positions(
     brake: Brake, ring: MeshedBody, faces: list[CondensedFace]
 ) -> tuple[Ints, list[Ints]]:
     """The ring's nodes that lie opposite the nodes of the linings' faces.

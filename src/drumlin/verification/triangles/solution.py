@@ -14,7 +14,7 @@ from drumlin.verification.triangles.face import (
     FACE_GAUSS,
     FACE_WEIGHTS,
     CondensedFace,
-    edge_shape_functions,
+    edge_shape_function_values_and_derivatives,
 )
 
 SLOT_EDGE = 1e-12
@@ -82,7 +82,7 @@ class ShoeSolution:
         return np.where((at >= ends[0]) & (at <= ends[-1]), value, 0.0)
 
 
-def solution_from_contact_forces(
+def shoe_solution_from_contact_forces(
     brake: Brake, shoe: Shoe, one: CondensedFace, found: ContactForces
 ) -> ShoeSolution:
     """The solution of a shoe, computed from its nodal contact forces.
@@ -171,7 +171,7 @@ def _angle_at_which_contact_arc_begins(theta: Floats, p: Floats, node: int, degr
     far = near + degree
     if far >= len(theta):
         return float(theta[node])
-    psi, _ = edge_shape_functions(degree, 0.5 + 0.5 * FACE_GAUSS)
+    psi, _ = edge_shape_function_values_and_derivatives(degree, 0.5 + 0.5 * FACE_GAUSS)
     weight = psi @ (0.5 * FACE_WEIGHTS)
     # F are the forces per width [N/m] from the beginning of the contact up to the nodes near and
     # far.

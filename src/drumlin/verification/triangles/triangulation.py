@@ -113,7 +113,7 @@ def triangulate_grid_of_layered_body(
     there = reaches[layer, np.arange(len(layer))]
     i, j, layer = i[there], j[there], layer[there]
 
-    def numbers_and_coordinates_of_corner(a: int, b: int) -> tuple[Ints, Floats]:
+    def node_numbers_and_coordinates_of_cell_corners(a: int, b: int) -> tuple[Ints, Floats]:
         """Numbers (n,) and coordinates s, d (n, 2) of the corner (i + a, j + b) of all cells."""
         at = np.stack([s[i + a], depths[j + b]], axis=1)
         return ((i + a) % count) * len(depths) + j + b, at
@@ -121,10 +121,10 @@ def triangulate_grid_of_layered_body(
     # Neighbouring cells are cut along opposite diagonals, so that the mesh prefers no direction.
     flip = (i + j) % 2 == 1
     quads = [
-        numbers_and_coordinates_of_corner(0, 0),
-        numbers_and_coordinates_of_corner(1, 0),
-        numbers_and_coordinates_of_corner(1, 1),
-        numbers_and_coordinates_of_corner(0, 1),
+        node_numbers_and_coordinates_of_cell_corners(0, 0),
+        node_numbers_and_coordinates_of_cell_corners(1, 0),
+        node_numbers_and_coordinates_of_cell_corners(1, 1),
+        node_numbers_and_coordinates_of_cell_corners(0, 1),
     ]
     numbers = np.stack([number for number, _ in quads], axis=1)
     places = np.stack([at for _, at in quads], axis=1)
