@@ -60,9 +60,9 @@ If the torque crosses the wanted torque twice between two neighbours, this is no
 take more time.
 """
 BORDER_TRIALS = 16
-"""Number of bisections that locate where the answers of a range end, as at self-locking.
+"""Number of bisections that find the value of the key at which answers end, as at self-locking.
 
-The border is then known to 1e-5 of the distance between two of the first trials.
+This value is then known to 1e-5 of the distance between two of the first trials.
 """
 SLOPE_STEP = 1e-2
 """Change of the key's value between two solves that give the slope of torque or peak pressure.
@@ -87,8 +87,8 @@ The search ends when the quantity differs from its wanted value by less than thi
 NEAR_TRIALS = 12
 """Largest number of trials, from the file's value on, until two enclose the wanted quantity.
 
-Most questions take two to four. If these trials do not enclose it, the whole range is tried, which
-takes more time.
+Most questions take two to four trials. If these trials do not enclose the wanted quantity, the
+whole range is tried, which takes more time.
 """
 JUMP_OF_QUANTITY = 1e-9
 """Relative difference from the wanted value above which a quantity counts as discontinuous there.
@@ -220,7 +220,7 @@ class Question:
         return model_with_name_that_applies_to_brake(self.model, varied).solve(varied, **options)
 
     def solve_trial_at_key_value(self, value: float) -> Trial:
-        """Solve the brake with a value of the key; without an answer the trial has a failure."""
+        """Solve the brake with a value of the key; the trial has an answer or a `failure`."""
         try:
             response = self.solve(value)
         except (BadInput, NoAnswer) as error:
@@ -423,8 +423,8 @@ def _find_trials_that_cross_wanted_value(
     """Yield the trials at which a quantity crosses a wanted value."""
     for before, after in pairwise(trials):
         off = [getattr(trial, name) - wanted for trial in (before, after)]
-        # A trial with exactly the wanted value ends one interval and begins the next; it counts
-        # where it begins one.
+        # A trial with exactly the wanted value ends one interval and begins the next. It is yielded
+        # once, at the beginning of an interval.
         if off[0] == 0 or off[0] * off[1] < 0:
             yield _find_trial_with_wanted_value_between_two_trials(
                 question, [before, after], name, wanted

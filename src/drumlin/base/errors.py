@@ -99,7 +99,7 @@ class LostDigits(NoAnswer):
 class Stopped(BaseException):
     """The exception for a signal of the operating system that asks the process to end.
 
-    It is an exception so that a half-written file is deleted on the way. It derives from
+    As an exception it lets `finally` blocks delete half-written files. It derives from
     BaseException: code that handles ordinary exceptions (`except Exception`) must not catch it.
     """
 

@@ -33,7 +33,7 @@ LARGEST_LINE = 2**26
 """Longest line of a journal [bytes]; a longer line counts as damaged.
 
 The line of a case has some 100 bytes, and a line with the reference values of a study some 100 000.
-If the first line of a file is damaged, undamaged lines are searched in as many bytes.
+If the first line of a file is unknown, undamaged lines are searched in its first 2**26 bytes.
 """
 HEAD = b'{"stamp": "'
 """The beginning of a journal's first line. The stamp follows: a checksum of drumlin's source."""

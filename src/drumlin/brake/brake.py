@@ -105,7 +105,7 @@ class Shoe(Meshed):
     def sign(self) -> int:
         """+1 for an internal shoe and a shoe on a plane, -1 for an external shoe.
 
-        It is the sign of the radial component of the lining's normal towards the drum.
+        On a drum it is the sign of the radial component of the lining's normal towards the drum.
         """
         return 1 if self.side == "internal" else -1
 
@@ -205,12 +205,15 @@ class Shoe(Meshed):
     def surface_coordinate_of_point(self, point: Point) -> float:
         """Coordinate q of a point along the surface (theta on a drum, x on a plane).
 
-        Of the angles that differ by whole turns it is the nearest to the lining's middle.
+        On a drum whole turns are added to bring the angle nearest to the lining's middle.
         """
 
     @abstractmethod
     def length_along_shoe_back_per_unit_of_phi(self, size: float) -> float:
-        """Length [m] along the back of the shoe's body per unit of phi; on a drum its radius."""
+        """Length [m] along the back of the shoe's body per unit of phi.
+
+        On a drum it is the radius of this back. `size` is the size of the brake [m].
+        """
 
     @property
     @abstractmethod
@@ -547,7 +550,7 @@ class Brake(Part):
     def brake_with_new_friction_coefficient(self, friction: float) -> Self:
         """A copy of the brake with the friction coefficient `friction`.
 
-        The friction coefficients that linings have of their own change in proportion.
+        Linings with their own friction coefficients keep the ratio of these to the brake's.
         """
         if self.first_key_that_gives_lining_its_own_friction() is None:
             return self.model_copy(update={"friction_as_written": friction})

@@ -79,7 +79,8 @@ def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
 def coordinates_of_gap_kinks(lining: Lining) -> list[float]:
     """Coordinates along the surface (angles on a drum) at which a lining's gap is not smooth.
 
-    They are the rows of its clearance table and the ends of the rounded steps between its blocks.
+    It is not smooth at the rows of a clearance table, and where the rounded steps between blocks
+    begin and end.
     """
     return [
         *coordinates_of_clearance_table_rows(lining),
@@ -127,7 +128,7 @@ def clearance_slope_change_at_each_table_row(lining: Lining) -> Floats:
 
 
 def _clearance_table_rows_and_slope_changes(lining: Lining) -> list[tuple[float, float]]:
-    """Pairs of the coordinate of a clearance table's row and the change of the gap's slope there.
+    """For each row of a lining's clearance table its coordinate and the change of slope there.
 
     See `coordinates_of_clearance_table_rows` and `clearance_slope_change_at_each_table_row`.
     """
@@ -195,8 +196,8 @@ def point_coordinate_changes_per_metre_along_hinge_radius(
 ) -> dict[str, float]:
     """Changes of x and y of a point that moves by 1 m along the line from drum centre to hinge.
 
-    They are by their keys in the brake file. The point is a datum of the shoe with this index,
-    under the key `key`, such as "lining.misfit.offset". The hinge belongs to the same shoe.
+    The result has them by their keys in the brake file. The point is a datum of the shoe with this
+    index, under the key `key`, such as "lining.misfit.offset". The hinge is that of the same shoe.
     """
     hinge = brake.shoes[index].pin
     # The two values are the components of the unit vector from the drum's centre to the hinge.

@@ -550,7 +550,7 @@ class DrumLiningRow(Lining):
 
     @property
     def friction(self) -> float | FrictionTable | None:
-        """Friction coefficient of all linings, or its table; None if they have the brake's."""
+        """Friction coefficient of all linings, or a table; None stands for the brake's friction."""
         return self.parts[0].friction
 
     @property

@@ -332,7 +332,8 @@ def _actuation_of_shoe_pushed_by_strut(
             f"{key}.from = {link.source!r}: a strut pushes along its line; "
             "leave out abutment.friction"
         )
-    # The file must name the strut that pushes a shoe before the strut that the shoe pushes.
+    # The file names the struts of a chain in order. The shoe that this strut pushes must therefore
+    # not push a strut that the file has named before.
     if link.to == link.source or any(other.source == link.to for other in before):
         raise ValueError(
             f"{key}.to = {link.to!r}: must be a shoe that does not push another in a link before; "
@@ -342,7 +343,7 @@ def _actuation_of_shoe_pushed_by_strut(
         raise ValueError(f"{key}.to = {link.to!r}: is pushed by two struts")
     if any(other.source == link.source for other in before):
         raise ValueError(f"{key}.from = {link.source!r}: bears on two struts")
-    # The strut's force on the pushed shoe is opposite to its force on the abutment of the other.
+    # The strut's force on the pushed shoe is opposite to its force on the other shoe's abutment.
     return Actuation(
         force=0.0, direction=source.abutment.direction + math.pi, point=source.abutment.point
     )

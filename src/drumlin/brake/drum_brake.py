@@ -163,7 +163,7 @@ class DrumBrake(Brake):
     def sliding_speed(self) -> float | None:
         """Speed [m/s] at which the drum slides over the linings; None if no speed is given.
 
-        Shoes may turn about the drum's centre, in the sense of the drum.
+        Shoes may turn about the drum's centre too, in the sense of the drum (centrifugal clutch).
         """
         if self.drum.speed is None and self.shoe_speed is None:
             return None

@@ -200,10 +200,9 @@ class Material(Part):
 
     @property
     def young_modulus_of_equivalent_half_plane(self) -> float:
-        """Young's modulus [Pa] of this material.
+        """Young's modulus [Pa] of an isotropic half-plane whose surface deflects as this material.
 
-        An `Orthotropic` material has here the modulus of the isotropic half-plane whose surface
-        deflects as much.
+        For an isotropic material it is E.
         """
         return self.E
 
@@ -216,7 +215,7 @@ class Material(Part):
 PoissonRatio = Annotated[float, Field(strict=True), PURE_NUMBER]
 """The type of a Poisson's ratio; its bounds depend on the other constants of the material."""
 ACROSS = ("E_across", "G_along_across", "G_through_across", "nu_along_across", "nu_through_across")
-"""Constants of an orthotropic material normal to the brake's plane, for three dimensions only."""
+"""Constants of an orthotropic material across the brake's plane, which only solids need."""
 
 DEFINITE_WITHIN = 1e-12
 """Smallest allowed determinant of the scaled compliance matrix of an orthotropic material.

@@ -26,7 +26,7 @@ POLAR_UNITS = {"radius": "m", "angle": "rad"}
 """The keys of a point in polar coordinates, in a file, with their SI units."""
 
 LARGEST_BRAKE_FILE = 500_000
-"""Largest size of a brake file [bytes]; a larger file is refused. Usual files have some 1000."""
+"""Largest size of a brake file [bytes]; a larger file is refused. Usual files have 1000 bytes."""
 
 FAULT_TEXTS = {
     "tuple_type": "must be tables, each under [[{key}]]",
@@ -170,7 +170,7 @@ def _hint_about_toml_error(text: str, error: Exception) -> str:
 
 
 def read_data_of_brake_file(path: Path) -> dict[str, Any]:
-    """Read a brake file into nested data; raises BadInput if that fails or it is not TOML."""
+    """Read a brake file into nested data; raises BadInput if it cannot be read or is not TOML."""
     return parse_text_of_brake_file(read_text_of_brake_file(path), path)
 
 
@@ -268,12 +268,12 @@ def parts_and_field_name_of_brake_key(brake: Part, key: str) -> tuple[list[Part]
         if _is_key_word_an_index(step):
             found = found[int(step) : int(step) + 1]
             continue
-        # The name of a shoe leads to this shoe, unless it is a key of the shoes.
+        # A word that is the name of a shoe means this shoe, unless shoes have a key of this name.
         named = [part for part in found if _is_key_word_name_of_part(part, step)]
         if named:
             found = named
             continue
-        # A key leads from each part to one part below it, or to several, such as all shoes.
+        # A key leads from each part to a part within it, or to several parts, such as all shoes.
         below: list[Part] = []
         for part in found:
             value = getattr(part, _field_name_of_brake_file_key(part, step, key))

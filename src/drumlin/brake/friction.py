@@ -134,8 +134,8 @@ class FrictionTable(Part):
         rows = dict(zip(zip(*self.columns.values(), strict=True), self.mu, strict=True))
         grid = np.array([rows[row] for row in product(*places)]).reshape(list(map(len, places)))
         at = {"speed": speed, "temperature_rise": temperature_rise}
-        # The columns are removed from the last to the first by interpolation. The pressure, the
-        # first column, is left.
+        # The table is interpolated in one column after the other, from the last column on. The
+        # first column, the pressure, is left.
         for key, values in reversed(list(zip(self.columns, places, strict=True))):
             if key in at:
                 grid = np.apply_along_axis(partial(np.interp, at[key], values), -1, grid)
@@ -222,7 +222,7 @@ def friction_tables_by_brake_file_key(brake: "Brake") -> dict[str, FrictionTable
 
 
 def first_key_of_pressure_dependent_friction(brake: "Brake") -> str | None:
-    """The first key by which friction depends on the pressure; None if it does not."""
+    """The first key by which friction depends on the pressure; None if no friction does."""
     for key, table in friction_tables_by_brake_file_key(brake).items():
         if table.pressure:
             return f"{key}.pressure"
@@ -246,9 +246,10 @@ def require_friction_independent_of_pressure(brake: "Brake", what: str) -> None:
 
 
 def check_friction_tables_have_sliding_speed(brake: "Brake", key: str, given: bool) -> None:
-    """Raise ValueError unless the sliding speed is given exactly if a friction table needs it.
+    """Raise ValueError if a friction table needs a sliding speed that is not given, or vice versa.
 
-    `key` is the key of the speed in the brake file, and `given` whether the file has this key.
+    A speed that no table uses is an error as well. `key` is the key of the speed in the brake file,
+    and `given` whether the file has this key.
     """
     over_speed = [
         name for name, table in friction_tables_by_brake_file_key(brake).items() if table.speed

@@ -293,7 +293,7 @@ def reason_if_loads_besides_actuation_act(brake: Any, what: str) -> str | None:
 
 
 def first_key_of_loads_besides_actuation(brake: Any) -> str | None:
-    """The first key of the brake file that gives a load besides the actuation; None if no key."""
+    """The first key of the brake file with a load besides the actuation; None if there is none."""
     for i, shoe in enumerate(brake.shoes):
         if shoe.forces:
             return f"shoe[{i}].force"

@@ -82,7 +82,7 @@ def radial_deviation_of_drum(harmonics: Sequence[Lobes], angle: float, theta: Fl
     angle : angular position of the drum [rad]
     theta : angles [rad]
     """
-    # The deviation is constant over these angles, which count from a mark on the turning drum.
+    # `at` are the angles from a mark on the drum; the harmonics turn with this mark.
     at = np.asarray(theta) - angle
     lobes = (part.amplitude * np.cos(part.order * (at - part.phase)) for part in harmonics)
     return np.sum([np.zeros(at.shape), *lobes], axis=0)

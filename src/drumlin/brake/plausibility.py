@@ -34,7 +34,7 @@ THIN = 1e-4
 The thicknesses of random brakes are at least 0.001 of the size.
 """
 DRUM_RADII = (1e-3, 30.0)
-"""A note questions the unit of a drum's radius [m] below the first or above the second value.
+"""A note questions the unit of a drum's radius [m] outside these two limits.
 
 Drums have radii of some 20 mm to 5 m.
 """
@@ -75,7 +75,7 @@ Steel has 1.2e-5 1/K, rubber 2e-4 1/K. A coefficient in 1e-6/K that was written 
 times too large.
 """
 CYLINDER_PRESSURES = (1e4, 1e9)
-"""A note questions the unit of a wheel cylinder's pressure [Pa] beyond these two values.
+"""A note questions the unit of a wheel cylinder's pressure [Pa] outside these two limits.
 
 Wheel cylinders have some 1 to 20 MPa, and vacuum brakes 5e4 Pa.
 """
@@ -253,7 +253,10 @@ def _text_of_length_with_unit_that_may_be_meant(length: float, *, small: bool) -
 
 
 def _notes_on_unusual_length(value: _Quantity, brake: Brake, size: float) -> Iterator[str]:
-    """Yield a note on a width, thickness, grip or diameter that is unlike the brake's size [m]."""
+    """Yield a note on a width, thickness, grip or diameter too small or large for the brake.
+
+    `size` is the drum's radius [m], or on a plane the length of the longest lining.
+    """
     least = {"thickness": THIN, "width": NARROW, "grip": THIN, "diameter": NARROW}.get(value.name)
     if least is None or value.unit != "m":
         return
@@ -295,7 +298,7 @@ def _note_if_angle_has_many_turns(key: str, angle: float) -> Iterator[str]:
 
 
 def _notes_on_unit_of_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
-    """Yield a note on a modulus or pressure that was probably given in N/m^2 in place of N/mm^2."""
+    """Yield a note on a modulus or pressure if N/m^2 and N/mm^2 were probably confused."""
     if value.unit != "Pa":
         return
     low, high = CYLINDER_PRESSURES

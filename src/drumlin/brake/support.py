@@ -104,7 +104,7 @@ class Freedoms(NamedTuple):
 
     Attributes
     ----------
-    motions : (k, 3), dx, dy and turn of each mode, with the amount 1 rad or 1 m
+    motions : (k, 3), dx, dy and turn of each mode, for a turn by 1 rad or a slide by 1 m
     tests : (k, 3), dx, dy and turn of the test modes, on which the support reactions do no work
     work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
     further_work : (k,), work of all loads besides the actuation on each test mode [N m or N]
@@ -137,7 +137,7 @@ def rigid_body_motion_of_unit_translation(angle: float) -> Floats:
 
 
 def work_of_force_in_rigid_body_motions(motions: Floats, force: Floats, point: Floats) -> Floats:
-    """Work (k,) that a force (2,) [N] at a point (2,) [m] does on k rigid-body motions (k, 3)."""
+    """Work (k,) that a force (2,) [N] at a point (2,) [m] does in k rigid-body motions (k, 3)."""
     (x, y), (fx, fy) = point, force
     return motions @ np.array([fx, fy, x * fy - y * fx])
 
@@ -245,10 +245,10 @@ class Held(Part):
 
     @property
     def pin(self) -> Point:
-        """The reference point of the shoe, from which its moments and angles count.
+        """The point about which moments of the shoe are taken, and from which its angles count.
 
-        It is the hinge, the foot on an abutment, the point on the first anchor, or the point of
-        actuation of a guided shoe.
+        It is the hinge, the point of the abutment, the point of the first anchor, or for a guided
+        shoe the point of the actuation.
         """
         if self.hinge is not None:
             return self.hinge
@@ -411,8 +411,8 @@ class Held(Part):
         ----------
         sense : sense of the friction of an abutment on the foot. It is +1 in the direction of the
             face's normal turned by +90 deg, -1 in the opposite direction, and 0 if the foot sticks.
-            With UNHELD the abutment is left out: the foot may slide and leave the face. Other
-            supports ignore it. A shoe on anchors has all three modes: its supports are
+            With UNHELD the abutment is left out: the foot may slide and leave the face. For other
+            supports the sense has no effect. A shoe on anchors has three modes: its supports are
             inequalities, see `one_sided.OneSidedSupport`.
         """
         at = self.actuation.point.xy
@@ -470,8 +470,8 @@ class Held(Part):
     ) -> dict[str, tuple[SupportChange, ...]]:
         """Exact derivatives of the rigid-body modes with respect to the data of the support.
 
-        The result has a tuple by the key of each datum: the derivatives by x and y [per m] for a
-        point, or the one derivative [per rad] for a direction or by a friction coefficient. `sense`
+        The result has a tuple by the key of each datum: two derivatives, by x and y [per m], for a
+        point; one derivative [per rad] for a direction, and one for a friction coefficient. `sense`
         is the sense of the friction, as in `rigid_body_modes_of_support`.
         """
         k = len(self.rigid_body_modes_of_support(sense).names)

@@ -151,7 +151,7 @@ class _Matrices(NamedTuple):
 def _equilibrium_matrices_of_shoes_on_arcs(
     brake: Brake, on: _ShoesOnAnchors, arcs: list[Arcs]
 ) -> _Matrices:
-    """The matrices N and F of shoes whose linings touch on given arcs."""
+    """The matrices N and F of shoes whose linings touch drum or plane on the given arcs."""
     found = []
     for k, i in enumerate(on.members):
         width = on.stiffness[k] * brake.shoes[i].lining.width

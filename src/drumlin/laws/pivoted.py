@@ -67,7 +67,7 @@ class _MatricesOfMoments(NamedTuple):
 def _matrices_of_normal_and_friction_moments(
     arc: Layout, x: Values, y: Values
 ) -> _MatricesOfMoments:
-    """Matrices of the moments M_N of pressure and M_F of friction, for M_N - dD mu M_F.
+    """The matrices M_N of pressure and M_F of friction in the equilibrium matrix M_N - dD mu M_F.
 
     The pivot is at x, y [m] in the shoe's frame, and the lever's pin at (a, 0).
     """
