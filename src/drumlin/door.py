@@ -440,9 +440,9 @@ def sweep(
         all keys, "random" to draw all values at random
     cases : number of random draws; None if no value is drawn
     seed : number that determines the random draws
-    certify : which cases are solved on all levels and state the errors of the others: "every case",
-        "every 10th" or another number, or the number of cases to draw. A sweep file says itself
-        what `model`, `combine`, `cases`, `seed` and `certify` are
+    certify : which cases are solved on all levels of refinement, from which the errors of the other
+        cases follow: "every case", "every 10th" or another number, or the number of cases to draw.
+        A sweep file says itself what `model`, `combine`, `cases`, `seed` and `certify` are
     jobs : number of processes that solve in parallel; None for one on each core. A script that
         asks for more than one must call this function below `if __name__ == "__main__":`, since
         each process reads the script again. A law of your own is solved with jobs=1

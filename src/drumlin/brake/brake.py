@@ -550,7 +550,8 @@ class Brake(Part):
     def brake_with_new_friction_coefficient(self, friction: float) -> Self:
         """A copy of the brake with the friction coefficient `friction`.
 
-        Linings with their own friction coefficients keep the ratio of these to the brake's.
+        The own friction coefficient of a lining, if it has one, is scaled by the same factor as the
+        brake's.
         """
         if self.first_key_that_gives_lining_its_own_friction() is None:
             return self.model_copy(update={"friction_as_written": friction})

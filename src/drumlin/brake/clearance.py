@@ -197,7 +197,7 @@ def point_coordinate_changes_per_metre_along_hinge_radius(
     """Changes of x and y of a point that moves by 1 m along the line from drum centre to hinge.
 
     The result has them by their keys in the brake file. The point is a datum of the shoe with this
-    index, under the key `key`, such as "lining.misfit.offset". The hinge is that of the same shoe.
+    index, under the key `key`, such as "lining.misfit.offset". The hinge is the same shoe's hinge.
     """
     hinge = brake.shoes[index].pin
     # The two values are the components of the unit vector from the drum's centre to the hinge.

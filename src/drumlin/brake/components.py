@@ -344,9 +344,9 @@ class Lining(Part):
 
     @property
     def arcs(self) -> tuple[tuple[float, float], ...]:
-        """Begin and end of each part of the friction surface, by growing coordinate.
+        """Coordinates at which each lining on the shoe begins and ends, by growing coordinate.
 
-        Between two parts is a slot without lining. Linings that touch are one part.
+        Linings that touch count as one. Between two linings is a slot.
         """
         return tuple((part.start, part.end) for part in self.linings_with_touching_ones_joined)
 
@@ -378,7 +378,7 @@ class Lining(Part):
         return self.model_copy(update=dict(changes))
 
     def copy_of_lining_with_other_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
-        """A copy with other clearances, one for each part of the friction surface (`arcs`).
+        """A copy with other clearances, one for each lining; linings that touch count as one.
 
         A clearance is a length [m] or a table of rows (coordinate, clearance).
         """
@@ -574,7 +574,7 @@ class DrumLiningRow(Lining):
         return self.model_copy(update={"parts": parts})
 
     def copy_of_lining_with_other_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
-        """A copy with other clearances, one for each part of the friction surface (`arcs`).
+        """A copy with other clearances, one for each lining; linings that touch count as one.
 
         A clearance is a length [m] or a table of rows (angle, clearance).
         """

@@ -149,8 +149,8 @@ def radial_growth_of_heated_drum(drum: Drum, sign: int) -> float:
         u(r) = alpha (1 + nu)/r Int_a^r T s ds + C_1 r + C_2/r
 
     (Timoshenko & Goodier, Theory of Elasticity, section 150: thermal stresses in a circular disk).
-    The constants follow from its two edges: the friction surface has no radial stress, and the far
-    edge has none either or is fixed.
+    The constants C_1 and C_2 follow from the two edges: the friction surface has no radial stress,
+    and a free far edge has no radial stress either, while a fixed far edge has no displacement.
 
     Parameters
     ----------

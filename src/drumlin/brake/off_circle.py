@@ -37,7 +37,8 @@ def gaps_of_lining_ground_to_circle(
     Floats
         gap [m] at each angle, with the shape of `theta`; positive where lining and drum are apart
     """
-    # c is the centre of the lining's circle; along = c.e_r and across = c x e_r at each angle.
+    # c is the centre of the lining's circle. `along` and `across` are c.e_r and c x e_r, with the
+    # radial unit vector e_r at each angle.
     r = R if radius is None else radius
     to_middle = np.array([np.cos(middle), np.sin(middle)])
     c = (R - r) * to_middle + offset.xy

@@ -104,7 +104,7 @@ def notes_on_implausible_brake_values(brake: Brake) -> tuple[str, ...]:
 
 
 def _merge_equal_notes_on_several_shoes(lines: list[str]) -> Iterator[str]:
-    """Yield each note once; notes that differ in the shoe's index only become one with a count."""
+    """Yield each note once; notes that differ only in the shoe's index become one with a count."""
     counts: dict[str, int] = {}
     firsts: dict[str, str] = {}
     for line in lines:

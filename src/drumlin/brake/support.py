@@ -69,7 +69,7 @@ It is relative to the limit. With a larger excess the foot of the shoe slides on
 
 
 class Abutment(Part):
-    """A face on which the foot of a shoe slides.
+    """A face on which the foot of a shoe, its end away from the actuation, slides.
 
     The foot bears at `point`. `direction` [rad] is the direction of the face's normal, in which it
     pushes the foot if there is no friction. `friction` is the friction coefficient between the foot
@@ -319,7 +319,7 @@ class Held(Part):
 
     @property
     def largest_force_of_any_load(self) -> float:
-        """Largest single force [N] on the shoe besides its support: of any load or on the mass."""
+        """Largest of the forces [N] on the shoe: actuation, other loads, and force on the mass."""
         forces = [abs(each.force) for each in (self.actuation, *self.forces)]
         of_brake = (*self._loads_of_brake.forces, self._gravity_and_rotation_force_on_mass)
         of_brake_sizes = [math.hypot(*each.force) for each in of_brake if each is not None]

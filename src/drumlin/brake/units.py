@@ -190,7 +190,7 @@ def _possible_meanings_of_unit_text(unit: str, si: str) -> list[str]:
     # A point or a hyphen between two words is a product, and a digit after a length is its power.
     plain = re.sub(r"(?<=[A-Za-z])[.-]+", " ", unit)
     plain = re.sub(r"(?<![A-Za-z])(mm|cm|dm|m|in|ft)([2-4])(?!\w)", r"\1^\2", plain)
-    # pint would take the square of Nm for N^2 m^2.
+    # In "Nm^2" people mean N m^2, whereas pint would square the whole unit Nm.
     squared = re.sub(r"N(mm|cm|m)(?= ?(?:\^|\*\*))", r"N \1", plain)
     readings = [plain, squared, re.sub(r"[A-Za-z]+", _second_meaning_of_unit_word, plain)]
     # In "mm^3/N m" both N and m may be meant to be in the denominator.

@@ -32,8 +32,8 @@ ARC_PIECES = 20
 PEAK_POINTS = 2001
 """Number of equally spaced angles among which the largest pressure is sought.
 
-On a lining of 120 degrees they are 0.06 degrees apart, and the largest of their pressures differs
-from a smooth peak by 1e-6 of it.
+On a lining of 120 degrees they are 0.06 degrees apart, and the largest of the pressures there
+differs from a smooth peak by 1e-6 of the peak.
 """
 
 NEGLIGIBLE_PRESSURE = 1e-12

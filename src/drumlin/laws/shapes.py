@@ -82,8 +82,9 @@ def scaled_normal_and_friction_moments_about_point(
 ) -> tuple[Floats, Floats]:
     """Moments M_N and M_F [m] about a point, of pressure and friction, divided by b R p_0.
 
-    The moment M_N of the normal pressure opposes the actuation. The moment M_F of the friction is
-    for mu = 1; with dD = 1 it helps the actuation.
+    Here b is the lining's width, R the drum's radius and p_0 the pressure's amplitude. The moment
+    M_N of the normal pressure opposes the actuation. The moment M_F of the friction is for mu = 1;
+    with dD = 1 it helps the actuation.
 
     Parameters
     ----------
@@ -243,7 +244,8 @@ class Law:
     def scaled_normal_and_friction_moments_about_hinge(self, arc: Layout) -> tuple[Floats, Floats]:
         """Moments M_N of pressure and M_F of friction about the hinge, divided by b R p_0 [m].
 
-        M_N opposes the actuation. M_F is the moment at mu = 1; with dD = 1 it helps the actuation.
+        Here b is the lining's width, R the drum's radius and p_0 the pressure's amplitude. M_N
+        opposes the actuation. M_F is the moment at mu = 1; with dD = 1 it helps the actuation.
         """
         M_N, M_F = scaled_normal_and_friction_moments_about_point(
             self.pressure_integrals_over_all_linings(arc), arc.R, arc.a
@@ -253,8 +255,9 @@ class Law:
     def actuation_moment_over_pressure_amplitude(self, mu: Values, arc: Layout) -> Floats:
         """Actuation moment divided by b R p_0: M_N - dD mu M_F [m].
 
-        This is the moment of pressure and friction about the hinge that the actuation must balance.
-        It is zero or negative if the shoe locks itself.
+        Here b is the lining's width, R the drum's radius and p_0 the pressure's amplitude. The
+        actuation must balance this moment of pressure and friction about the hinge. It is zero or
+        negative if the shoe locks itself.
         """
         M_N, M_F = self.scaled_normal_and_friction_moments_about_hinge(arc)
         return M_N - arc.dD * mu * M_F
