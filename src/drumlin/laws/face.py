@@ -149,11 +149,17 @@ class PlaneFace(NamedTuple):
     """
 
     def gap_closing_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
-        """Factors (k, 2) of 1 and x in the closing of the gap [m] by rigid-body motions (k, 3)."""
+        """Factors (k, 2) of 1 and x in the closing of the gap [m] by k rigid-body motions.
+
+        A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
+        """
         return -motions[:, 1:]
 
     def slide_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
-        """Factors (k, 3) of 1, x and 0 in the slide [m] along +x by rigid-body motions (k, 3)."""
+        """Factors (k, 3) of 1, x and 0 in the slide [m] along +x by k rigid-body motions.
+
+        A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
+        """
         return np.column_stack([motions[:, 0], np.zeros((len(motions), 2))])
 
     def shape_function_values(self, place: Floats) -> Floats:
