@@ -1,4 +1,4 @@
-"""Compare models of a brake: solve it by each, and table the results with their differences.
+"""Compare models: solve a brake by each, and make a table of the results and their differences.
 
 The module also estimates the order of convergence and the limit of a value as meshes are refined.
 """
@@ -37,7 +37,7 @@ from drumlin.response.response import EDGE_ZONE, Response
 from drumlin.response.show import plot_pressure_of_each_shoe, text_of_contact_arcs
 
 COLD = "cold"
-"""Name, in comparisons, of the finite element result of a heated brake as it is when cold."""
+"""Name, in comparisons, of the result that finite elements give for a heated brake without heat."""
 
 # Type variable for the class of the compared brake: `Comparison.brake` keeps this class.
 BrakeKind = TypeVar("BrakeKind", bound=Brake)
@@ -66,7 +66,7 @@ class Outcome:
 def solve_and_time_model(name: str, solve: Callable[[], Response], repeats: int = 1) -> Outcome:
     """Solve a brake by one model and measure the time.
 
-    A model that raises NoAnswer gives an Outcome with the reason; the exception is not passed on.
+    If the model raises NoAnswer, the Outcome has the reason, and no exception is raised.
 
     Parameters
     ----------
@@ -106,9 +106,9 @@ def richardson_limit_from_changes_between_meshes(
 ) -> Extrapolated:
     """Estimate the limit of a value as meshes are refined, by Richardson extrapolation.
 
-    The extrapolation needs two changes of the same sign, the second smaller than the first one.
-    Otherwise the finest value is taken as the limit, with the larger change as its uncertainty. The
-    order is nan if the second change is not smaller.
+    The extrapolation needs two changes of the same sign, of which the second is smaller than the
+    first. Otherwise the value on the finest mesh is taken as the limit, and the larger change as
+    its uncertainty. The order is nan if the second change is not smaller than the first.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def richardson_limit_from_changes_between_meshes(
     """
     if last == 0:
         return Extrapolated(math.nan, fine, abs(first))
-    # The first change is this many times as large as the second change.
+    # `gain` is the first change divided by the second.
     gain = first / last
     order = math.log(abs(gain), ratio) if abs(gain) > 1 else math.nan
     if gain <= 1:
@@ -164,7 +164,7 @@ class TableColumn(NamedTuple):
             return "–"
         if not isinstance(value, int | float):
             return str(value)
-        # Multiplying an integer by 1.0 would make it a float, with another format.
+        # A product with 1.0 would turn an integer into a float, which is written otherwise.
         return number_as_text(value if self.factor == 1 else value * self.factor, self.form)
 
     @property
@@ -200,9 +200,9 @@ def comparison_table_rows(
 ) -> list[dict[str, Any]]:
     """The rows of the table of a comparison: one for each model and shoe.
 
-    Each model has another row "all" for the whole brake. The keys are those of COLUMNS, the values
-    are in SI units and errors are fractions. On a plane the torque is the braking force [N]. A
-    model without an answer has one row, with the reason in "status".
+    Each model also has a row for the whole brake, in which the shoe is "all". The keys are those of
+    COLUMNS, the values are in SI units and errors are fractions. On a plane the torque is the
+    braking force [N]. A model without an answer has one row, with the reason in "status".
 
     Parameters
     ----------
@@ -283,9 +283,9 @@ def _table_row_of_whole_brake(outcome: Outcome, true: Response | None) -> dict[s
 
 
 def length_of_uncompared_zone_at_lining_end(brake: Brake) -> float:
-    """Length of the zones at both ends of a lining in which pressures are not compared.
+    """Length of the zone at each end of a lining in which pressures are not compared.
 
-    It is in the coordinate along the surface: an angle [rad] on a drum, a length [m] on a plane.
+    It is an angle [rad] on a drum and a length [m] on a plane.
     """
     return EDGE_ZONE * brake.unit
 
@@ -293,8 +293,8 @@ def length_of_uncompared_zone_at_lining_end(brake: Brake) -> float:
 def comparison_columns_for_brake(brake: Brake) -> tuple[TableColumn, ...]:
     """The columns of the table of a comparison for this brake.
 
-    For a brake on a plane their headings and units name the braking force in place of the torque,
-    and lengths in place of angles.
+    For a brake on a plane the headings name the braking force in place of the torque, with its
+    unit, and contact arcs are lengths in place of angles.
     """
     surface = brake.surface
     if not surface.is_plane_and_not_drum:
@@ -362,9 +362,9 @@ class Comparison(Generic[BrakeKind]):
         return html_table_with_caption(self.case, self._cells_of_displayed_table())
 
     def _cells_of_displayed_table(self) -> list[tuple[str, ...]]:
-        """The cells of the table as it is shown: headings, and the rows of the whole brake.
+        """The cells of the table as it is shown: headings, and a row for each model.
 
-        Columns without a value are left out.
+        The rows are those of the whole brake. Columns without a value are left out.
         """
         rows = [row for row in self.rows if row["shoe"] == "all"]
         shown = []
@@ -426,7 +426,7 @@ def compare(
     for name in models or ():
         require_known_model(name, "models")
     for name, reason in reasons_why_models_do_not_apply(brake, named).items():
-        # Without names the table has the models that apply.
+        # A model that does not apply gets a row only if the user names it.
         if models is not None and name in models:
             outcomes.append(Outcome(name, None, f"does not apply: {reason}", 0.0, 0))
     for model in applicable_models(brake, named):
@@ -438,7 +438,7 @@ def compare(
         outcomes.append(
             solve_and_time_model(model.name, partial(model.solve, brake, **own_options), times)
         )
-        # A heated brake is also solved cold, and both results are compared.
+        # A heated brake is also solved without its heat, for comparison.
         if model.name == "fem" and names_of_heated_parts(brake):
             solve = partial(_solve_brake_without_heat, model, brake, **own_options)
             outcomes.append(solve_and_time_model(COLD, solve, times))
@@ -453,7 +453,7 @@ def _solve_brake_without_heat(model: Model, brake: Brake, **options: Any) -> Res
 
 @dataclass(frozen=True)
 class Convergence:
-    """The results of a brake on meshes, each with twice as many elements as the mesh before.
+    """The results of a brake on several meshes, each with twice as many elements as the one before.
 
     Attributes
     ----------
@@ -472,7 +472,7 @@ class Convergence:
         )
 
     def relative_pressure_distances_between_meshes(self, shoe: int) -> list[float]:
-        """Relative L2 distance between the pressures of a shoe on each mesh and the next finer one.
+        """Relative L2 distances between the pressures of a shoe on successive meshes.
 
         `shoe` is the index of the shoe. Zones at both ends of the lining are left out.
         """
@@ -486,7 +486,7 @@ class Convergence:
         the finest mesh from its limit. It is extrapolated from the distances between successive
         meshes.
         """
-        # The finest value is set to 0, so that the limit is a distance from the finest mesh.
+        # With 0 as the value on the finest mesh, the limit is its distance from this mesh.
         first, last = self.relative_pressure_distances_between_meshes(shoe)[-2:]
         limit = richardson_limit_from_changes_between_meshes(0.0, first, last)
         return limit.order, limit.uncertainty

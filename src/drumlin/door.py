@@ -57,15 +57,15 @@ def _make_public_function_that_rewords_errors(
 ) -> Callable[Arguments, Result]:
     """Make a public function whose errors name its arguments, not options of the command line.
 
-    The rooms below word their messages for the command line. The command line, which calls the
-    same functions, prints these messages as they were.
+    The packages that do the work write their messages for the command line. The command line calls
+    the same public functions, and prints the original messages.
     """
 
     @wraps(function)
     def function_that_rewords_errors(
         *arguments: Arguments.args, **options: Arguments.kwargs
     ) -> Result:
-        """Call the function, and reword its errors."""
+        """Call the function, and name Python arguments in the errors that it raises."""
         try:
             return function(*arguments, **options)
         except DrumlinError as error:
@@ -93,9 +93,9 @@ class _Source(NamedTuple):
 
 
 def _brake_itself_or_read_from_file(brake: BrakeOrPath) -> Brake:
-    """The brake itself; for the path of a brake file, the brake of this file.
+    """The brake that is given itself, or by the path of its brake file.
 
-    Raises BadInput for anything else.
+    Raises BadInput for any other argument.
     """
     from drumlin.brake.plane_brake import brake_itself_or_read_from_file
 
@@ -103,13 +103,16 @@ def _brake_itself_or_read_from_file(brake: BrakeOrPath) -> Brake:
 
 
 def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _Source:
-    """Return a brake with its file's text; for a brake without file, what `write_brake` writes."""
+    """Return a brake with the text of its brake file.
+
+    For a brake that was not read from a file it is the text that `write_brake` writes.
+    """
     from drumlin.base.texts import command_text_without_folders
     from drumlin.brake import read_any
     from drumlin.brake.file import read_text_of_brake_file
     from drumlin.brake.writing import brake_file_text
 
-    # A brake without a file has no folder beside which reference values could be stored.
+    # A brake that was not read from a file has no folder in which reference values could lie.
     if not isinstance(brake, str | Path):
         return _Source(brake, brake_file_text(brake), None, "drumlin.reference(brake)")
     path = Path(brake)
@@ -119,7 +122,7 @@ def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _Source:
 
 
 def _solver_options_given_by_user(**options: Any) -> dict[str, Any]:
-    """The options that the user has given: those that are neither None nor False."""
+    """The options that the user has given, by name: all whose value is neither None nor False."""
     from drumlin.models import model_options_given_by_user
 
     return model_options_given_by_user(**options)
@@ -436,9 +439,9 @@ def sweep(
         all keys, "random" to draw all values at random
     cases : number of random draws; None if no value is drawn
     seed : number that determines the random draws
-    certify : which cases are solved on all levels and state the errors of the others: "every case",
-        "every 10th" or another number, or the number of cases to draw. A sweep file says itself
-        what `model`, `combine`, `cases`, `seed` and `certify` are
+    certify : which cases are solved on all levels of refinement, from which the errors of the other
+        cases follow: "every case", "every 10th" or another number, or the number of cases to draw.
+        A sweep file says itself what `model`, `combine`, `cases`, `seed` and `certify` are
     jobs : number of processes that solve in parallel; None for one on each core. A script that
         asks for more than one must call this function below `if __name__ == "__main__":`, since
         each process reads the script again. A law of your own is solved with jobs=1
@@ -556,7 +559,7 @@ def wear(
     from drumlin.lining_wear import linings, whole_brake
 
     worn = _brake_itself_or_read_from_file(brake)
-    # Guided shoes are another brake, whose shoes are supported by guides.
+    # With `guided` a copy of the brake is worn, whose shoes are supported by guides.
     worn = linings.brake_with_shoes_on_guides(worn) if guided else worn
     worn.check_shoes_can_be_meshed()
     on_mesh = _solver_options_given_by_user(elements=elements, kind=kind)
@@ -564,7 +567,7 @@ def wear(
     # Options of finite elements are refused for the foundation model, and the other way round.
     only_mesh = on_mesh | _solver_options_given_by_user(guided=guided)
     whole_brake.require_options_of_wear_model(model, only_mesh, on_springs)
-    # Collect what the wear computation needs: wear law, constant torque and prepared models.
+    # The wear computation needs a wear law, the torque to keep constant, and prepared models.
     law = whole_brake.make_wear_law(coefficient, exponent)
     held = (
         None
@@ -609,7 +612,7 @@ class HoldingRun(NamedTuple):
         surface = self.brake.surface
 
         def rotation_or_sliding_distance_as_text(state: Hold) -> str:
-            """The rotation of a state, on a plane the sliding distance, as text with its unit."""
+            """The rotation of a state as text with its unit; on a plane the sliding distance."""
             return f"{surface.moved} {state.rotation * surface.shown:.4g} {surface.shown_unit}"
 
         held = max(self.states, key=lambda state: abs(state.torque))
@@ -688,11 +691,11 @@ def hold(
         if rotation is None
         else _value_of_function_option_in_si("--rotation", rotation, held.surface.unit)
     )
-    # Without a given rotation the drum is turned until every node slips.
+    # If the user gives no rotation, the drum is turned until every node slips.
     scene = prepared_model_for_analysis(held, model, **on_mesh)
     if end is None:
         end = holding.find_drum_rotation_of_full_slip(scene, held, **stiffness)
-    # The state at rest comes first: there is one state more than increments.
+    # The state at rest comes first, so that there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
     states = holding.turn_holding_brake_and_return_states_at_rotations(
         scene, held, rotations, say=say, **stiffness
@@ -878,7 +881,7 @@ def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference
 
 
 class CheckResult(NamedTuple):
-    """The result of `check`: how far given pressures p(theta) are from reference values.
+    """The result of `check`: how far a user's pressures p(theta) are from reference values.
 
     Attributes
     ----------
@@ -901,7 +904,7 @@ class CheckResult(NamedTuple):
         return are_verdicts_within_tolerance(self.verdicts, self.tolerance)
 
     def lines(self) -> list[str]:
-        """Lines of text on the errors of each shoe; the last line is the verdict on all shoes."""
+        """Lines of text about the errors of each shoe; the last line is a verdict on all shoes."""
         from drumlin.verification.check import text_lines_on_errors_of_pressure_table
 
         return text_lines_on_errors_of_pressure_table(self.verdicts, self.tolerance, self.surface)
@@ -1078,7 +1081,7 @@ def law(name: str, assumes: str = "") -> Callable[[Shape], Shape]:
         require_allowed_name_for_law_of_user,
     )
 
-    # A decorator that forgets the name, `@drumlin.law`, is refused at once.
+    # `@drumlin.law` without a name in brackets passes the function as the name: it is refused.
     require_allowed_name_for_law_of_user(name)
 
     def register_law_and_return_its_shape(shape: Shape) -> Shape:

@@ -25,10 +25,10 @@ class Model(NamedTuple):
     Attributes
     ----------
     name : name in options and tables
-    assumes : its assumptions in words
+    assumes : assumptions of the model, in words
     why_not : function that returns why the model does not apply to a brake; None if it applies
     solve : function that solves a brake and returns its Response
-    by_name : whether a comparison has the model only if the user names it, since it takes seconds
+    by_name : whether comparisons leave the model out unless the user names it, as it takes seconds
     """
 
     name: str
@@ -155,14 +155,17 @@ def _make_model_of_closed_form_law(
     Parameters
     ----------
     name : name of the law
-    assumes : its assumptions in words
-    why_not : function that returns why the law does not apply to a brake, or None; it does not
-        look at the materials, nor at friction that depends on the pressure
+    assumes : assumptions of the law, in words
+    why_not : function that returns why the law does not apply to a brake, or None; it checks
+        neither the materials nor whether friction depends on the pressure
     solve : function that solves a brake
     """
 
     def reason_why_law_does_not_apply(brake: Brake) -> str | None:
-        """Why the law does not apply to a brake, its friction or its materials; else None."""
+        """Why the law does not apply to a brake; None if it applies.
+
+        Friction that depends on the pressure and the materials are checked as well.
+        """
         return (
             why_not(brake)
             or reason_why_law_cannot_take_pressure_dependent_friction(name, brake)
@@ -231,7 +234,7 @@ MODELS: dict[str, Model] = {
 """
 
 BUILT_IN_MODELS = frozenset(MODELS)
-"""Names of the models that drumlin has by itself, which no law of the user may take."""
+"""Names of drumlin's own models, which no law of the user may have."""
 
 
 def require_allowed_name_for_law_of_user(name: object) -> None:
@@ -268,7 +271,7 @@ def register_law_with_pressure_shape(name: str, assumes: str, shape: Shape) -> N
 
 
 def require_known_model(name: str, option: str) -> None:
-    """Raise BadInput if no model has the name; `option` is what the user gave it as."""
+    """Raise BadInput if no model has the name that the user gave by the option `option`."""
     if name not in MODELS:
         raise BadInput(
             f"{option} = {name!r}: unknown model{did_you_mean_hint(str(name), MODELS)}; "
@@ -283,7 +286,7 @@ def model_with_name_that_applies_to_brake(name: str, brake: Brake) -> Model:
     """
     require_known_model(name, "--model")
     model = MODELS[name]
-    # The message names the models that do apply, so that a user need not try them.
+    # The message names the models that do apply, so that the user need not try all of them.
     reason = model.why_not(brake)
     if reason is not None:
         others = [other.name for other in MODELS.values() if other.why_not(brake) is None]
@@ -300,7 +303,7 @@ def model_options_given_by_user(**options: Any) -> dict[str, Any]:
     Raises BadInput if the number of `elements` is out of range.
     """
     elements = options.get("elements")
-    # A number of elements out of range is refused before a model is loaded or solves.
+    # A number of elements out of range is refused before any model is loaded.
     if elements is not None:
         from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
 

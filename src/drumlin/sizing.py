@@ -2,10 +2,10 @@
 
 The search begins at the value of the file, with the exact slope of the torque by the key where the
 finite elements have one. Each further value follows from a rational function through the last
-answers. If this search finds no value, the whole range of the key is tried at some values, and the
-rational function is used between two neighbours that enclose the wanted quantity. Values without an
-answer (a brake that locks itself, a geometry that is not allowed) bound the search, and the message
-names their reason.
+answers. If this search finds no value, some values from the whole range of the key are tried, and
+the rational function is used between two neighbours that enclose the wanted quantity. The search
+does not go beyond values at which there is no answer (a brake that locks itself, a geometry that is
+not allowed), and a refusal names the reason.
 """
 
 import math
@@ -60,22 +60,23 @@ If the torque crosses the wanted torque twice between two neighbours, this is no
 take more time.
 """
 BORDER_TRIALS = 16
-"""Number of bisections that locate where the answers of a range end, as at self-locking.
+"""Number of bisections that find the value of the key at which answers end, as at self-locking.
 
-The border is then known to 1e-5 of the distance between two of the first trials.
+This value is then known to 1e-5 of the distance between two of the first trials.
 """
 SLOPE_STEP = 1e-2
-"""Change of the key from which the slope of torque or peak pressure is found as a difference.
+"""Change of the key's value between two solves that give the slope of torque or peak pressure.
 
 It is relative to the value of the key, or to the range of an angle or a coordinate. The slope turns
-an error of the torque into an error of the key; its own error is some 1 %. With a smaller change
-the errors of the two torques would disturb the slope.
+an error of the torque into an error of the key; the slope itself has an error of some 1 %. With a
+smaller change the errors of the two torques would disturb the slope.
 """
 EXTREME_RESOLUTION = 1e-4
-"""Tolerance of the key's value at the largest torque, relative to the distance of its neighbours.
+"""Tolerance of the key's value at which a quantity has its maximum or minimum.
 
-Near a maximum the torque is quadratic: it is then within 1e-8 of its rise above the two neighbours
-that were tried. A smaller value takes more time.
+It is relative to the distance of the two values of the key between which the maximum is sought.
+Near a maximum the torque is quadratic: its error is then some 1e-8 of its rise between these two
+values. A smaller tolerance takes more time.
 """
 SOLVED_SHARE = 0.01
 """Fraction of the stated error of a torque or peak pressure at which the search for it ends.
@@ -86,15 +87,15 @@ The search ends when the quantity differs from its wanted value by less than thi
 NEAR_TRIALS = 12
 """Largest number of trials, from the file's value on, until two enclose the wanted quantity.
 
-Most questions take two to four. If these trials do not enclose it, the whole range is tried, which
-takes more time.
+Most questions take two to four trials. If these trials do not enclose the wanted quantity, the
+whole range is tried, which takes more time.
 """
 JUMP_OF_QUANTITY = 1e-9
-"""Relative difference of a quantity from its wanted value above which the quantity jumps.
+"""Relative difference from the wanted value above which a quantity counts as discontinuous there.
 
-It is used if two values of the key that differ by round-off alone enclose the wanted value. A
-larger stated error replaces it. The round-off of a solve is some 1e-12: a much smaller limit would
-take round-off for a jump.
+The limit is used when two values of the key that differ by round-off only enclose the wanted value.
+A larger stated error replaces it. The round-off of a solve is some 1e-12: with a much smaller limit
+round-off would count as a jump.
 """
 EXACT = 1e-14
 """Relative difference from the wanted value at which the search ends if no error is stated.
@@ -103,7 +104,7 @@ It is some 50 times the relative round-off of a double.
 """
 
 PRINTED_UNITS = {"m": ("mm", 1e3), "rad": ("deg", math.degrees(1)), "Pa": ("MPa", 1e-6)}
-"""By SI unit: the unit in which a quantity is printed, and the factor from the SI unit to it."""
+"""Units in which quantities are printed, by SI unit, each with the factor from the SI unit."""
 
 
 class Trial(NamedTuple):
@@ -128,11 +129,11 @@ class Trial(NamedTuple):
 
 @dataclass(frozen=True)
 class Question:
-    """A question about a brake: which value of a key gives a torque or a peak pressure.
+    """The question which value of a key gives a brake a wanted torque or peak pressure.
 
     Attributes
     ----------
-    brake : the brake, whose key has the value of its file
+    brake : the brake, in which the key has the value of the brake file
     key : the key, written as for `vary`
     model : name of the model that solves the brakes
     options : options of the model
@@ -140,7 +141,7 @@ class Question:
     peak_pressure : wanted peak pressure [Pa], or its upper limit if a torque is wanted, or None
     low, high : ends of the range of the key [SI]; None for a range about the value of the file
     say : called with a line of text before each trial
-    cache : store of condensed bodies, which the trials share
+    cache : store of condensed shoe bodies, so that a body is not condensed again in each trial
     """
 
     brake: Brake
@@ -219,7 +220,7 @@ class Question:
         return model_with_name_that_applies_to_brake(self.model, varied).solve(varied, **options)
 
     def solve_trial_at_key_value(self, value: float) -> Trial:
-        """Solve the brake with a value of the key; without an answer the trial has a failure."""
+        """Solve the brake with a value of the key; the trial has an answer or a `failure`."""
         try:
             response = self.solve(value)
         except (BadInput, NoAnswer) as error:
@@ -245,12 +246,12 @@ class Sizing:
     slope : derivative of the wanted quantity by the key [SI], exact where it is known; None where
         the torque is largest
     errors : error of the value [SI] that follows from the stated error of the finite elements
-        ("elements") and of plane stress itself ("plane_stress"); without errors that are not stated
+        ("elements") and of plane stress itself ("plane_stress"); unknown errors are left out
     range : ends of the range that was searched [SI]
     others : further values [SI] that give the wanted quantity, as far as the search has seen them
     remark : what bounds the largest torque; "" for other questions
     brake : the brake with the value
-    response : its response, with its stated errors and notes
+    response : response of the brake with the value, with its stated errors and notes
     """
 
     key: str
@@ -316,8 +317,8 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
     Raises
     ------
     BadInput
-        for an unknown key, a key without one number, a range without values, a wanted quantity that
-        is not positive, or none at all
+        for an unknown key, a key without a single number, a range without values, a wanted quantity
+        that is not positive, or no wanted quantity
     NoAnswer
         if no value of the range gives what is wanted, with the reason and the range
     """
@@ -365,7 +366,10 @@ def _check_wanted_quantities(question: Question) -> None:
 
 
 def _solve_first_trial_values(question: Question) -> list[Trial]:
-    """Try the first values of the range. Raises NoAnswer if no value has an answer."""
+    """Solve the brake at the values of the key that are tried first.
+
+    Raises NoAnswer if there is no answer at any of them.
+    """
     trials = [
         question.solve_trial_at_key_value(value) for value in question.key_values_to_try_first()
     ]
@@ -384,8 +388,8 @@ def _find_all_trials_with_wanted_quantity(
 ) -> list[Trial]:
     """The trials at which the wanted quantity has its wanted value.
 
-    The value is sought between the first trials, then near the borders beyond which the brake has
-    no answer, then near the largest or smallest quantity between the trials.
+    The value is sought between the first trials. If it is not found, further trials are added: near
+    the values of the key where answers end, then near the largest or smallest quantity.
 
     Parameters
     ----------
@@ -419,7 +423,8 @@ def _find_trials_that_cross_wanted_value(
     """Yield the trials at which a quantity crosses a wanted value."""
     for before, after in pairwise(trials):
         off = [getattr(trial, name) - wanted for trial in (before, after)]
-        # A trial that has the value exactly ends one interval and begins the next one.
+        # A trial with exactly the wanted value ends one interval and begins the next. It is yielded
+        # once, at the beginning of an interval.
         if off[0] == 0 or off[0] * off[1] < 0:
             yield _find_trial_with_wanted_value_between_two_trials(
                 question, [before, after], name, wanted
@@ -429,7 +434,7 @@ def _find_trials_that_cross_wanted_value(
 
 
 def _quantity_minus_wanted_value(trial: Trial, name: str, wanted: float) -> float:
-    """A trial's quantity minus the wanted value; 0 within a small part of the stated error."""
+    """A trial's quantity minus the wanted value; 0 if that is a small part of its stated error."""
     off = float(getattr(trial, name) - wanted)
     close = max(EXACT, SOLVED_SHARE * trial.errors.get(name, 0.0)) * wanted
     return 0.0 if abs(off) <= close else off
@@ -440,9 +445,9 @@ def _find_trial_with_wanted_value_between_two_trials(
 ) -> Trial:
     """The trial at which a quantity has a wanted value, between two trials that enclose it.
 
-    The next value comes from a rational function through the last trials if it lies inside of the
-    bracket, that is between the two trials. Every third step halves the bracket instead, unless
-    the last three steps have made it shorter than half.
+    The next value of the key comes from a rational function through the nearest trials, if it lies
+    between the two trials that enclose the wanted value. Every third step halves the distance of
+    these two instead, unless the last three steps have already more than halved it.
 
     Parameters
     ----------
@@ -453,7 +458,7 @@ def _find_trial_with_wanted_value_between_two_trials(
     Raises
     ------
     NoAnswer
-        if a brake in the bracket has no answer, or the quantity jumps over the wanted value
+        if a brake between the two trials has no answer, or the quantity jumps over the wanted value
     """
     known = sorted(known, key=lambda trial: trial.value)
     steps, width = 0, math.inf
@@ -478,7 +483,7 @@ def _find_trial_with_wanted_value_between_two_trials(
 
 
 def _solve_trial_or_raise_no_answer(question: Question, value: float) -> Trial:
-    """Try a value of the key. Raises NoAnswer with the reason if the brake then has no answer."""
+    """Solve the brake with a value of the key. Raises NoAnswer with the reason for no answer."""
     trial = question.solve_trial_at_key_value(value)
     if trial.failure:
         raise NoAnswer(
@@ -494,7 +499,8 @@ def _closest_trials_around_wanted_value(
 ) -> tuple[Trial, Trial]:
     """The two neighbouring trials, in growing order, between which a quantity crosses `wanted`.
 
-    If there are several pairs, the closest pair is returned. Raises ValueError without a pair.
+    If there are several pairs, the pair with the smallest distance is returned. Raises ValueError
+    if there is no pair.
     """
     crossed = [
         (before, after)
@@ -507,10 +513,10 @@ def _closest_trials_around_wanted_value(
 def _nearer_of_two_almost_equal_trials(
     question: Question, ends: tuple[Trial, Trial], name: str, wanted: float
 ) -> Trial:
-    """The trial nearer to the wanted value, of two whose keys differ by round-off only.
+    """The trial nearer to the wanted value, of two trials whose keys differ by round-off only.
 
-    Raises NoAnswer if it is farther from the wanted value than round-off and its stated error: then
-    the quantity jumps between the two.
+    Raises NoAnswer if the quantity of this trial differs from the wanted value by more than its
+    stated error and more than JUMP_OF_QUANTITY: then the quantity jumps between the two trials.
     """
     near = min(ends, key=lambda trial: abs(getattr(trial, name) - wanted))
     allowed = max(JUMP_OF_QUANTITY, near.errors.get(name, 0.0)) * wanted
@@ -529,12 +535,12 @@ def _nearer_of_two_almost_equal_trials(
 def _key_value_by_rational_interpolation(
     known: Sequence[Trial], name: str, wanted: float
 ) -> float | None:
-    """The value at which a rational function through the nearest trials has the wanted quantity.
+    """The value x of the key at which a rational function y(x) has the wanted quantity.
 
     The function y = (a + b x)/(1 + c x) goes through the three trials whose quantities are nearest
-    to the wanted one. It is exact for a torque that is proportional to a force, and for a torque
-    that grows without bound at self-locking, such as that of a short shoe. Two trials give a
-    straight line. The result is None if the function has no such value.
+    to the wanted one. It is exact for a torque that is proportional to a force, and for the torque
+    of a short shoe, which grows without bound at self-locking. Two trials give a straight line. The
+    result is None if the function has no such value.
     """
     nearest = sorted(known, key=lambda trial: abs(getattr(trial, name) - wanted))[:3]
     x = np.array([trial.value for trial in nearest])
@@ -555,11 +561,11 @@ def _key_value_by_rational_interpolation(
 def _find_trial_with_wanted_value_near_file_value(
     question: Question, name: str, wanted: float
 ) -> Trial | None:
-    """The trial at which a quantity has a wanted value, sought from the value of the file on.
+    """The trial at which a quantity has a wanted value, sought from the value in the file on.
 
-    This is done only for keys that keep their sign: as an angle or a coordinate varies, a torque
-    often has the same value twice. The result is None if the wanted value is not found: then the
-    whole range must be tried.
+    The result is None if the wanted value is not found: then the whole range must be searched. It
+    is also None for angles and coordinates, since the torque often has the same value at two of
+    them.
     """
     (low, high), start = question.ends, question.value_of_file
     if start == 0 or not (question.does_key_keep_one_sign and low <= start <= high):
@@ -580,9 +586,9 @@ def _find_trial_with_wanted_value_near_file_value(
 def _solve_trials_until_wanted_value_is_enclosed(
     question: Question, first: Trial, name: str, wanted: float
 ) -> list[Trial]:
-    """Solved trials from the first one on, until two enclose the wanted value or one has it.
+    """Solved trials, beginning with `first`, of which two enclose the wanted value or one has it.
 
-    The list is empty if neither happens within NEAR_TRIALS trials and the range.
+    The list is empty if there are no such trials after NEAR_TRIALS trials in the range.
     """
     known, (low, high) = [first], question.ends
     slope = _exact_torque_slope_at_key_value(question, first.value, name)
@@ -595,7 +601,8 @@ def _solve_trials_until_wanted_value_is_enclosed(
             break
         trial = question.solve_trial_at_key_value(value)
         if trial.failure:
-            # Beyond this value there is no answer: the next value is nearer to a solved trial.
+            # There is no answer at this value. The next value is half-way to the nearest solved
+            # trial, and the range ends here.
             nearest = min(known, key=lambda one: abs(one.value - trial.value))
             low, high = (low, value) if value > nearest.value else (value, high)
             value = 0.5 * (nearest.value + value)
@@ -614,10 +621,11 @@ def _is_wanted_value_enclosed(known: Sequence[Trial], name: str, wanted: float) 
 def _key_value_to_try_after_first_trial(
     trial: Trial, name: str, wanted: float, slope: float | None
 ) -> float:
-    """The value of the key after the first trial: by its slope, or in proportion to the quantity.
+    """The second value of the key to try: by the slope of the quantity, or in proportion to it.
 
-    The slope is not used if it gives a value of the other sign, or more than RANGE_FACTOR times
-    larger or smaller than the proportional value.
+    `slope` is the derivative of the quantity by the key, or None. It is not used if it gives a
+    value of another sign than the proportional value, or one that differs from it by more than the
+    factor RANGE_FACTOR.
     """
     quantity = float(getattr(trial, name))
     proportional = trial.value * wanted / quantity if quantity > 0 else RANGE_FACTOR * trial.value
@@ -650,7 +658,7 @@ def _exact_torque_slope_at_key_value(question: Question, value: float, name: str
 
 
 def _add_trials_where_answers_end(question: Question, trials: list[Trial]) -> None:
-    """Find by bisection where the brake ceases to have an answer, and add the trials near there."""
+    """Find by bisection at which values of the key the answers end, and add these trials."""
     for before, after in list(pairwise(trials)):
         if bool(before.failure) == bool(after.failure):
             continue
@@ -667,10 +675,11 @@ def _add_trials_where_answers_end(question: Question, trials: list[Trial]) -> No
 def _add_trial_with_extreme_quantity(
     question: Question, trials: list[Trial], name: str, wanted: float
 ) -> None:
-    """Add the trial with the largest or smallest quantity, if no trial reaches the wanted value.
+    """Add the trial with the largest or smallest quantity near the best of the trials.
 
-    It is the largest quantity if all trials are below the wanted value, and else the smallest. It
-    is sought between the neighbours of the best trial, if both have an answer.
+    The largest quantity is sought if all trials are below the wanted value, and else the smallest.
+    It is sought between the two neighbours of the best trial; without an answer at both of them
+    nothing is added.
     """
     solved = [trial for trial in trials if not trial.failure]
     sign = 1 if all(getattr(trial, name) < wanted for trial in solved) else -1
@@ -694,7 +703,7 @@ def _trial_with_extreme_quantity_between(
     seen: list[Trial] = []
 
     def quantity_times_negative_sign(value: float) -> float:
-        """The quantity times -sign, whose minimum is sought; infinite without an answer."""
+        """The quantity times -sign, whose minimum is sought; infinite if there is no answer."""
         seen.append(question.solve_trial_at_key_value(float(value)))
         return math.inf if seen[-1].failure else -sign * float(getattr(seen[-1], name))
 
@@ -709,7 +718,7 @@ def _trial_with_extreme_quantity_between(
 def _trial_with_largest_torque_and_what_bounds_it(
     question: Question, trials: list[Trial]
 ) -> tuple[Trial, str]:
-    """The trial of the largest torque with an allowed peak pressure, and what bounds it.
+    """The trial with the largest torque at an allowed peak pressure, and a text on what bounds it.
 
     Raises NoAnswer if the peak pressure is above its limit in the whole range.
     """
@@ -791,9 +800,9 @@ def _sizing_result_of_found_value(
 def _derivative_of_quantity_by_key_at_trial(
     question: Question, found: Trial, name: str
 ) -> float | None:
-    """The derivative of a quantity by the key: exact where that is known, else by differences.
+    """The derivative of a quantity by the key: exact if it is known, else a difference quotient.
 
-    It is None if no neighbouring value of the key has an answer.
+    It is None if the brake has no answer at the neighbouring values of the key.
     """
     exact = _exact_torque_slope_at_key_value(question, found.value, name)
     if exact is not None:
@@ -813,7 +822,7 @@ def _derivative_of_quantity_by_key_at_trial(
 def _errors_of_found_key_value(
     response: Response, name: str, quantity: float, slope: float | None
 ) -> dict[str, float]:
-    """The errors of a value of the key [SI]: stated errors of a quantity divided by its slope.
+    """The errors of a value of the key [SI]: errors of a quantity divided by its slope.
 
     Parameters
     ----------
@@ -838,7 +847,7 @@ def _errors_of_found_key_value(
 
 
 def _first_words_of_refusal_text(question: Question) -> str:
-    """The words with which a refusal begins: what is wanted, and the range that was searched."""
+    """The first words of a refusal: what is wanted, and the range that was searched."""
     wanted = []
     if question.torque is not None:
         torque = question.torque
@@ -878,9 +887,9 @@ def _text_on_value_out_of_reach(
 
 
 def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], root: Trial) -> str:
-    """The text that says why a torque is refused whose peak pressure is above the limit.
+    """The refusal of a torque at which the peak pressure is above its limit.
 
-    It names the largest torque within the limit, if there is one.
+    It names the largest torque with an allowed peak pressure, if there is one.
     """
     peak = quantity_with_usual_unit(root.peak_pressure, "Pa")
     text = (

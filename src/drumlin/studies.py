@@ -32,12 +32,15 @@ REPOSITORY = CARRIED if CARRIED.is_dir() else Path(__file__).resolve().parents[2
 JUDGE = Path(__file__).resolve().parents[1] / "drumlin_studies"
 """The folder of the package `drumlin_studies`, which studies import.
 
-The results of a study depend on the source of this package, so that its journal must know it.
+The results of a study depend on the source of this package, so that the checksum in the journal of
+a study covers it.
 """
 
 
 PACKAGES_OF_STUDIES = {"manual": "sphinx"}
-"""For a study whose packages are an extra of the same name: the package that tells if it is there.
+"""For studies that need optional packages: one of these packages, by the name of the study.
+
+If it is missing, the user is told to install the extra drumlin[NAME] with the study's name.
 """
 
 
@@ -61,7 +64,10 @@ def paths_of_example_brakes() -> dict[str, Path]:
 
 
 def paths_of_example_sweeps() -> dict[str, Path]:
-    """The paths of the example sweep files by the names of the examples, `sweep_STEM`."""
+    """The paths of the example sweep files by the names of the examples.
+
+    The name of an example is "sweep_" and the name of its file without the suffix.
+    """
     found = {}
     for path in sorted((REPOSITORY / "studies").glob("*/*.toml")):
         if re.search(r"(?m)^\[vary\]", path.read_text(encoding="utf-8")):
@@ -70,7 +76,10 @@ def paths_of_example_sweeps() -> dict[str, Path]:
 
 
 def paths_of_example_notebooks() -> dict[str, Path]:
-    """The paths of the example notebooks by the names of the examples, `notebook_STEM`."""
+    """The paths of the example notebooks by the names of the examples.
+
+    The name of an example is "notebook_" and the name of its file without the suffix.
+    """
     files = sorted((REPOSITORY / "studies" / "notebooks").glob("*.ipynb"))
     return {f"notebook_{path.stem}": path for path in files}
 
@@ -81,7 +90,7 @@ def paths_of_all_examples() -> dict[str, Path]:
 
 
 def titles_of_all_examples() -> dict[str, str]:
-    """The title of each example by its name; of a notebook its first heading."""
+    """The title of each example by its name; the title of a notebook is its first heading."""
     titles = {}
     for name, path in paths_of_all_examples().items():
         text = path.read_text(encoding="utf-8")
@@ -94,8 +103,8 @@ def titles_of_all_examples() -> dict[str, str]:
     return titles
 
 
-# In the text of an example: the first line, which names the JSON schema, and a line with the path
-# of a mesh file or of the brake of a sweep.
+# The first pattern matches the first line of an example, which names the JSON schema. The second
+# pattern matches a line with the path of a mesh file or of the brake of a sweep.
 _SCHEMA_LINE = re.compile(r"\A#:schema .*/(\w+\.schema\.json)\n")
 _PATH_LINE = re.compile(r'(?m)^(mesh|brake) = "([^"]+)"')
 
@@ -112,10 +121,10 @@ def path_of_example(name: str) -> Path:
 
 
 def text_of_example(name: str) -> str:
-    """The text of an example that may be saved in any folder: paths of other files are absolute.
+    """The text of an example with absolute paths of other files, so that any folder may hold it.
 
-    The line that names the JSON schema is left out, since there is no such file in other folders.
-    Raises BadInput for an unknown name of an example.
+    The line that names the JSON schema is left out, since other folders have no such file. Raises
+    BadInput for an unknown name of an example.
     """
     path = path_of_example(name)
 
@@ -134,7 +143,8 @@ def write_example_with_its_files(name: str, folder: Path) -> list[Path]:
     of the written files. Raises BadInput for an unknown name, and for a file that exists already.
     """
     path = path_of_example(name)
-    # The example keeps its ending, and other files their names, except the brake of a sweep.
+    # The file of the example is named after the example, and the brake of a sweep after the example
+    # of this brake. Other files keep their names.
     texts = {name + path.suffix: path.read_text(encoding="utf-8")}
     for target, text in list(texts.items()):
         _add_files_of_example(texts, target, text, path.parent)
@@ -151,7 +161,7 @@ def _add_files_of_example(texts: dict[str, str], target: str, text: str, base: P
 
     Parameters
     ----------
-    texts : texts of the files by their names, which are changed
+    texts : texts of the files by their names; files are added and texts are changed
     target : name of the file of the example
     text : text of the example
     base : folder to which the paths in the text are relative
@@ -195,20 +205,20 @@ def docstring_first_lines_of_drumlin_studies() -> dict[str, str]:
 
 
 def import_study_and_find_its_folder(name: str) -> tuple[ModuleType, Path]:
-    """Import a study; returns its module and the folder that has the folder studies/.
+    """Import a study; returns its module, and the folder in which the folder studies/ lies.
 
     `name` is the name of one of drumlin's own studies, or a path such as ./studies/NAME or
     studies/NAME/study.py. A study of somebody else must be given by its path, because its code is
     run. Raises BadInput, which lists drumlin's own studies, if there is no such study.
     """
-    # A name without a folder never runs code that happens to lie in the current folder.
+    # Code in the current folder is never run by a name alone: it must be given by its path.
     own = paths_of_drumlin_studies()
     file = own.get(name)
     if file is None and len(Path(name).parts) > 1:
         # Symbolic links are not resolved: studies/ must be a folder of the path as it was given.
         given = Path(os.path.abspath(name))  # noqa: PTH100
         file = given if given.name == "study.py" else given / "study.py"
-    # For a name with a NUL os.path.isfile returns False, while Path.is_file raises an error.
+    # For a name with a NUL character os.path.isfile returns False; Path.is_file raises an error.
     is_file = file is not None and os.path.isfile(file)  # noqa: PTH113
     if file is None or not is_file or file.parents[1].name != "studies":
         raise BadInput(
@@ -247,7 +257,7 @@ def run_study_and_write_report(
     """
     _require_packages_of_study(name)
     module, root = import_study_and_find_its_folder(name)
-    # A study without a journal computes everything again each time.
+    # A study without a journal computes all cases in each run.
     folder = folder or Path("reports") / module.__name__.split(".")[1]
     if "journal" not in inspect.signature(module.study).parameters:
         page: Path = module.report(module.study(short=short, say=say), folder)

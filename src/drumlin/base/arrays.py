@@ -1,6 +1,6 @@
 """Types of numpy arrays, their comparison, slices of an array's parts, and polar angles of points.
 
-The types say nothing of shapes: each docstring gives the shapes of its arrays in brackets.
+The types do not tell the shapes: every docstring gives the shapes of its arrays in brackets.
 """
 
 from collections.abc import Iterable, Mapping
@@ -21,20 +21,20 @@ Values = float | Floats
 
 
 def slices_of_consecutive_parts(sizes: Iterable[int]) -> tuple[slice, ...]:
-    """The slices of consecutive parts of an array; `sizes` are the lengths of the parts."""
+    """The slices that cut an array into consecutive parts; `sizes` are the lengths of the parts."""
     return tuple(slice(a, b) for a, b in pairwise(accumulate(sizes, initial=0)))
 
 
 def polar_angles_within_half_turn_of_angle(middle: float, xy: Floats) -> Floats:
     """Polar angles [rad] of the points `xy` (2, ...), each within half a turn of `middle` [rad]."""
-    # The points are turned by the angle -middle. Their angles then lie about 0, far from the jump
-    # between pi and -pi.
+    # The points, as complex numbers, are turned by -middle. The angles relative to `middle` then
+    # lie between -pi and pi, as `np.angle` gives them.
     turned = np.exp(-1j * middle) * (xy[0] + 1j * xy[1])
     return np.asarray(middle + np.angle(turned))
 
 
 def are_nested_values_with_arrays_equal(one: Any, other: Any) -> bool:
-    """Whether two values are equal, if arrays may stand within their tuples, lists and mappings.
+    """Whether two values are equal, even if their tuples, lists and mappings have arrays in them.
 
     Arrays are equal if they have the same shape and the same entries.
     """
@@ -52,7 +52,7 @@ def are_nested_values_with_arrays_equal(one: Any, other: Any) -> bool:
 class EqualByArrays:
     """Base class of results whose fields hold arrays: results with equal fields are equal.
 
-    The comparison that dataclasses have by themselves raises an error for arrays. Subclasses are
+    The comparison that Python gives to dataclasses raises an error for arrays. Subclasses are
     dataclasses with `eq=False`. Fields with `compare=False`, such as run times, are not compared.
     """
 

@@ -13,14 +13,14 @@ from pathlib import Path
 
 from drumlin.base.texts import printable_single_line
 
-# These are names of the standard module errno: errors by which disk, memory, files or processes run
-# out.
+# Names in the standard module errno of errors that say: no disk space, memory, open files or
+# processes are left.
 _SHORTAGES = ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
 SHORT_OF = {getattr(errno, name) for name in _SHORTAGES if hasattr(errno, name)}
 """Error numbers by which the operating system says that disk, memory, files or processes run out.
 
-The user's input does not cause these errors. drumlin therefore reports them as NoAnswer and not as
-BadInput. Some operating systems do not define all of these numbers.
+drumlin reports them as NoAnswer and not as BadInput, because the user's input does not cause them.
+Some operating systems do not define all of these numbers.
 """
 
 
@@ -54,17 +54,20 @@ ARGUMENTS_WITH_OTHER_NAMES = {
     "to": "high",
     "no-model-error": "model_error=False",
 }
-"""Arguments of the functions of `import drumlin` whose option has another name, by the option."""
+"""Python arguments by the command's option, for options whose argument has another name.
+
+The arguments are those of the functions that `import drumlin` gives.
+"""
 
 
 def _text_with_options_replaced_by_python_arguments(text: str) -> str:
-    """A message in which each option, such as `--model fem`, is an argument of Python."""
+    """A message in which Python arguments replace options: `model="fem"` for `--model fem`."""
     # Messages such as "--kind belongs to --model fem" name the model after a blank. In Python the
     # argument is model="fem".
     text = re.sub(r"(?<!\S)--model (\w+)", r'model="\1"', text)
 
     def python_argument_name_of_matched_option(option: re.Match[str]) -> str:
-        """The name of the argument for an option; option[1] is its name without dashes."""
+        """The name of the argument for an option; option[1] is the option's name without dashes."""
         return ARGUMENTS_WITH_OTHER_NAMES.get(option[1], option[1].replace("-", "_"))
 
     return re.sub(r"(?<!\S)--([a-z][a-z-]*)", python_argument_name_of_matched_option, text)
@@ -94,10 +97,10 @@ class LostDigits(NoAnswer):
 
 
 class Stopped(BaseException):
-    """A signal of the operating system asks the process to end.
+    """The exception for a signal of the operating system that asks the process to end.
 
-    A file that is half written is deleted. The class derives from BaseException, so that code which
-    handles ordinary exceptions (`except Exception`) does not catch it.
+    As an exception it lets `finally` blocks delete half-written files. It derives from
+    BaseException: code that handles ordinary exceptions (`except Exception`) must not catch it.
     """
 
     def __init__(self, signal: int) -> None:
@@ -139,7 +142,7 @@ def is_failure_of_memory_or_system(error: BaseException | None) -> bool:
 
 
 def text_of_error_for_command_line(error: BaseException) -> str:
-    """The message of an error for the command line, with options in place of arguments."""
+    """The message of an error for the command line, with options in place of Python arguments."""
     return getattr(error, "command_line_text", "") or str(error)
 
 
@@ -147,7 +150,7 @@ def error_line_and_exit_status(error: BaseException) -> tuple[str, int]:
     """Line to print about the exception that ends a process, and the exit status of the process.
 
     If the line is empty, nothing is to be printed. The exit status is 2 for wrong input, 3 if there
-    is no answer, 128 plus the number of a signal, and 1 for a fault of drumlin itself.
+    is no answer, 128 plus the signal's number after a signal, and 1 for a fault of drumlin itself.
     """
     line, status = _error_line_of_any_length_and_exit_status(error)
     return printable_single_line(line), status
@@ -167,7 +170,8 @@ def _error_line_of_any_length_and_exit_status(error: BaseException) -> tuple[str
         line, status = "", 141
     elif isinstance(error, MemoryError):
         line, status = "not enough memory", 3
-    # The name of a missing module tells an optional package from a fault within drumlin.
+    # A missing module of another package is an optional package that is not installed. A missing
+    # module of drumlin is a fault of drumlin.
     elif isinstance(error, ModuleNotFoundError) and not str(error.name).startswith("drumlin"):
         line, status = f"needs the package {error.name!r}, which is not installed", 3
     elif isinstance(error, ImportError):
@@ -198,7 +202,7 @@ def call_function_and_return_exit_status(run: Callable[[], int]) -> int:
     except BaseException as error:
         line, status = error_line_and_exit_status(error)
         if line and sys.stderr is not None:
-            # The command has ended with the exception, so that its own functions for output are not
+            # The command has ended with the exception, so that its functions for output cannot be
             # used here.
             print(f"drumlin: {line}", file=sys.stderr)  # noqa: T201
         return status

@@ -22,12 +22,13 @@ from drumlin.base.errors import BadInput, exception_for_unusable_file
 LONGEST_SUFFIX = 16
 """Longest suffix, in characters, that a temporary file takes over from the file that it replaces.
 
-With a longer suffix the name could become too long for the file system. No program that reads the
-file needs such a suffix.
+A longer suffix is left out, because the temporary name could become too long for the file system.
+No program that reads the file needs such a suffix.
 """
 
-# The files that must not be overwritten, each by its status on the disk, which identifies a file
-# under all its names. The list is None outside a block of `protect_input_files_within_block`.
+# The input files, which must not be overwritten. Each is listed by its status on the disk, which is
+# the same under all names of a file. The list is None outside a block of
+# `protect_input_files_within_block`.
 _inputs: ContextVar[list[os.stat_result] | None] = ContextVar("inputs", default=None)
 
 
@@ -49,7 +50,7 @@ def protect_file_from_being_overwritten(path: Path) -> None:
     """Protect the file at `path` from being overwritten, even if it is never read.
 
     The protection lasts until the block of `protect_input_files_within_block` ends.
-    It also holds for other names of the same file, since its number on the disk identifies a file.
+    It holds for all names of the file, such as links, which have the same number on the disk.
     """
     inputs = _inputs.get()
     with suppress(OSError, ValueError):
@@ -66,7 +67,7 @@ _BYTE_ORDER_MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16"),
     (codecs.BOM_UTF8, "utf-8-sig"),
 )
-"""Byte order marks, the first bytes of a file in Unicode, each with the encoding that it tells.
+"""Byte order marks, the first bytes of some text files, each with the encoding that it stands for.
 
 The marks of UTF-32 are tested first, because one of them begins with the bytes of a UTF-16 mark.
 """
@@ -136,9 +137,9 @@ def read_text(path: Path, most: int, what: str) -> str:
 def check_output_files_are_writable(*paths: Path | None) -> None:
     """Raise BadInput if one of the output files must not or cannot be written.
 
-    It is called before a long computation starts. It refuses a folder, a disk, an input file (see
-    `protect_input_files_within_block`) and a file that two outputs share. It also refuses any .toml
-    file, because users write brake and sweep files by hand.
+    It is called before a long computation, whose result would be lost. It refuses a folder, a disk,
+    an input file (see `protect_input_files_within_block`), a path that two outputs share, and any
+    .toml file, because users write brake and sweep files by hand.
     """
     targets = []
     for path in filter(None, paths):
@@ -151,7 +152,7 @@ def check_output_files_are_writable(*paths: Path | None) -> None:
 def check_path_can_be_folder(path: Path) -> None:
     """Raise BadInput if no folder can be made at `path`, because it or a parent of it is a file."""
     try:
-        # The nearest existing ancestor decides: below it all folders can be made.
+        # All missing folders can be made if the nearest parent that exists is a folder.
         folders = (path, *path.absolute().parents)
         above = next(folder for folder in folders if os.path.lexists(folder))
         if not above.is_dir():
@@ -161,10 +162,10 @@ def check_path_can_be_folder(path: Path) -> None:
 
 
 def _resolved_path_and_file_status_of_output(path: Path) -> tuple[Path, os.stat_result | None]:
-    """The file at the end of the symbolic links of an output path, and its status on the disk.
+    """The path to which an output path leads through symbolic links, and the file's status there.
 
-    The status is None if no such file exists yet. Raises BadInput if the file must not or cannot be
-    written, as `check_output_files_are_writable` says.
+    The status on the disk is None if no file exists there yet. Raises BadInput if the file must not
+    or cannot be written, as `check_output_files_are_writable` says.
     """
     try:
         found = path.stat() if path.exists() else None
@@ -207,8 +208,8 @@ def temporary_file_replacing_output(path: Path) -> Iterator[Path]:
     partial = folder / f".drumlin-{os.urandom(6).hex()}{suffix}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        # The temporary file takes over the permissions of the replaced file only later. Until then
-        # no other user may read it.
+        # If a file is replaced, the temporary file gets the permissions of this file at the end.
+        # Until then no other user may read it.
         partial.touch(0o666 if found is None else 0o600, exist_ok=False)
         try:
             yield partial
@@ -217,8 +218,8 @@ def temporary_file_replacing_output(path: Path) -> Iterator[Path]:
                     file.write(partial.read_bytes())
                 return
             if found is not None:
-                # Most users may not change a file's owner, and some operating systems do not know
-                # owners.
+                # Most users may not change a file's owner, and some operating systems have no
+                # owners: the file then belongs to the user of this process.
                 with suppress(OSError, AttributeError):
                     os.chown(partial, found.st_uid, found.st_gid)
                 partial.chmod(stat.S_IMODE(found.st_mode) & 0o777)
@@ -233,11 +234,11 @@ def temporary_file_replacing_output(path: Path) -> Iterator[Path]:
 def _pipe_or_stream_number_or_none_for_ordinary_file(
     path: Path, found: os.stat_result
 ) -> Path | int | None:
-    """The pipe, device or stream number to write into if an output file cannot be replaced.
+    """The pipe, device or stream number to write into; None for a file that can be replaced.
 
-    The result is None for an ordinary file, which a new file can replace. If standard output or
-    standard error (streams 1 and 2) is redirected to the file, the result is the number of the
-    stream: a new file in its place would lose the lines that were printed before.
+    If standard output or standard error (streams 1 and 2) is redirected to the file, the result is
+    the number of the stream: a new file in place of the old one would lose the lines that were
+    printed before.
 
     Parameters
     ----------
@@ -256,7 +257,7 @@ def _pipe_or_stream_number_or_none_for_ordinary_file(
 def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8, whole or not at all."""
     with temporary_file_replacing_output(path) as partial:
-        # The text may name files whose names are no UTF-8; their bytes become question marks.
+        # The text may have names of files that are no UTF-8. Question marks replace their bytes.
         partial.write_text(text, encoding="utf-8", errors="replace")
 
 
@@ -283,7 +284,7 @@ def write_json(path: Path, data: object) -> None:
 
 
 # The pattern matches the beginning of a text that a spreadsheet would take for a formula. It does
-# not match numbers and ranges of numbers, such as "-70 to 55.1".
+# not match a number or a range of numbers, such as "-70 to 55.1".
 _FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")
 
 
@@ -299,7 +300,7 @@ def spreadsheet_cell_safe_from_being_run_as_formula(value: object) -> object:
 def require_fields_file_name_ends_in_vtu(path: Path | None, option: str = "--fields") -> None:
     """Raise BadInput for a file of displacements and stresses whose name does not end in .vtu.
 
-    `option` is what the user gave the path as.
+    `option` is the name of the option or argument that the user gave, for the message.
     """
     if path is not None and path.suffix != ".vtu":
         raise BadInput(f"{option} = {str(path)!r}: must end in .vtu")

@@ -1,10 +1,11 @@
 """The journal of a long computation: a file of JSON lines, one for each finished case.
 
-A computation that was stopped reads its journal and goes on with the cases that are missing. Each
-line has a checksum: if lines are damaged, only their cases are computed again. (The write-ahead log
-of sqlite3 would lose all records after one flipped bit, and it does not work on network file
-systems.) A journal belongs to one version of the program's source. If the source has changed, the
-old journal is renamed and a new one begins. A file that is no journal is never changed.
+If a computation was stopped, its next run reads the journal and computes only the missing cases.
+Each line has a checksum: if lines are damaged, only their cases are computed again. (The
+write-ahead log of sqlite3 would lose all records after one flipped bit, and it does not work on
+network file systems.) A journal belongs to one version of the program's source. If the source has
+changed, the old journal is renamed and a new one begins. A file that is no journal is never
+changed.
 """
 
 import hashlib
@@ -24,23 +25,22 @@ from drumlin.base.errors import BadInput, system_message_of_error
 try:
     import fcntl
 except ImportError:
-    # Windows has no module fcntl and so no file locks: the user must not start two runs that write
-    # the same journal.
+    # Windows has no module fcntl, so that journals are not locked: there the user must not start
+    # two runs that write the same journal.
     fcntl = None  # type: ignore[assignment]
 
 LARGEST_LINE = 2**26
 """Longest line of a journal [bytes]; a longer line counts as damaged.
 
-The line of a case has some hundred bytes, and a line with a study's reference values some hundred
-thousand. A file with an unknown first line is searched for undamaged lines up to this many bytes
-from its beginning.
+The line of a case has some 100 bytes, and a line with the reference values of a study some 100 000.
+If the first line of a file is unknown, undamaged lines are searched in its first 2**26 bytes.
 """
 HEAD = b'{"stamp": "'
 """The beginning of a journal's first line. The stamp follows: a checksum of drumlin's source."""
 LEAD = len('{"sum": "0123456789abcdef", ')
-"""Number of bytes before the data in the line of a case; these bytes hold the line's checksum."""
+"""Number of bytes at the beginning of a case's line, which hold the checksum of the line."""
 COMPUTING = ("numpy", "scipy", "scikit-fem")
-"""Libraries whose other versions may change the last digits of a result."""
+"""Libraries of which another version may change the last digits of a result."""
 
 
 def checksum_of_source_and_libraries(*folders: Path) -> str:
@@ -59,9 +59,9 @@ def checksum_of_source_and_libraries(*folders: Path) -> str:
 
 
 def journal_key_of_case(case: Mapping[str, Any]) -> str:
-    """The data of a case as one line of JSON, by which the journal finds its result.
+    """The data of a case as one line of JSON, by which the journal finds the result of the case.
 
-    The keys of the data are sorted. A value that JSON cannot write is replaced by its text.
+    The keys of the data are sorted. A value that JSON cannot write becomes a text (`str`).
     """
     return json.dumps(case, sort_keys=True, default=str)
 
@@ -121,7 +121,10 @@ class Journal(AbstractContextManager["Journal"]):
     def get_or_compute_result(
         self, case: Mapping[str, Any], compute: Callable[[], dict[str, Any]]
     ) -> dict[str, Any]:
-        """The stored result of a case; if it has none, the result of `compute` is stored first."""
+        """The stored result of a case. If there is none, the case is computed and stored first.
+
+        `compute` is the function, without arguments, that returns the result.
+        """
         if case not in self:
             self.add(case, compute())
         return self[case]
@@ -139,7 +142,7 @@ class Journal(AbstractContextManager["Journal"]):
         """Close the journal of a complete run, whose results are in another file, and delete it."""
         if self._file is not None and self.path is not None:
             # The file stays locked until it is deleted, so that no other run reads it meanwhile.
-            # Windows has no such lock, and deletes no open file.
+            # On Windows it is not locked, and must be closed before it can be deleted.
             if fcntl is None:
                 self.close()
             self.path.unlink(missing_ok=True)
@@ -155,14 +158,14 @@ class Journal(AbstractContextManager["Journal"]):
         self.close()
 
     def _try_to_lock_and_read_journal_file(self, path: Path) -> bool:
-        """Open and lock the file at `path`, and read its cases; returns whether that was done.
+        """Open and lock the file at `path` and read its cases; False if it must be tried again.
 
-        It returns False if the file had to be renamed, by this run or another one, so that no file
-        is left at `path`. Raises BlockingIOError if another run has locked the file.
+        It must be tried again if this run or another one has renamed the file as outdated, so that
+        no file is left at `path`. Raises BlockingIOError if another run has locked the file.
         """
         if path.exists() and not path.is_file():
             raise BadInput(f"{path}: cannot be written (is no file)")
-        # Without a buffer each result reaches the file at once, and a kill cannot lose it.
+        # Without a buffer each result is in the file at once, even if the process is killed then.
         self._file = path.open("a+b", buffering=0)
         if fcntl is not None:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -177,12 +180,13 @@ class Journal(AbstractContextManager["Journal"]):
     def _read_results_if_journal_is_of_this_version(self, file: FileIO) -> bool:
         """Read the cases of the locked file, and cut off a last line that is incomplete.
 
-        Returns False if the journal belongs to another version of the source: then it is renamed.
+        Returns True if that was done. A journal of another version of the program's source is
+        renamed instead, and the result is False.
         """
         path, own_head = Path(file.name), HEAD + self._stamp.encode() + b'"}\n'
         with path.open("rb") as reader:
             head = reader.readline(LARGEST_LINE)
-            # The file is new, or a kill of the process left its first line incomplete.
+            # The file is new, or its first line is incomplete because the process was killed.
             if not head or (head.startswith(HEAD) and own_head[:-1].startswith(head)):
                 file.truncate(0)
                 self._append_bytes_to_file(file, own_head)
@@ -194,20 +198,19 @@ class Journal(AbstractContextManager["Journal"]):
             while (is_own or self._rows or end <= LARGEST_LINE) and (
                 line := reader.readline(LARGEST_LINE)
             ):
-                # A kill of the process may have left the last line incomplete.
+                # The last line is incomplete if the process was killed while it wrote the line.
                 if not line.endswith(b"\n") and len(line) < LARGEST_LINE:
                     break
                 end += len(line)
-                # The case in a line is accepted only if the line's checksum fits its data and the
-                # stamp.
+                # A line counts only if its checksum is that of its data and this version's stamp.
                 data = line[LEAD:-1]
                 if line == _journal_line_with_checksum(data, self._stamp):
                     record = json.loads(b"{" + data)
                     self._rows[record["key"]] = record["row"]
                 else:
                     damaged += 1
-        # A journal of another version of the source has another stamp, so that no checksum fits and
-        # no case is accepted.
+        # A journal of another version of the source has another stamp, with which no line has the
+        # right checksum: no case was read.
         if not is_own and not self._rows:
             self._rename_outdated_journal(path, head)
             return False
@@ -226,8 +229,8 @@ class Journal(AbstractContextManager["Journal"]):
         if not re.fullmatch(re.escape(HEAD) + rb'[^"]*"\}\n', head):
             raise BadInput(f"{path}: is no journal; move it away, or write elsewhere")
         names = (path.with_name(f"{path.name}.{n}") for n in count(1))
-        # The file stays locked until it is renamed, so that no other run reads it meanwhile.
-        # Windows has no such lock, and renames no open file.
+        # The file stays locked until it is renamed, so that no other run reads it meanwhile. On
+        # Windows it is not locked, and must be closed before it can be renamed.
         if fcntl is None:
             self.close()
         aside = path.rename(next(name for name in names if not os.path.lexists(name)))
@@ -253,7 +256,7 @@ def _journal_line_with_checksum(data: bytes, stamp: str) -> bytes:
     Parameters
     ----------
     data : the case and its result in JSON, without the opening brace
-    stamp : stamp of the source, which the checksum covers as well
+    stamp : checksum of drumlin's source, which the line's checksum covers as well
     """
     checksum = hashlib.sha256(stamp.encode() + data).hexdigest()[:16]
     return b'{"sum": "%s", %s\n' % (checksum.encode(), data)

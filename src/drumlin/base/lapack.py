@@ -26,7 +26,7 @@ __all__ = [
 def solve_lower_triangular_system(L: Floats, b: Floats) -> Floats:
     """Solve L x = b for x, with a lower triangular matrix L (n, n) and b (n,) or (n, m).
 
-    Raises numpy's LinAlgError where L is singular.
+    Raises numpy's LinAlgError if L is singular.
     """
     x, info = dtrtrs(L, b, lower=1)
     if info:

@@ -25,7 +25,7 @@ def make_getattr_function_of_moved_module(
         Raises AttributeError for a private name, which begins with an underscore.
         """
         if name.startswith("_"):
-            # Python asks every module for private names such as __path__, and must not be warned.
+            # Python itself looks up private names such as __path__, which must give no warning.
             raise AttributeError(f"module {old!r} has no attribute {name!r}")
         value = getattr(import_module(new), (renamed or {}).get(name, name))
         warnings.warn(f"{old} has moved to {new}", DeprecationWarning, stacklevel=2)
@@ -39,7 +39,7 @@ def make_getattr_function_for_renamed_functions(
 ) -> Callable[[str], Any]:
     """Make the function `__getattr__` of a module whose functions have new names.
 
-    Each look-up of an old name warns and names the new one.
+    Each look-up of an old name returns the function, and warns with its new name.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def make_getattr_function_for_renamed_functions(
     """
 
     def function_by_old_name_with_warning(name: str) -> Any:
-        """The function that had this name. Raises AttributeError for any other name."""
+        """The function whose old name this is. Raises AttributeError for any other name."""
         if name not in renamed:
             raise AttributeError(f"module {module!r} has no attribute {name!r}")
         warnings.warn(f"{module}.{name} is now {renamed[name]}", DeprecationWarning, stacklevel=2)

@@ -1,7 +1,7 @@
 """Memory and processor time that this process and its child processes have used.
 
-Linux and macOS count both for every process. Windows, where Python has no module `resource`, does
-not tell them in this way. There the functions return nan, so that a report shows no number.
+Linux and macOS count both for every process, and Python reads them with the module `resource`. On
+Windows, where Python has no such module, the functions return nan, and reports show no number.
 """
 
 import math
@@ -16,7 +16,8 @@ except ImportError:
 
 def peak_memory_of_process() -> float:
     """The largest resident memory of this process so far [bytes]; nan where it is not known."""
-    # On Linux getrusage also counts memory of the parent process, so VmHWM is read instead.
+    # On Linux, getrusage may give the peak memory of the parent process. VmHWM in this file is the
+    # peak memory of the process itself.
     status = Path("/proc/self/status")
     if status.exists():
         line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
@@ -31,7 +32,7 @@ def peak_memory_of_process() -> float:
 def processor_time_of_ended_child_processes() -> float:
     """Processor time [s] of the child processes that have ended; nan where it is not known.
 
-    On a busy machine the wall-clock time would depend on other programs.
+    Unlike wall-clock time it hardly depends on other programs that keep the machine busy.
     """
     if resource is None:
         return math.nan

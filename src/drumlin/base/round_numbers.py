@@ -1,4 +1,4 @@
-"""Round numbers: 1, 2 or 5 times a power of ten, for scales, ticks and factors of pictures."""
+"""Round numbers, for the scales of figures: 1, 2 or 5 times a power of ten."""
 
 import math
 

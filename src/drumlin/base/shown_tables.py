@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 Cells = Sequence[Sequence[str]]
-"""The type of the cells of a table: the headings, and the texts of each further row."""
+"""The type of the cells of a table: a row of headings, then the rows of texts."""
 
 
 def text_lines_of_aligned_columns(rows: Cells) -> list[str]:

@@ -1,7 +1,7 @@
-"""Read tables of text files whose cells are separated by commas, semicolons or tabs.
+"""Read tables from text files in which commas, semicolons or tabs separate the cells.
 
-Spreadsheets of countries with a decimal comma separate cells by semicolons. In a table with both
-decimal commas and decimal points no number is certain, and the table is refused.
+Spreadsheets of countries with a decimal comma separate cells by semicolons. A table with both
+decimal commas and decimal points is refused: its numbers could be read in two ways.
 """
 
 import csv
@@ -36,7 +36,7 @@ def decimal_sign_of_table(cells: Iterable[str]) -> str:
 
     Raises ValueError for cells of which some have a decimal comma and others a decimal point.
     """
-    # The first cell that proves a sign is kept for the error message.
+    # For each decimal sign the first cell that proves it is kept, for the error message.
     found: dict[str, str] = {}
     for cell in cells:
         sign = decimal_sign_proved_by_number_text(cell)

@@ -23,8 +23,7 @@ square of its digits.
 MOST_KEY_PARTS = 16
 """Largest number of parts of a dotted key a.b.c in a file; a key with more is refused.
 
-For each key, the TOML parser walks through all parts of its dotted name. Files with long dotted
-keys therefore take long.
+The TOML parser walks through all parts of every key: files with long dotted keys would take long.
 """
 
 # The pattern matches the exponent of a number below ten millions, such as e+05.
@@ -33,10 +32,10 @@ _THOUSANDS = re.compile(r"e\+0[0-6]$")
 _NOTHING = re.compile(r"[-+]0(\.0*)?%?")
 # The pattern matches a number with too many digits; TOML allows _ between digits.
 _DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
-# A part of a TOML key is a bare word or in quotes. The pattern _KEY, below, also matches comments,
-# so that words in a comment do not count as keys.
+# The pattern matches one part of a dotted TOML key: a bare word, or a text in quotes.
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
-# The pattern matches a comment, or a dotted key with any number of parts.
+# The pattern matches a dotted key with any number of parts, or a whole comment, so that words in a
+# comment are not taken for keys.
 _KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
 
 
@@ -122,7 +121,7 @@ def check_numbers_have_few_digits(text: str) -> None:
 def check_toml_parses_quickly(text: str) -> None:
     """Raise ValueError if a TOML text has a number or a dotted key that takes long to parse.
 
-    The limits are MOST_DIGITS digits of a number and MOST_KEY_PARTS parts of a key.
+    A number may have MOST_DIGITS digits, and a key MOST_KEY_PARTS parts.
     """
     check_numbers_have_few_digits(text)
     for match in _KEY.finditer(text):

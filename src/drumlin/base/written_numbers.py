@@ -23,14 +23,14 @@ The text must have plain spaces and minus signs, see `text_with_plain_spaces_and
 _PLAIN_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?", re.ASCII)
 _NUMBER = re.compile(rf"\s*({NUMBER_PATTERN})\s*", re.ASCII)
 _FRACTION = re.compile(r"(?:(\d+) )?(\d+) ?/ ?(\d+)", re.ASCII)
-# A single point is the decimal sign, since files of drumlin have always had decimal points. The
-# exception is a table whose other numbers have decimal commas.
+# The pattern matches digits with at most one point, which is the decimal sign: files of drumlin
+# have always had decimal points. In a table with decimal commas such a number is checked further.
 _PLAIN_DIGITS = re.compile(r"\d+\.?\d*|\.\d+", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"(?:\d+|\d{1,3}(?:\.\d{3})+|\d{1,3}(?: \d{3})+|),\d+", re.ASCII)
 _GROUPS_OF_THREE = re.compile(
     r"\d{1,3}(?: \d{3})+(?:\.\d+)?|\d{1,3}(?:,\d{3})+(?:\.\d+)?|\d{1,3}(?:\.\d{3}){2,}", re.ASCII
 )
-# This pattern matches a number such as 1,500, which is 1.5 to some readers and 1500 to others.
+# The pattern matches a number such as 1,500, which is 1.5 to some readers and 1500 to others.
 _COMMA_IN_DOUBT = re.compile(r"[1-9]\d{0,2},\d{3}", re.ASCII)
 
 
@@ -87,7 +87,8 @@ def decimal_sign_proved_by_number_text(text: str) -> str:
 def _digits_with_decimal_point_and_without_grouping(digits: str, decimal_sign: str) -> str:
     """The digits of a number with a decimal point, and without the signs between groups of three.
 
-    `decimal_sign` is "," or "." if it is known. Raises ValueError for digits with two readings.
+    `decimal_sign` is "," or "." if it is known, else "". Raises ValueError for digits that can be
+    read as two numbers.
     """
     if _PLAIN_DIGITS.fullmatch(digits) and not (decimal_sign == "," and "." in digits):
         return digits
@@ -99,7 +100,7 @@ def _digits_with_decimal_point_and_without_grouping(digits: str, decimal_sign: s
     if decimal_sign != "." and _DECIMAL_COMMA.fullmatch(digits):
         return digits.replace(" ", "").replace(".", "").replace(",", ".")
     if _GROUPS_OF_THREE.fullmatch(digits):
-        # Several points group the digits, one point is the decimal sign.
+        # Several points separate groups of digits. One point alone is the decimal sign.
         joined = digits.replace(" ", "").replace(",", "")
         return joined.replace(".", "") if joined.count(".") > 1 else joined
     raise ValueError("must be a number with a decimal point")

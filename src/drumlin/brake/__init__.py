@@ -16,9 +16,9 @@ __all__ = ["Brake", "Shoe", "read_any", "read_brake", "vary"]
 
 
 def __getattr__(name: str) -> Any:
-    """Return the class for an old name, with a DeprecationWarning.
+    """Return the class that an old name of this module stood for, with a DeprecationWarning.
 
-    The old names are from the time when brakes on a plane had classes of their own for the user.
+    Former versions exported separate classes for brakes on a plane.
     """
     # The module is imported only when an old name is looked up.
     from drumlin.brake import plane_brake  # noqa: PLC0415

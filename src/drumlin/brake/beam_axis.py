@@ -27,7 +27,7 @@ class Axis(NamedTuple):
     foot : x_O, coordinate x of the foot of the perpendicular from O to the axis [m]
     distance : D, distance of O from the axis [m]
     sense : +1 if x grows with the polar angle about O, -1 if x falls
-    origin : polar angle, about O, of the foot of the perpendicular [rad]
+    origin : polar angle about O at which the foot of the perpendicular lies [rad]
     """
 
     hinge: Floats
@@ -57,7 +57,7 @@ class Axis(NamedTuple):
 
 
 def make_beam_axis(hinge: Floats, end: Floats) -> Axis:
-    """Make the axis of a beam from its hinge (2,) to its loaded end (2,) [m].
+    """Make the axis of a beam from the positions of its hinge (2,) and its loaded end (2,) [m].
 
     The two points must differ, and the drum's centre O must not lie on the line through them.
     """

@@ -105,7 +105,7 @@ class Shoe(Meshed):
     def sign(self) -> int:
         """+1 for an internal shoe and a shoe on a plane, -1 for an external shoe.
 
-        It is the sign of the radial component of the lining's normal towards the drum.
+        On a drum it is the sign of the radial component of the lining's normal towards the drum.
         """
         return 1 if self.side == "internal" else -1
 
@@ -205,12 +205,15 @@ class Shoe(Meshed):
     def surface_coordinate_of_point(self, point: Point) -> float:
         """Coordinate q of a point along the surface (theta on a drum, x on a plane).
 
-        Of the angles that differ by whole turns it is the nearest to the lining's middle.
+        On a drum whole turns are added to bring the angle nearest to the lining's middle.
         """
 
     @abstractmethod
     def length_along_shoe_back_per_unit_of_phi(self, size: float) -> float:
-        """Length [m] along the back of the shoe's body per unit of phi; on a drum its radius."""
+        """Length [m] along the back of the shoe's body per unit of phi.
+
+        On a drum it is the radius of this back. `size` is the size of the brake [m].
+        """
 
     @property
     @abstractmethod
@@ -244,11 +247,11 @@ class Shoe(Meshed):
         """Whether a point is nearer to the loaded end of the shoe's body than to its pin.
 
         A one-sided support nearer to the loaded end pushes on this end, as the actuation does. A
-        support nearer to the pin pushes on the rigid frame that holds the other end. `size` is the
-        size of the brake [m].
+        support nearer to the pin pushes on the other end of the body, which is held rigidly. `size`
+        is the size of the brake [m].
         """
-        # A straight or curved beam is loaded on its end face, and a mesh from a file near the point
-        # of the actuation.
+        # The actuation loads a body of constant section (`Bar`) on its end face. On any other shoe
+        # the loaded end is the point of the actuation.
         loaded = self.convert_points_to_shoe_frame(self.actuation.point.xy)
         if isinstance(self.body, Bar) and self.mesh is None:
             loaded = self.middle_of_supported_or_loaded_end_face_of_body(size, loaded=True)
@@ -267,8 +270,9 @@ class Shoe(Meshed):
     def interval_of_body_back_held_by_support(self, size: float) -> tuple[float, float] | None:
         """Interval (phi_1, phi_2) of the back of an elastic body that the support holds.
 
-        It is None if the support holds an end face of the body, or if the shoe is rigid or has a
-        mesh file. `size` is the size of the brake [m]. See `Bar.grip`.
+        phi is the coordinate in the frame of the shoe, and `Bar.grip` gives the interval's length.
+        The result is None if the support holds an end face, or if the shoe is rigid, has a mesh
+        file or is a straight beam. `size` is the size of the brake [m].
         """
         if (
             not isinstance(self.body, Bar)
@@ -282,14 +286,15 @@ class Shoe(Meshed):
             if self.pivot is None
             else self.surface_coordinate_of_point(self.pivot)
         )
-        # The held interval is at most 60 % of the lining and stays away from the lining's ends.
+        # The held interval has at most 60 % of the lining's length.
         wanted = (
             0.5
             * (self.body.grip or self.body.thickness)
             / self.length_along_shoe_back_per_unit_of_phi(size)
         )
         half = min(wanted, 0.3 * (end - start))
-        # It lies opposite the pivot, or at the lining's middle if there is no pivot.
+        # Its middle has the coordinate of the pivot, or of the lining's middle if there is no
+        # pivot. It is moved if it would lie too near to an end of the lining.
         phi = self.frame.phi(np.array(place))
         at = float(np.clip(phi, start + 1.5 * half, end - 1.5 * half))
         return at - half, at + half
@@ -339,11 +344,12 @@ class Brake(Part):
 
     @staticmethod
     def brake_class_for_file_data(data: object) -> "type[Brake]":
-        """The class that reads the data of a brake file: `FlatBrake` for data with "plane".
+        """The class that reads the data of a brake file.
 
-        Other data are read by `DrumBrake`.
+        It is `FlatBrake` for data with the key "plane", and `DrumBrake` for all other data.
         """
-        # Data with neither "drum" nor "plane" are an error, and its message shall name the drum.
+        # Data with neither "drum" nor "plane" are read by `DrumBrake`, whose error message names
+        # the missing drum.
         shapes = {shape.surface.word: shape for shape in Brake.__subclasses__()}
         on_plane = isinstance(data, Mapping) and PLANE.word in data
         return shapes[PLANE.word if on_plane else DRUM.word]
@@ -418,14 +424,14 @@ class Brake(Part):
 
     @property
     def out_of_round_harmonics(self) -> tuple[Lobes, ...]:
-        """Harmonics of a drum that is out of round; none for a plane."""
+        """Harmonics of a drum that is out of round; empty for a plane."""
         return ()
 
     def radial_deviation_of_drum_surface(self, theta: Floats) -> Floats | None:
         """Radial deviation [m] of a drum that is out of round, at angles theta, same shape.
 
-        It is positive where the surface lies outside its circle, and None for a round drum and for
-        a plane.
+        It is positive where the friction surface lies outside the drum's circle. The result is None
+        for a round drum and for a plane.
         """
         return None
 
@@ -459,7 +465,7 @@ class Brake(Part):
     ) -> float:
         """The friction coefficient at the pressure 0 and a temperature rise [K] of the lining.
 
-        `written` is the value of a key `friction`: the coefficient itself, or a table.
+        `written` is the value of a key `friction` in the brake file: a coefficient or a table.
         """
         if not isinstance(written, FrictionTable):
             return written
@@ -499,9 +505,10 @@ class Brake(Part):
         return self.friction_coefficient_of_shoe_at_zero_pressure(shoe) / self.friction
 
     def _has_lining_its_own_friction_coefficient(self, shoe: Shoe) -> bool:
-        """Whether a lining has its own friction coefficient, by its key or by its temperature.
+        """Whether the friction coefficient of a shoe's lining may differ from the brake's.
 
-        The temperature counts if the brake has a table of friction over temperature.
+        It may if the lining has a key `friction`, or if the lining is heated and the brake's
+        friction is a table over the temperature.
         """
         written = self.friction_as_written
         by_heat = isinstance(written, FrictionTable) and bool(written.temperature_rise)
@@ -517,7 +524,11 @@ class Brake(Part):
         return friction / ratio if ratio else math.inf
 
     def first_key_that_gives_lining_its_own_friction(self) -> str | None:
-        """The first key by which a lining has a friction of its own; None if no lining has one."""
+        """The first key of the brake file that gives a lining its own friction coefficient.
+
+        It is the key `friction` or `temperature_rise` of a lining; None if no lining has its own
+        coefficient.
+        """
         for i, shoe in enumerate(self.shoes):
             if self._has_lining_its_own_friction_coefficient(shoe):
                 own = "temperature_rise" if shoe.lining.friction is None else "friction"
@@ -525,10 +536,10 @@ class Brake(Part):
         return None
 
     def check_brake_has_friction_if_lining_has(self) -> None:
-        """Raise ValueError if a lining has a friction of its own on a brake without friction.
+        """Raise ValueError if a lining has its own friction coefficient and the brake's is 0.
 
-        The search for self-locking, and slopes by friction, scale the friction coefficients of all
-        linings in proportion to the coefficient of the brake, which must therefore not be 0.
+        The search for self-locking, and the slopes of results by friction, scale the coefficients
+        of all linings in proportion to the brake's coefficient, which must therefore not be 0.
         """
         key = self.first_key_that_gives_lining_its_own_friction()
         if self.friction == 0 and key is not None:
@@ -539,7 +550,8 @@ class Brake(Part):
     def brake_with_new_friction_coefficient(self, friction: float) -> Self:
         """A copy of the brake with the friction coefficient `friction`.
 
-        The friction coefficients that linings have of their own change in proportion.
+        The own friction coefficient of a lining, if it has one, is scaled by the same factor as the
+        brake's.
         """
         if self.first_key_that_gives_lining_its_own_friction() is None:
             return self.model_copy(update={"friction_as_written": friction})
@@ -597,7 +609,7 @@ class Brake(Part):
     def names_of_shoes_pushed_by_struts(self) -> set[str]:
         """The names of the shoes whose whole actuation is the force of a strut.
 
-        A strut between the feet of two shoes on anchors is a support and no actuation.
+        A strut between two shoes on anchors is a support of both, and pushes neither of them.
         """
         on_anchors = {shoe.name for shoe in self.shoes if shoe.anchors}
         return {link.to for link in self.links} - on_anchors

@@ -4,11 +4,11 @@ A misfit is a lining ground to a circle of its own, a taper, steps between block
 a drum that is out of round. Each misfit is a gap along the drum's radius, or along the normal of
 the plane, and positive if open. It is added to the lining's `clearance`. It therefore acts in every
 model that has a clearance (finite elements, foundation), and the condensed stiffness of the shoes
-does not depend on it. The laws assume a lining that fits. Plane stress knows no misfit across the
-width (coning, bell-mouthing).
+does not depend on it. The closed-form laws assume that lining and surface fit each other. A misfit
+across the width (coning, bell-mouthing) is neglected in plane stress.
 
-The slope of the surfaces is neglected: normals stay those of the drum's circle. For harmonics of
-order n and amplitude a the torque changes by a fraction of at most n a/(mu R).
+The slope of a misfit is neglected: pressure acts along the normals of the drum's circle. For
+harmonics of order n and amplitude a this changes the torque by a fraction of at most n a/(mu R).
 """
 
 from collections.abc import Callable, Sequence
@@ -22,7 +22,7 @@ from drumlin.brake.components import Lining, indices_of_linings_at_coordinates
 from drumlin.brake.file import vary
 
 SLOPE_CHANGE_ROUND_OFF = 1e-9
-"""Change of the gap's slope at a row of a clearance table up to which it counts as round-off.
+"""Largest change of the gap's slope, at a row of a clearance table, that counts as round-off.
 
 It is relative to the largest change of slope in the table. A larger change is a kink of the gap.
 """
@@ -62,13 +62,14 @@ def gaps_between_unloaded_lining_and_surface(brake: Brake, shoe: Shoe, theta: Fl
 def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
     """Gap [m] due to the different heights of a lining's blocks, at coordinates theta, same shape.
 
-    Each block stands back by its depth, and the gap changes smoothly over the length `step` from
-    one block to the next. On a drum of radius R a step of height h has the smallest radius of
-    curvature (R step)^2/(6 h).
+    The face of each block lies back by the depth of the block, and the gap changes smoothly over
+    the length `lining.step` from one block to the next. On a drum of radius R, a difference h of
+    the depths gives the smallest radius of curvature (R step)^2/(6 h).
     """
     gap, before = np.zeros(np.shape(theta)), 0.0
     for begin, depth in lining.misfit.blocks:
-        # A cubic polynomial rises from 0 to 1 over the step, with zero slope at both ends.
+        # A cubic polynomial rises from 0 to 1 from one block to the next, with zero slope at both
+        # ends.
         x = np.clip((theta - begin) / lining.step + 0.5, 0.0, 1.0)
         gap = gap + (depth - before) * x**2 * (3 - 2 * x)
         before = depth
@@ -78,7 +79,8 @@ def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
 def coordinates_of_gap_kinks(lining: Lining) -> list[float]:
     """Coordinates along the surface (angles on a drum) at which a lining's gap is not smooth.
 
-    They are the rows of its clearance table and the ends of the rounded steps between its blocks.
+    It is not smooth at the rows of a clearance table, and where the rounded steps between blocks
+    begin and end.
     """
     return [
         *coordinates_of_clearance_table_rows(lining),
@@ -126,7 +128,7 @@ def clearance_slope_change_at_each_table_row(lining: Lining) -> Floats:
 
 
 def _clearance_table_rows_and_slope_changes(lining: Lining) -> list[tuple[float, float]]:
-    """Coordinate of each row of a lining's clearance table, and the change of slope there.
+    """For each row of a lining's clearance table its coordinate and the change of slope there.
 
     See `coordinates_of_clearance_table_rows` and `clearance_slope_change_at_each_table_row`.
     """
@@ -135,10 +137,10 @@ def _clearance_table_rows_and_slope_changes(lining: Lining) -> list[tuple[float,
         if not isinstance(part.clearance, tuple):
             continue
         angle, gap = np.array(part.clearance).T
-        # The zeros are the slopes before the first row and after the last one.
+        # The clearance is constant, with the slope 0, before the first row and after the last one.
         slope = np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]])
         rows = zip(angle.tolist(), np.diff(slope).tolist(), strict=True)
-        # If the shoe has several linings, each table holds on its own lining only.
+        # If the shoe has several linings, rows beyond the ends of their own lining do not count.
         alone = len(lining.linings_with_touching_ones_joined) == 1
         found += [row for row in rows if alone or part.start < row[0] < part.end]
     return found
@@ -166,9 +168,10 @@ def solve_brake_at_angular_drum_positions(
 
 
 def new_lining_radii_by_key(brake: Brake, mismatch: float) -> dict[str, float]:
-    """Changes for `vary` that grind every lining to the drum's radius plus `mismatch` [m].
+    """New lining radii, for `vary`: every lining is ground to the drum's radius plus `mismatch`.
 
-    The result has the new radius [m] by the key of each lining's misfit.
+    The result has the new radius [m] by the key in the brake file, such as
+    "shoe[0].lining.misfit.radius". `mismatch` is in m.
     """
     return {
         f"shoe[{i}].lining.misfit.radius": brake.size + mismatch for i in range(len(brake.shoes))
@@ -176,10 +179,10 @@ def new_lining_radii_by_key(brake: Brake, mismatch: float) -> dict[str, float]:
 
 
 def new_lining_circle_offsets_by_key(brake: Brake, size: float) -> dict[str, float]:
-    """Changes for `vary` that displace the circle of every lining by `size` [m].
+    """New offsets of the lining circles, for `vary`: each is moved by `size` [m] towards the hinge.
 
-    The circle is displaced along the line from the drum's centre to the shoe's hinge, outwards. The
-    result has the components of the offset [m] by their keys.
+    The circle to which the lining is ground moves along the line from the drum's centre to the
+    shoe's hinge. The result has x and y of the offset [m] by their keys in the brake file.
     """
     slopes = [
         point_coordinate_changes_per_metre_along_hinge_radius(brake, i, "lining.misfit.offset")
@@ -191,11 +194,10 @@ def new_lining_circle_offsets_by_key(brake: Brake, size: float) -> dict[str, flo
 def point_coordinate_changes_per_metre_along_hinge_radius(
     brake: Brake, index: int, key: str
 ) -> dict[str, float]:
-    """Change of a point's coordinates per metre along the line from drum centre to hinge.
+    """Changes of x and y of a point that moves by 1 m along the line from drum centre to hinge.
 
-    The point is a datum of the shoe with this index, under the key `key`, such as
-    "lining.misfit.offset". The hinge belongs to the same shoe. The result has the changes of x and
-    y by their keys in the brake file.
+    The result has them by their keys in the brake file. The point is a datum of the shoe with this
+    index, under the key `key`, such as "lining.misfit.offset". The hinge is the same shoe's hinge.
     """
     hinge = brake.shoes[index].pin
     # The two values are the components of the unit vector from the drum's centre to the hinge.

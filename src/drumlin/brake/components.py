@@ -66,14 +66,14 @@ class Section(NamedTuple):
 
 
 class Bonded(NamedTuple):
-    """The stiffnesses of bonded plates that bend as one beam.
+    """The neutral axis and the stiffnesses of bonded plates that bend as one beam.
 
     Attributes
     ----------
     depth : depth of the neutral axis below the outer face of the first plate [m]
-    EI : bending stiffness [N m^2]
-    EA : stiffness in tension [N]
-    GA : stiffness in shear [N]
+    EI : bending stiffness of all plates together, about the neutral axis [N m^2]
+    EA : stiffness in tension, the sum over the plates [N]
+    GA : stiffness in shear, the sum over the plates [N]
     """
 
     depth: float
@@ -97,7 +97,7 @@ def stiffnesses_of_bonded_plates(plates: Sequence[Section]) -> Bonded:
     # Distances of the plates' middles from the outer face of the first plate.
     middle = np.cumsum(t) - t / 2
     depth = float(EA @ middle / EA.sum())
-    # Steiner's theorem: a plate off the neutral axis is stretched as well as bent.
+    # By Steiner's theorem a plate off the neutral axis adds EA times the square of its distance.
     EI = own + EA * (middle - depth) ** 2
     return Bonded(depth, float(EI.sum()), float(EA.sum()), float(GA.sum()))
 
@@ -149,9 +149,8 @@ class Ring(Part):
     """The elastic rim of the drum, which lies behind its friction surface as seen from the shoe.
 
     It has a cross-section (thickness, width and material), or a `bending_stiffness` EI [N m^2], or
-    both. If both are given, the width is replaced by the width that gives this EI. Thickness and
-    bending stiffness suffice for a mesh. `support` says whether the rim's edge away from the shoes
-    is fixed or free.
+    both: the width then becomes the width that gives this EI. A mesh needs the thickness and EI at
+    least. `support` says whether the rim's edge away from the shoes is fixed or free.
     """
 
     thickness: Thickness | None = None
@@ -207,10 +206,10 @@ class Drum(Part):
 
     `out_of_round` has the harmonics of the deviation of the surface from its circle. They turn with
     the drum: `angle` [rad] is the angular position of the drum, and the harmonics are given for
-    `angle` = 0. A heated drum grows: `temperature_rise` [K] is the rise at its friction surface,
-    `back_temperature_rise` [K] that at the far edge of its ring, and `expansion` [1/K] is its
-    coefficient of thermal expansion, see `drumlin.brake.heat`. `speed` [rad/s] is the angular speed
-    of the drum, on which a friction coefficient may depend.
+    `angle` = 0. A heated drum grows, see `drumlin.brake.heat`: the temperature rises [K] are
+    `temperature_rise` at the friction surface and `back_temperature_rise` at the far edge of the
+    ring, and `expansion` [1/K] is the coefficient of thermal expansion. `speed` [rad/s] is the
+    angular speed of the drum, on which a friction coefficient may depend.
     """
 
     hints_on_other_keys: ClassVar[Mapping[str, str]] = {
@@ -251,8 +250,8 @@ A misfit is added to the gap along the drum's radii, which is right for small mi
 ROUNDED_STEP = math.radians(1.0)
 """Length [rad] over which the face of a lining rises smoothly from one block to the next.
 
-On a plane it is a fraction of the lining's length. Under a sharp edge, or the corner of a straight
-chamfer, the pressure would be infinite, and its peak would grow with every refinement of the mesh.
+On a plane it is relative to the lining's length. The edges of blocks are rounded because under a
+sharp edge the pressure would be infinite: its peak would grow with every refinement of the mesh.
 """
 
 
@@ -262,8 +261,8 @@ class Misfit(Part):
     `radius` [m] is the radius of the circle to which the lining is ground, by default the drum's.
     This circle touches the drum's circle at the middle of the lining, and is then moved by `offset`
     [m]. `taper` [m] is the gap at the lining's end away from the hinge minus the gap at its end
-    near the hinge. `blocks` are rows (angle, depth) [rad, m]: from this angle on the lining stands
-    back by this depth; before the first angle it does not stand back.
+    near the hinge. `blocks` are rows (angle, depth) [rad, m]: from each angle on, the surface of
+    the lining lies back by the depth. Before the first angle it does not lie back.
     """
 
     radius: Thickness | None = None
@@ -344,14 +343,14 @@ class Lining(Part):
 
     @property
     def linings_with_touching_ones_joined(self) -> "tuple[Lining, ...]":
-        """The linings by growing coordinate, with linings that touch joined to one lining."""
+        """The linings by growing coordinate, where linings that touch are joined to one lining."""
         return self.linings
 
     @property
     def arcs(self) -> tuple[tuple[float, float], ...]:
-        """Begin and end of each part of the friction surface, by growing coordinate.
+        """Coordinates at which each lining on the shoe begins and ends, by growing coordinate.
 
-        Between two parts is a slot without lining. Linings that touch are one part.
+        Linings that touch count as one. Between two linings is a slot.
         """
         return tuple((part.start, part.end) for part in self.linings_with_touching_ones_joined)
 
@@ -376,25 +375,31 @@ class Lining(Part):
         """Length of the rounded step between two blocks, in the surface's coordinate."""
 
     def copy_of_lining_with_changed_fields(self, changes: Mapping[str, object]) -> Self:
-        """A copy in which every lining has the values `changes`, by the names of its fields."""
+        """A copy with other values of some fields: `changes` has them by the names of the fields.
+
+        If a shoe has several linings, each of them gets the values.
+        """
         return self.model_copy(update=dict(changes))
 
     def copy_of_lining_with_other_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
-        """A copy with other clearances: one for each of `arcs`, in their order."""
+        """A copy with other clearances, one for each lining; linings that touch count as one.
+
+        A clearance is a length [m] or a table of rows (coordinate, clearance).
+        """
         (clearance,) = clearances
         return self.model_copy(update={"clearance": clearance})
 
     def clearances_at_surface_coordinates(self, theta: Floats) -> Floats:
-        """Clearance [m] without the misfit at the surface coordinates `theta`, same shape."""
+        """Clearance [m] at the surface coordinates `theta`, same shape; without the misfit."""
         return interpolate_number_or_table(self.clearance, theta)
 
 
 def did_you_mean_hint_for_angles_of_arc(start: float, end: float) -> str:
     """The hint "(did you mean -70 deg to 55 deg?)" for an arc whose end does not follow its start.
 
-    `start` and `end` are the written angles [rad]. An angle of more than two turns is taken as
-    degrees that were written as radians. A start of 290 deg before an end of 55 deg is turned back
-    by a turn, if the arc is then less than half a turn. In all other cases the hint is "".
+    `start` and `end` are the angles [rad] as the user wrote them. An angle of more than two turns
+    is taken as degrees that were written as radians. One turn is subtracted from the start if the
+    arc is then less than half a turn, as from 290 deg to 55 deg. Otherwise the hint is "".
     """
     meant = [math.radians(angle) if abs(angle) > 4 * math.pi else angle for angle in (start, end)]
     if meant != [start, end] and 0 < meant[1] - meant[0] < 2 * math.pi:
@@ -410,8 +415,8 @@ class DrumLining(Lining):
 
     `clearance` [m] is the gap between unloaded lining and drum, positive if open: a number, or a
     table of rows (angle, clearance) with linear interpolation. The gap due to the `misfit` is added
-    to it. `friction` is the lining's own friction coefficient, or a table of it, by default that of
-    the brake.
+    to it. `friction` is the friction coefficient of this lining, or a table of coefficients; by
+    default the lining has the friction of the brake.
     """
 
     start: Angle
@@ -444,15 +449,15 @@ class DrumLining(Lining):
 
 
 SMALLEST_SLOT = 1e-3
-"""Smallest length [rad] of a slot between two linings.
+"""Smallest allowed length [rad] of a slot between two linings: 0.15 mm on a drum of radius 150 mm.
 
-A shorter slot is refused: it is narrower than a saw cut, 0.15 mm on a drum of 150 mm, and the faces
-of its linings would touch under load, which no model computes. The value is a judgement.
+A shorter slot is narrower than a saw cut. The two linings could touch each other under load, which
+no model computes. The value is a judgement.
 """
 TOUCHING = 1e-9
-"""Distance [rad] between two linings up to which they touch and count as one lining.
+"""Largest distance [rad] between two linings that touch and count as one lining.
 
-It is the round-off by which equal angles that a file gives in degrees may differ.
+Equal angles that a file gives in degrees differ by less, due to round-off.
 """
 
 
@@ -513,7 +518,7 @@ class DrumLiningRow(Lining):
 
     @property
     def linings_with_touching_ones_joined(self) -> tuple[Lining, ...]:
-        """The linings by growing angle, with linings that touch joined to one lining."""
+        """The linings by growing angle, where linings that touch are joined to one lining."""
         found = [self.parts[0]]
         for part in self.parts[1:]:
             if part.start - found[-1].end <= TOUCHING:
@@ -549,7 +554,7 @@ class DrumLiningRow(Lining):
 
     @property
     def friction(self) -> float | FrictionTable | None:
-        """Friction coefficient of all linings, or its table; None if they have the brake's."""
+        """Friction coefficient of all linings, or a table; None stands for the brake's friction."""
         return self.parts[0].friction
 
     @property
@@ -568,13 +573,16 @@ class DrumLiningRow(Lining):
         return ROUNDED_STEP
 
     def copy_of_lining_with_changed_fields(self, changes: Mapping[str, object]) -> Self:
-        """A copy in which every lining has the values `changes`, by the names of its fields."""
+        """A copy with other values of some fields of every lining, by the names of the fields."""
         parts = tuple(part.model_copy(update=dict(changes)) for part in self.parts)
         return self.model_copy(update={"parts": parts})
 
     def copy_of_lining_with_other_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
-        """A copy with other clearances: one for each of `arcs`, in their order."""
-        # Linings that touch are on one arc and have one clearance.
+        """A copy with other clearances, one for each lining; linings that touch count as one.
+
+        A clearance is a length [m] or a table of rows (angle, clearance).
+        """
+        # Linings that touch are on one arc and have the same clearance.
         starts = [start for start, _ in self.arcs]
         parts = []
         for part in self.parts:
@@ -583,9 +591,9 @@ class DrumLiningRow(Lining):
         return self.model_copy(update={"parts": tuple(parts)})
 
     def clearances_at_surface_coordinates(self, theta: Floats) -> Floats:
-        """Clearance [m] without the misfit at the angles `theta`, same shape.
+        """Clearance [m] of the linings at the angles `theta`, same shape; without the misfit.
 
-        In a slot it is the clearance of the lining before the slot.
+        At an angle in a slot it is the clearance of the lining before the slot.
         """
         which = indices_of_linings_at_coordinates(self, theta)
         gaps = [part.clearances_at_surface_coordinates(theta) for part in self.parts]
@@ -593,7 +601,7 @@ class DrumLiningRow(Lining):
 
 
 def indices_of_linings_at_coordinates(lining: Lining, theta: Floats) -> Ints:
-    """Index, from 0, of the lining of a shoe that lies at each coordinate `theta`, same shape.
+    """For each coordinate `theta` the index, from 0, of the shoe's lining there; same shape.
 
     A coordinate in a slot belongs to the lining before the slot, and a coordinate before all
     linings to the first lining.
@@ -604,7 +612,11 @@ def indices_of_linings_at_coordinates(lining: Lining, theta: Floats) -> Ints:
 
 
 def _check_lining_is_like_first_one(key: str, part: DrumLining, first: DrumLining) -> None:
-    """Raise ValueError if size, material, friction or heat differ from the first lining's."""
+    """Raise ValueError if a lining of a shoe differs from the shoe's first lining.
+
+    Thickness, width, material, friction and temperature rises must be equal. `key` is the key of
+    the lining in the message.
+    """
     kelvin = dict.fromkeys(("temperature_rise", "back_temperature_rise"), "{} K".format)
     texts: dict[str, Callable[[Any], str]] = {
         "thickness": text_in_mm,
@@ -639,12 +651,10 @@ AnyDrumLining = Annotated[
 
 
 class Backing(Part):
-    """A layer between lining and shoe body, as long and as wide as the lining (a wooden block).
+    """A layer between lining and shoe body, such as a wooden block, as long and wide as the lining.
 
-    If the shoe has several linings, each of them has a backing of its own.
-
-    If the shoe body is a straight beam, the mesh ignores the thickness: the backing fills the space
-    between lining and beam.
+    If the shoe has several linings, each of them has a backing of its own. If the shoe body is a
+    straight beam, the backing fills the space between lining and beam, whatever its thickness.
     """
 
     thickness: Thickness
@@ -666,12 +676,12 @@ class Table(Part):
 class Bar(Part):
     """An elastic shoe body of constant cross-section behind lining and backing.
 
-    `thickness` and `width` [m] are those of a rectangular section. With a `table` (flange) they are
-    those of the web of a T-section. `bending_stiffness` EI [N m^2] may be given in place of width
-    and material or besides them. Then the width is replaced by the width that gives this EI. `grip`
-    [m] is the length of the body's back that a pivot or a guide holds, by default the thickness.
-    With a hinge it is the length that is bolted to the lever. Without grip a hinge holds the end
-    face, as an abutment does.
+    Without a `table` (flange) the section is a rectangle of the `thickness` and `width` [m]. With a
+    `table` it is a T-section, whose web has this thickness and width. `bending_stiffness` EI
+    [N m^2] may be given in place of width and material or besides them: the width then becomes the
+    width that gives this EI. `grip` [m] is the length of the body's back that a pivot or a guide
+    holds (by default the thickness), or that is bolted to the lever of a hinge. Without `grip` a
+    hinge holds the end face of the body, as an abutment does.
     """
 
     thickness: Thickness
@@ -714,10 +724,10 @@ class Bar(Part):
 
     @property
     def plates(self) -> dict[str, Section]:
-        """The rectangles of the cross-section, by the names of their groups of elements.
+        """The rectangles of the cross-section, by the names of their groups of finite elements.
 
-        They are "table", the flange of a T-section if there is one, and "shoe", the web or the only
-        rectangle. The order is from the friction surface into the shoe.
+        A T-section has "table", the flange, and then "shoe", the web. Any other section has "shoe"
+        only. The order is from the friction surface into the shoe.
         """
         own = _cross_section_or_none_if_unknown(self, self.bending_stiffness)
         # The validator of the body has checked that the section is known.
@@ -745,10 +755,10 @@ class Beam(Part):
     """An elastic shoe body that is a straight beam from the hinge to the point of actuation.
 
     It has a cross-section (thickness, width and material), or a `bending_stiffness` EI [N m^2], or
-    both. If both are given, the width is replaced by the width that gives this EI. EI is a number,
-    or a table over the distance from the hinge. Thickness and a constant EI suffice for a mesh. If
-    the neutral axis is slightly curved, `offset` [m] is a table of its distance from the straight
-    line, over the distance from the hinge, positive away from the drum.
+    both: the width then becomes the width that gives this EI. EI is a number, or a table over the
+    distance from the hinge. A mesh needs the thickness and a constant EI at least. If the neutral
+    axis is slightly curved, `offset` [m] is a table of its distance from the straight line, over
+    the distance from the hinge, positive away from the drum.
     """
 
     shape: Literal["beam"]
@@ -808,15 +818,15 @@ class Beam(Part):
         return np.full(np.shape(x), section.bending_stiffness)
 
     def neutral_axis_offset_at_distances_from_hinge(self, x: Floats) -> Floats:
-        """Distance [m] of the neutral axis from the straight line, away from the drum.
+        """Distance [m] by which the neutral axis lies behind the straight line, away from the drum.
 
-        It is given at the distances x [m] from the hinge, with their shape.
+        `x` are distances from the hinge [m]; the result has their shape.
         """
         return interpolate_number_or_table(self.offset, x)
 
 
 def _tag_for_beam_or_arc_shape_of_shoe_body(data: object) -> str:
-    """The shape of a shoe body from its data: "beam", or "arc", which is the default."""
+    """The value of the key `shape` in the data of a shoe body: "beam" or "arc", the default."""
     if isinstance(data, Mapping):
         return str(data.get("shape", "arc"))
     return getattr(data, "shape", "arc")

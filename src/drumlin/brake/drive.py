@@ -49,7 +49,7 @@ class Chamber(Part):
 
     @model_validator(mode="after")
     def _check_chamber_rod_pushes_against_spring(self) -> Self:
-        """Raise ValueError if the return spring holds the rod back against the pressure."""
+        """Raise ValueError unless the air pushes the rod against the force of the return spring."""
         if self.rod_force <= 0:
             raise ValueError(
                 f"return_force = {self.return_force:g} N: must be less than pressure times area, "
@@ -59,7 +59,7 @@ class Chamber(Part):
 
     @property
     def rod_force(self) -> float:
-        """The force [N] of the rod: pressure times area, less the return spring."""
+        """The force [N] of the rod: pressure times area minus the force of the return spring."""
         return self.pressure * self.area - self.return_force
 
 
@@ -67,10 +67,10 @@ class Drive(Part):
     """The drive of all shoes: a wheel cylinder, a cam or a wedge.
 
     A cylinder has a `pressure` [Pa] and a `diameter` [m]; below the `threshold` [Pa] it does not
-    push. A cam has the sum `force` [N] of its forces on both shoes, or a `torque` [N m] and a base
-    `radius` [m]. A `chamber` turns a cam of a base `radius` by its lever, or pushes a wedge whose
-    faces include the `wedge_angle` [rad]. `efficiency` is the part of the force that arrives at the
-    shoes; friction in the drive takes the rest.
+    push. A cam has the sum `force` [N] of its forces on both shoes, or a `torque` [N m] and the
+    `radius` [m] of its base circle. A brake `chamber` turns a cam by its lever, or pushes a wedge
+    whose faces include the `wedge_angle` [rad]. `efficiency` is the part of the force that arrives
+    at the shoes; friction in the drive takes the rest.
     """
 
     pressure: Modulus | None = None
@@ -116,7 +116,7 @@ class Drive(Part):
 
     @property
     def force_of_cylinder_or_sum_of_cam_forces(self) -> float:
-        """Sum of the forces on both shoes [N] of a cam or wedge, or force on each of a cylinder."""
+        """Force [N] of a cylinder on each shoe, or of a cam or wedge on both shoes together."""
         # The force of a cylinder is the pressure above the threshold times the area of the piston.
         if self.pressure is not None and self.diameter is not None:
             acting = self.pressure - (self.threshold or 0.0)
@@ -134,9 +134,9 @@ class Drive(Part):
 class Link(Part):
     """A strut or a strap between two shoes.
 
-    The shoe `from` bears on it by its abutment, and it pushes or pulls the shoe `to` with the same
-    force along the same line. Several links make a chain; the file names them in order, beginning
-    at the shoe that the actuation pushes.
+    The shoe `from` bears on the strut by its abutment, and the strut pushes or pulls the shoe `to`
+    with the same force along the same line. Several links make a chain; the file names them in
+    order, beginning at the shoe that the actuation pushes.
     """
 
     source: Annotated[Name, Field(alias="from")]
@@ -209,15 +209,15 @@ def _strut_actuations_by_shoe_index(
 ) -> dict[int, Actuation]:
     """Actuation without force along the line of each strut, by the index of the pushed shoe.
 
-    A strut between the feet of two shoes on anchors gives no actuation: it is a support of both,
-    see `one_sided.one_sided_supports_of_brake`.
+    A strut between two shoes on anchors gives no actuation: it is a support of both shoes, see
+    `one_sided.one_sided_supports_of_brake`.
 
     Raises ValueError for a strut that names no shoe of the brake or does not fit its shoes.
     """
     places = {shoe.name: i for i, shoe in enumerate(shoes)}
     lines: dict[int, Actuation] = {}
     for k, link in enumerate(links):
-        # Both names must be known before the strut's line can be found.
+        # The strut's line follows from its two shoes, so that both names must be known.
         for key, name in (("from", link.source), ("to", link.to)):
             if name not in places:
                 raise ValueError(
@@ -234,18 +234,18 @@ def _strut_actuations_by_shoe_index(
 
 
 LARGEST_BEND_OF_STRUT = 1e-9
-"""Largest angle [rad] between the two ends of a strut that counts as round-off.
+"""Largest angle [rad] between the forces at the two ends of a strut that counts as round-off.
 
-The lines of action at the two ends may also be this far apart, relative to the distance of the
-ends. Equal angles that a file gives in degrees differ by less. A strut with a larger angle could
-not be in equilibrium.
+The lines of action of the two forces may also be this far apart, relative to the distance of the
+ends. A strut with a larger angle could not be in equilibrium. Equal angles that a file gives in
+degrees differ by less.
 """
 
 
 def _check_strut_joins_two_shoes_on_anchors(
     key: str, source: Held, to: Held, before: tuple[Link, ...], link: Link
 ) -> None:
-    """Raise ValueError unless a strut lies between the feet of two shoes on anchors.
+    """Raise ValueError unless a strut pushes apart the abutments of two shoes on anchors.
 
     Parameters
     ----------
@@ -303,7 +303,8 @@ def _actuation_of_shoe_without_strut(
         raise ValueError(f"{key}.force: the brake's [actuation] gives it; leave one out")
     if drive is None:
         return own
-    # Each shoe of a cam gets half of the sum. A solve finds the true parts from the stiffnesses.
+    # A cam gives half of its sum to each shoe for now. How the sum is really divided follows from
+    # the stiffnesses of the shoes in a solve.
     share = drive.force_of_cylinder_or_sum_of_cam_forces / (2 if drive.is_cam_or_wedge else 1)
     return own.model_copy(update={"force": share})
 
@@ -331,7 +332,8 @@ def _actuation_of_shoe_pushed_by_strut(
             f"{key}.from = {link.source!r}: a strut pushes along its line; "
             "leave out abutment.friction"
         )
-    # The file must name the strut that pushes a shoe before the strut that the shoe pushes.
+    # The file names the struts of a chain in order. The shoe that this strut pushes must therefore
+    # not push a strut that the file has named before.
     if link.to == link.source or any(other.source == link.to for other in before):
         raise ValueError(
             f"{key}.to = {link.to!r}: must be a shoe that does not push another in a link before; "
@@ -341,7 +343,7 @@ def _actuation_of_shoe_pushed_by_strut(
         raise ValueError(f"{key}.to = {link.to!r}: is pushed by two struts")
     if any(other.source == link.source for other in before):
         raise ValueError(f"{key}.from = {link.source!r}: bears on two struts")
-    # The strut's force on the pushed shoe is opposite to its force on the foot of the source shoe.
+    # The strut's force on the pushed shoe is opposite to its force on the other shoe's abutment.
     return Actuation(
         force=0.0, direction=source.abutment.direction + math.pi, point=source.abutment.point
     )

@@ -116,11 +116,11 @@ class DrumShoe(Shoe):
         return polar_angles_within_half_turn_of_angle(0.5 * sum(self.arc), xy)
 
     def surface_coordinate_of_point(self, point: Point) -> float:
-        """Polar angle [rad] of a point, plus the whole turns that bring it near the lining."""
+        """Polar angle [rad] of a point, within half a turn of the middle of the lining."""
         return self.surface.coordinate_plus_turns_nearest_to_middle(point.angle, self.lining.middle)
 
     def length_along_shoe_back_per_unit_of_phi(self, size: float) -> float:
-        """Radius [m] of the back of the shoe's body."""
+        """Radius [m] of the back of the shoe's body, which is its arc length per radian of phi."""
         return size - self.sign * self.depth
 
     @property
@@ -163,7 +163,7 @@ class DrumBrake(Brake):
     def sliding_speed(self) -> float | None:
         """Speed [m/s] at which the drum slides over the linings; None if no speed is given.
 
-        Shoes may turn about the drum's centre, in the sense of the drum.
+        Shoes may turn about the drum's centre too, in the sense of the drum (centrifugal clutch).
         """
         if self.drum.speed is None and self.shoe_speed is None:
             return None
@@ -191,9 +191,9 @@ class DrumBrake(Brake):
     def brake_reduced_to_stiffness_data(self) -> Self:
         """The brake reduced to data that change the condensed stiffness of its shoes and ring.
 
-        Title, rotation, the deviation of the drum from its circle and its heat get fixed values,
-        and a friction coefficient above 0 becomes 1. Springs, levers, gravity and speeds are
-        removed.
+        Title, rotation, and the deviation from the circle and the heat of the drum get fixed
+        values, and a friction coefficient above 0 becomes 1. Springs, levers, gravity and speeds
+        are removed.
         """
         plain = {"out_of_round": (), "angle": 0.0, "temperature_rise": 0.0}
         absent = {"back_temperature_rise": None, "speed": None}
@@ -232,7 +232,8 @@ class DrumBrake(Brake):
     def radial_deviation_of_drum_surface(self, theta: Floats) -> Floats | None:
         """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
-        It is positive where the surface lies outside its circle, and None for a round drum.
+        It is positive where the friction surface lies outside the drum's circle. The result is None
+        for a round drum.
         """
         harmonics = self.out_of_round_harmonics
         return radial_deviation_of_drum(harmonics, self.drum.angle, theta) if harmonics else None
@@ -254,7 +255,7 @@ class DrumBrake(Brake):
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
         check_friction_tables_have_sliding_speed(self, "drum.speed", self.drum.speed is not None)
         self.check_brake_has_friction_if_lining_has()
-        # `unit_required` is set for data of a file, which need units, and not for a program's data.
+        # Data of a file need units, which `unit_required` tells; data of a program do not.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive_and_struts(self, file=from_file)
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
@@ -271,10 +272,10 @@ class DrumBrake(Brake):
 
 
 def _check_drum_is_round_enough(drum: Drum, sign: int) -> None:
-    """Raise ValueError if a drum is off its circle by more than LARGEST_MISFIT times its radius.
+    """Raise ValueError if a drum deviates from its circle by more than LARGEST_MISFIT radii.
 
-    A drum is off its circle by its harmonics, or by its growth when it is heated. `sign` is +1 for
-    a drum around its shoes and -1 for a drum within its shoes.
+    It deviates by its harmonics, and by its growth when it is heated. `sign` is +1 for a drum
+    around its shoes and -1 for a drum within its shoes.
     """
     # In the worst case the amplitudes of all harmonics add up at some angle.
     off = sum(abs(lobes.amplitude) for lobes in drum.out_of_round)
@@ -309,9 +310,9 @@ def _check_lining_misfit_is_small(key: str, lining: Lining, radius: float) -> No
 
 
 THINNEST = 1e-9
-"""Smallest allowed thickness of a layer, relative to the drum's radius.
+"""Smallest allowed thickness of a part in the brake's plane, relative to the drum's radius.
 
-A thinner layer is refused, because round-off would distort its finite elements.
+A thinner part is refused, because round-off would distort its finite elements.
 """
 
 
@@ -367,11 +368,11 @@ def _check_arc_carries_lining(key: str, body: ArcBody, lining: Lining) -> None:
             f"{text_in_degrees(body.start)}, "
             f"by less than 360 deg{did_you_mean_hint_for_angles_of_arc(body.start, body.end)}"
         )
-    # Angles that a file gives in degrees may differ by round-off.
+    # Equal angles that a file gives in degrees may differ by round-off.
     slack = 1e-9  # rad
     if lining.start < body.start - slack or lining.end > body.end + slack:
         hint = ""
-        # The lining may be written some whole turns away from its body.
+        # The file may give the angles of lining and body some whole turns apart.
         middle = 0.5 * (body.start + body.end)
         turns = 2 * math.pi * round((middle - lining.middle) / (2 * math.pi))
         start, end = lining.start + turns, lining.end + turns
@@ -429,18 +430,19 @@ def _check_beam_fits_outside_drum(key: str, shoe: DrumShoe, radius: float) -> No
 def _check_support_lets_shoe_press_on_drum(key: str, shoe: DrumShoe, radius: float) -> None:
     """Raise ValueError if the support of a shoe does not let it press on the drum.
 
-    A guide must lead the lining to the drum. Abutment and pivot must not lie at the drum's centre,
-    and the two rigid-body motions of a shoe must close its gap in different ways.
+    A guide must lead the lining to the drum. Abutment and pivot must not lie at the drum's centre.
+    The two rigid-body modes of a shoe must not close its gap in the same way.
     """
     if shoe.guide is not None:
-        # This is the component of the guide's direction along the lining's normal to the drum.
+        # The component of the guide's direction along the lining's normal must point to the drum.
         away = shoe.sign * math.cos(shoe.guide.direction - shoe.lining.middle)
         if away <= 0:
             shown = f"{key}.guide.direction = {text_in_degrees(shoe.guide.direction)}"
             raise ValueError(f"{shown}: must lead the middle of the lining towards the drum")
     if shoe.abutment is not None and shoe.abutment.point.radius < 1e-9 * radius:
         raise ValueError(f"{key}.abutment.point = (0, 0): must not be the drum's centre")
-    # On a drum, translations close the gap; a turn about the drum's centre does not.
+    # `slice(0, 2)` takes the translations dx and dy of each rigid-body mode: a turn about the
+    # drum's centre closes no gap.
     if shoe.pivot is None:
         check_rigid_body_modes_close_gap_differently(key, shoe, slice(0, 2))
         return

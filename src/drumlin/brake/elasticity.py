@@ -17,9 +17,10 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.fields import AnyMaterial, Material
 
 ISOTROPIC_WITHIN = 1e-14
-"""Relative difference of D_11 or D_22 from D_12 + 2 D_33 up to which a material is isotropic.
+"""Largest difference of D_11 and D_22 from D_12 + 2 D_33, relative to this sum, that is round-off.
 
-Round-off causes differences of some 1e-16 in isotropic materials.
+A material with a larger difference counts as orthotropic. In isotropic materials round-off causes
+differences of some 1e-16.
 """
 
 
@@ -35,7 +36,8 @@ def plane_stress_elasticity_matrix(material: AnyMaterial) -> Floats:
         stiff = lam + 2 * mu
         return np.array([[stiff, lam, 0.0], [lam, stiff, 0.0], [0.0, 0.0, mu]])
     along, through, nu = material.E_along, material.E_through, material.nu_along_through
-    # The determinant of the two normal compliances, times both Young's moduli, is `share`.
+    # `share` is the determinant of the compliances of the two normal strains, times both Young's
+    # moduli.
     share = 1 - nu**2 * through / along
     coupled = nu * through / share
     return np.array(
@@ -77,7 +79,7 @@ class ElasticLayer(NamedTuple):
     def directions(self, points: Any) -> Any:
         """Unit vectors (2, ...) along the layer at points (2, ...) [m].
 
-        They have the floating-point type of the points.
+        Their floating-point type, such as double precision, is that of the points.
         """
         if self.along is None:
             x, y = points
@@ -87,9 +89,9 @@ class ElasticLayer(NamedTuple):
 
 
 def normal_stiffness_in_excess_of_isotropic(elasticity: Any) -> Any:
-    """Excess of D_11 and D_22 over D_12 + 2 D_33 in elasticity matrices D (..., 3, 3).
+    """How much D_11 and D_22 of elasticity matrices D (..., 3, 3) exceed D_12 + 2 D_33.
 
-    The result (..., 2) [Pa] is 0 for isotropic matrices.
+    The result (..., 2) [Pa] has both differences. They are 0 for isotropic matrices.
     """
     isotropic = elasticity[..., 0, 1] + 2 * elasticity[..., 2, 2]
     along, through = elasticity[..., 0, 0] - isotropic, elasticity[..., 1, 1] - isotropic

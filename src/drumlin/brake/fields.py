@@ -56,9 +56,9 @@ def _make_validator_that_converts_quantity_to_si(si: str) -> BeforeValidator:
 
 
 def _check_title_is_one_line(text: str) -> str:
-    """Return the text of a title; ValueError unless it is one printable line without $.
+    """Return the title of a brake; ValueError unless it is one printable line without $.
 
-    Titles head figures, in which matplotlib would read $ as the beginning of a formula.
+    Titles stand above figures, in which matplotlib would read $ as the beginning of a formula.
     """
     if not text.isprintable() or "$" in text:
         raise ValueError("must be one line of printable characters, without $")
@@ -68,7 +68,7 @@ def _check_title_is_one_line(text: str) -> str:
 def _check_name_has_allowed_characters(text: str) -> str:
     """Return the name of a shoe or of a mesh group; ValueError for characters that are not allowed.
 
-    Files are named after shoes. The name "all" is reserved for the whole brake in tables.
+    Output files are named after shoes. In tables the name "all" stands for the whole brake.
     """
     if not re.fullmatch(r"\w([\w .+()-]*[\w+)])?", text) or text == "all":
         raise ValueError(
@@ -79,9 +79,9 @@ def _check_name_has_allowed_characters(text: str) -> str:
 
 
 def check_shoe_names_differ(names: Sequence[str]) -> None:
-    """Raise ValueError if two shoes have the same name, apart from case and spaces.
+    """Raise ValueError if the names of two shoes are equal or differ in case and spaces only.
 
-    The files that are named after these shoes would overwrite each other.
+    Output files are named after shoes, and the files of these two would overwrite each other.
     """
     if len({name.replace(" ", "_").casefold() for name in names}) < len(names):
         raise ValueError(
@@ -154,7 +154,7 @@ class Part(BaseModel):
         `model_copy` changes fields of the copy, and cached values would no longer fit them.
         """
         found = super().__copy__()
-        # The dictionary of an object holds its fields and the cached values of its properties.
+        # The dictionary of a part has its fields, and the cached values of its properties besides.
         for name in found.__dict__.keys() - type(self).model_fields:
             del found.__dict__[name]
         return found
@@ -172,9 +172,9 @@ def _keys_of_part_in_files(kind: type[Part]) -> list[str]:
 class Material(Part):
     """A linear elastic, isotropic material: Young's modulus E [Pa] and Poisson's ratio nu.
 
-    `expansion` [1/K] is the coefficient of thermal expansion, which only a heated part needs.
-    Its properties are the constants of an `Orthotropic` material with the same values in all
-    directions, so that a program can treat both kinds of material alike.
+    `expansion` [1/K] is the coefficient of thermal expansion, which only a heated part needs. The
+    properties of this class have the names of the fields of `Orthotropic`, so that a program can
+    treat both kinds of material alike.
     """
 
     E: Modulus
@@ -213,7 +213,10 @@ class Material(Part):
 
     @property
     def young_modulus_of_equivalent_half_plane(self) -> float:
-        """Young's modulus [Pa] of the isotropic half-plane with the same surface compliance."""
+        """Young's modulus [Pa] of an isotropic half-plane whose surface deflects as this material.
+
+        For an isotropic material it is E.
+        """
         return self.E
 
     @property
@@ -225,14 +228,14 @@ class Material(Part):
 PoissonRatio = Annotated[float, Field(strict=True), PURE_NUMBER]
 """The type of a Poisson's ratio; its bounds depend on the other constants of the material."""
 ACROSS = ("E_across", "G_along_across", "G_through_across", "nu_along_across", "nu_through_across")
-"""Constants of an orthotropic material normal to the brake's plane, for three dimensions only."""
+"""Constants of an orthotropic material across the brake's plane, which only solids need."""
 
 DEFINITE_WITHIN = 1e-12
 """Smallest allowed determinant of the scaled compliance matrix of an orthotropic material.
 
-The matrix is scaled to a unit diagonal: each entry is divided by the root of the product of its two
-diagonal entries. A positive determinant makes the strain energy positive for every strain. Below
-this value round-off decides the sign of the determinant, and the material is refused.
+The matrix is scaled to a unit diagonal: entry (i, j) is divided by the square root of the product
+of the diagonal entries i and j. With a positive determinant every strain has a positive energy. A
+smaller determinant may be positive by round-off only, and the material is refused.
 """
 
 
@@ -261,7 +264,7 @@ class Orthotropic(Part):
 
     @model_validator(mode="after")
     def _check_strain_energy_is_positive(self) -> Self:
-        """Raise ValueError for constants by which some strain would have no positive energy."""
+        """Raise ValueError for elastic constants with which some strain has no positive energy."""
         _check_poisson_ratio_is_small_enough(
             "nu_along_through",
             self.nu_along_through,
@@ -269,8 +272,7 @@ class Orthotropic(Part):
             self.E_through,
             ("along", "through"),
         )
-        # Without constants across the layer the material is for plane stress only. A solid needs
-        # all five of them.
+        # A solid needs all five constants across the layer, plane stress needs none of them.
         missing = [key for key in ACROSS if getattr(self, key) is None]
         if len(missing) == len(ACROSS):
             return self
@@ -292,7 +294,8 @@ class Orthotropic(Part):
             self.E_across,
             ("along", "across"),
         )
-        # With a positive strain energy the two others bound the third Poisson's ratio.
+        # The other two Poisson's ratios set bounds for the third, between which the strain energy
+        # is positive.
         low, high = self._bounds_of_poisson_ratio_through_across(
             self.E_across, self.nu_along_across
         )
@@ -309,14 +312,15 @@ class Orthotropic(Part):
         """Lower and upper bound of nu_through_across, between which the strain energy is positive.
 
         The compliance matrix is scaled to a unit diagonal. Its other entries are then -a, -b and
-        -c: Poisson's ratios along-through, along-across and through-across, each times the root of
-        the ratio of its two moduli. The determinant 1 - a^2 - b^2 - c^2 - 2 a b c must be positive.
+        -c. Here a, b and c are Poisson's ratios along-through, along-across and through-across,
+        each times the square root of the second Young's modulus divided by the first. The
+        determinant 1 - a^2 - b^2 - c^2 - 2 a b c must be positive.
         """
         # The determinant is a quadratic function of c. The bounds of c are its two zeros.
         a = self.nu_along_through * math.sqrt(self.E_through / self.E_along)
         b = nu_along_across * math.sqrt(E_across / self.E_along)
         reach = math.sqrt(max((1 - a**2) * (1 - b**2) - DEFINITE_WITHIN, 0.0))
-        # This factor turns c back into Poisson's ratio.
+        # Poisson's ratio is c times this factor.
         unit = math.sqrt(self.E_through / E_across)
         return (-a * b - reach) * unit, (-a * b + reach) * unit
 
@@ -325,9 +329,9 @@ class Orthotropic(Part):
         """Young's modulus [Pa] of the isotropic half-plane with the same surface compliance.
 
         Under a sinusoidal pressure of amplitude p and wave number k the surface of an isotropic
-        half-plane deflects by 2 p/(E k). For the orthotropic half-plane 2/E is the root of
-        2 s_nn (sqrt(s_tt s_nn) + s_tn + s_gg/2) (Lekhnitskii, Anisotropic Plates, section 34). Here
-        s are the compliances, t the direction along the surface, n the normal and g the shear.
+        half-plane deflects by 2 p/(E k). For the orthotropic half-plane 2/E becomes the square root
+        of 2 s_nn (sqrt(s_tt s_nn) + s_tn + s_gg/2) (Lekhnitskii, Anisotropic Plates, section 34).
+        Here s are the compliances, t the direction along the surface, n the normal and g the shear.
         """
         s_tt, s_nn, s_gg = 1 / self.E_along, 1 / self.E_through, 1 / self.G_along_through
         s_tn = -self.nu_along_through / self.E_along
@@ -345,7 +349,7 @@ def _check_poisson_ratio_is_small_enough(
 ) -> None:
     """Raise ValueError if a Poisson's ratio is too large for a positive strain energy.
 
-    Its square must be less than the ratio of the two Young's moduli.
+    Its square must be less than the first Young's modulus divided by the second.
 
     Parameters
     ----------
@@ -363,9 +367,9 @@ def _check_poisson_ratio_is_small_enough(
 
 
 def _tag_for_isotropic_or_orthotropic_material(data: object) -> str:
-    """The tag of the data of a material: "isotropic" or "orthotropic".
+    """The tag by which pydantic chooses the class of a material: "isotropic" or "orthotropic".
 
-    The data are orthotropic if they have a key that only an orthotropic material has.
+    Data are orthotropic if they have any key of an orthotropic material.
     """
     if isinstance(data, Mapping):
         return "orthotropic" if set(data) & set(Orthotropic.model_fields) else "isotropic"
@@ -382,7 +386,7 @@ AnyMaterial = Annotated[
 class Point(Part):
     """A point with the coordinates x, y [m] in the plane of the brake."""
 
-    # The polar angle [rad] as the file gives it, if it is more than a turn; it changes no result.
+    # The polar angle [rad] in the brake file if it is more than a turn, for a note on wrong units.
     _written_angle: float | None = PrivateAttr(None)
 
     x: Length
@@ -390,7 +394,7 @@ class Point(Part):
 
     @property
     def angle_in_file_if_beyond_one_turn(self) -> float | None:
-        """The polar angle [rad] as a file gives it, if it is more than a turn; None otherwise."""
+        """The polar angle [rad] in the brake file if it is more than one turn, else None."""
         return self._written_angle
 
     @property
@@ -412,8 +416,8 @@ class Point(Part):
 def _point_from_polar_coordinates(data: object, info: ValidationInfo) -> object:
     """Convert a point given in polar coordinates { radius, angle } to a `Point`.
 
-    Data without these keys are returned unchanged. Raises ValueError for other keys besides, and
-    for a negative radius.
+    Data with neither of these keys are returned unchanged. Raises ValueError if one of the keys is
+    missing or there are further keys, and for a negative radius.
     """
     if not isinstance(data, Mapping) or not {"radius", "angle"} & set(data):
         return data
@@ -539,14 +543,14 @@ def _convert_table_rows_to_si(
 def si_unit_of_field_type(annotation: Any) -> str | None:
     """The SI unit of the quantity that a field of a part takes, found from the field's type.
 
-    It is "" for a number without unit, and None for a field that takes no number.
+    It is "" for a field with a number without unit, and None for a field that takes no number.
     """
     unit: str | None = _validator_argument_in_field_type(annotation, "si", pure="")
     return unit
 
 
 def si_units_of_table_field(annotation: Any) -> tuple[str, str]:
-    """The SI units of coordinate and value of the table that a field takes, from its type."""
+    """The SI units (coordinate, value) of the table that a field takes, from the field's type."""
     units: tuple[str, str] = _validator_argument_in_field_type(annotation, "row")
     return units
 
@@ -577,7 +581,7 @@ def _validator_argument_in_field_type(annotation: Any, key: str, pure: Any = Non
             return mark.func.keywords[key]
     if kind is float:
         return pure
-    # In a union of types the first type with this argument counts.
+    # If the field takes several types, the first type that has the argument counts.
     for part in get_args(kind):
         found = _validator_argument_in_field_type(part, key, pure)
         if found is not None:
@@ -594,11 +598,11 @@ def table_rows_from_coordinates_and_values(places: Floats, values: Floats) -> Ro
 
 
 ROWS_OF_FUNCTION = 1001
-"""Number of rows of the table that replaces a function of the angle, between the lining's ends.
+"""Number of rows of the table, along the lining, that replaces a clearance given as a function.
 
-Between the rows the clearance is linear. A sine with the length of the lining is met within 5e-6 of
-its amplitude. With a quarter of the rows their kinks would be strong enough to count as edges that
-need small elements: a parabola that opens the gap by 0.1 mm then took 100 times as long to solve.
+Between the rows the clearance is linear. A sine whose period is the length of the lining is met
+within 5e-6 of its amplitude. With a quarter of the rows, the kinks at the rows would count as edges
+that need small elements: a parabola that opens the gap by 0.1 mm took 100 times as long to solve.
 """
 
 
@@ -613,7 +617,10 @@ def make_validator_that_tabulates_function_along_lining() -> BeforeValidator:
 
 
 def _table_rows_of_function_along_lining(value: object, info: ValidationInfo) -> object:
-    """The table of rows that replaces a function of the coordinate; other values are unchanged."""
+    """The table of rows (coordinate, value) for a function along a lining; else the value itself.
+
+    `info` is pydantic's state of the validation, which has the ends of the lining.
+    """
     if not callable(value) or not {"start", "end"} <= set(info.data):
         return value
     ends = info.data["start"], info.data["end"]
@@ -628,7 +635,7 @@ def table_rows_of_function_at_coordinates(
     Raises ValueError for values that are not numbers.
     """
     try:
-        # A function that is written for one number need not take an array.
+        # The function is called for each number, since it need not take an array.
         values = [float(function(place)) for place in places.tolist()]
     except (TypeError, ValueError) as error:
         raise ValueError(f"must be a function from a number to a number ({error})") from error
@@ -638,7 +645,7 @@ def table_rows_of_function_at_coordinates(
 def interpolate_number_or_table(values: float | Rows, places: Floats) -> Floats:
     """Interpolate a table linearly at the coordinates `places`; the result has their shape.
 
-    A number is constant, and a table is constant beyond its first and last row.
+    Beyond its first and last row a table is constant. A number in place of a table is constant.
     """
     if isinstance(values, tuple):
         at, value = zip(*values, strict=True)

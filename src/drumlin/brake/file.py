@@ -26,7 +26,7 @@ POLAR_UNITS = {"radius": "m", "angle": "rad"}
 """The keys of a point in polar coordinates, in a file, with their SI units."""
 
 LARGEST_BRAKE_FILE = 500_000
-"""Largest size of a brake file [bytes]; a larger file is refused. Usual files have some 1000."""
+"""Largest size of a brake file [bytes]; a larger file is refused. Usual files have 1000 bytes."""
 
 FAULT_TEXTS = {
     "tuple_type": "must be tables, each under [[{key}]]",
@@ -54,7 +54,7 @@ UNION_TAGS = {
 }
 """Words in pydantic's path to a wrong value that are no keys of the brake file.
 
-pydantic adds them to say as which kind of body, material or value the data were read.
+Each word says which of several types pydantic took for the data, such as "beam" for a body.
 """
 
 
@@ -67,7 +67,7 @@ def _error_line_about_invalid_brake_data(error: ValidationError, data: Any) -> s
     data : data of the brake file, from which the wrong value is shown
     """
     fault = error.errors()[0]
-    # Follow pydantic's path to the wrong value: it gives the key and, step by step, the value.
+    # pydantic's path to the wrong value is followed through the data. It also makes up the key.
     key = ""
     for step in fault["loc"]:
         if step in UNION_TAGS:
@@ -77,7 +77,7 @@ def _error_line_about_invalid_brake_data(error: ValidationError, data: Any) -> s
             data = data[step]
         except (LookupError, TypeError):
             data = None
-    # pydantic's message is replaced where it uses words of Python.
+    # A message of pydantic that uses words of Python is replaced.
     message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if fault["type"] in FAULT_TEXTS:
         message = FAULT_TEXTS[fault["type"]].format(key=key)
@@ -170,7 +170,7 @@ def _hint_about_toml_error(text: str, error: Exception) -> str:
 
 
 def read_data_of_brake_file(path: Path) -> dict[str, Any]:
-    """Read a brake file into nested data; raises BadInput if that fails or it is not TOML."""
+    """Read a brake file into nested data; raises BadInput if it cannot be read or is not TOML."""
     return parse_text_of_brake_file(read_text_of_brake_file(path), path)
 
 
@@ -213,7 +213,7 @@ def vary(brake: P, changes: Mapping[str, Any]) -> P:
     >>> drumlin.vary(brake, {"friction": 0.4, "drum.radius": "150 mm"}).friction
     0.4
     """
-    # All changes are made before the check, because they may be valid only together.
+    # All changes are made before the brake is checked: they may be valid only together.
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():
         _set_value_of_key_in_nested_data(data, _split_dotted_key(key), value, key)
@@ -235,12 +235,12 @@ def si_unit_of_brake_key(brake: Part, key: str) -> str | None:
 
 
 def are_allowed_values_of_key_an_interval(brake: Part, key: str) -> bool:
-    """Whether all positive values that a key may have form one interval, and all negative too.
+    """Whether the allowed positive values of a key form one interval, and the negative ones too.
 
-    The values of all other keys are fixed. The result is True for lengths, forces, moduli and
-    numbers without unit: they only have upper and lower limits. It is False for angles and for
-    coordinates of points: there, single values in between may be forbidden, such as the direction
-    of a force through the hinge.
+    All other keys keep their values. The result is True for lengths, forces, moduli and numbers
+    without unit, which have upper and lower limits only. It is False for angles and for coordinates
+    of points, where a value between allowed values may be forbidden, such as the direction of a
+    force through the hinge.
     """
     unit = si_unit_of_brake_key(brake, key)
     return unit not in {None, "rad"} and not isinstance(
@@ -249,7 +249,7 @@ def are_allowed_values_of_key_an_interval(brake: Part, key: str) -> bool:
 
 
 def values_of_brake_key(brake: Part, key: str) -> list[Any]:
-    """The list of the values of a key: a single value, or the value of each shoe.
+    """The values of a key in a list: one value, or one for each shoe if the key means all shoes.
 
     The key is written as for `vary`. Raises BadInput for an unknown key.
     """
@@ -258,7 +258,7 @@ def values_of_brake_key(brake: Part, key: str) -> list[Any]:
 
 
 def parts_and_field_name_of_brake_key(brake: Part, key: str) -> tuple[list[Part], str]:
-    """Find the parts of a brake that a key belongs to, and the name of its field in Python.
+    """The parts of a brake that have a key, and the Python name of the field for this key.
 
     There are several parts if the key means every shoe. Raises BadInput for an unknown key.
     """
@@ -268,12 +268,12 @@ def parts_and_field_name_of_brake_key(brake: Part, key: str) -> tuple[list[Part]
         if _is_key_word_an_index(step):
             found = found[int(step) : int(step) + 1]
             continue
-        # The name of a shoe leads to this shoe, unless it is a key of the shoes.
+        # A word that is the name of a shoe means this shoe, unless shoes have a key of this name.
         named = [part for part in found if _is_key_word_name_of_part(part, step)]
         if named:
             found = named
             continue
-        # A key leads from each part to one part below it, or to several, such as all shoes.
+        # A key leads from each part to a part within it, or to several parts, such as all shoes.
         below: list[Part] = []
         for part in found:
             value = getattr(part, _field_name_of_brake_file_key(part, step, key))
@@ -304,7 +304,7 @@ def _field_name_of_brake_file_key(part: Part, key: str, whole: str) -> str:
     # Some fields have another name in a file, such as `shoe` for the field `shoes`.
     names = {field.alias or name: name for name, field in type(part).model_fields.items()}
     if isinstance(part, Point):
-        # A file may give a point in polar coordinates, which the point has as properties.
+        # A file may give a point in polar coordinates. They are properties of `Point`, no fields.
         names |= {key: key for key in POLAR_UNITS}
     if key not in names:
         raise BadInput(f"{whole}: unknown key {key!r}; allowed: {', '.join(names)}")
@@ -337,7 +337,7 @@ def first_key_in_which_two_brakes_differ(one: Part, other: Part) -> str | None:
 def _first_differing_key_of_data(one: Any, other: Any, key: str) -> str | None:
     """The first key in which two nested data differ by more than round-off; None if they do not.
 
-    `key` is the key of the data themselves; the keys of nested values begin with it.
+    `key` is the dotted key of the two data themselves, with which the result begins.
     """
     # Tables and lists are compared entry by entry, other values directly.
     if isinstance(one, dict) and isinstance(other, dict):
@@ -414,9 +414,9 @@ def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, ke
 
 
 def _convert_point_data_to_coordinate_system_of_key(data: dict[str, Any], key: str) -> None:
-    """Convert a point's data, in place, to the coordinates that have `key`: x and y, or polar.
+    """Convert a point's data, in place, to polar coordinates or to x and y, whichever have `key`.
 
-    Data of anything else, and data that have the key already, are not changed.
+    Data that are no point, and data that have the key already, are not changed.
     """
     if key in data or not isinstance(key, str):
         return

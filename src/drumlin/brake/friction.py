@@ -42,7 +42,7 @@ MeasuredFriction = Annotated[float, Field(ge=1e-6, le=1e6, strict=True), PURE_NU
 """The type of a friction coefficient of a table, which must be greater than 0."""
 
 COLUMN_TEXTS = {"pressure": "pressures", "speed": "speeds", "temperature_rise": "temperatures"}
-"""Keys of the columns of a table of friction, and the words for their values."""
+"""Columns of a table of friction: the words for their values in messages, by the column's key."""
 
 
 class FrictionCurve(NamedTuple):
@@ -65,7 +65,10 @@ class FrictionCurve(NamedTuple):
 
     @property
     def friction_slopes_between_table_rows(self) -> Floats:
-        """The slopes (m + 1,) [1/Pa] before the first pressure, between two, and after the last."""
+        """Slopes (m + 1,) [1/Pa] of the coefficient over the pressure, by growing pressure.
+
+        The first slope, before the first pressure, and the last, beyond the last pressure, are 0.
+        """
         return np.concatenate([[0.0], np.diff(self.mu) / np.diff(self.pressure), [0.0]])
 
     def friction_slopes_at_pressures(self, p: Floats) -> Floats:
@@ -81,9 +84,9 @@ class FrictionCurve(NamedTuple):
 class FrictionTable(Part):
     """A table of friction coefficients over pressure [Pa], sliding speed [m/s] and temperature [K].
 
-    Each key is a column, with a value in each row of the table. The rows are in any order. They
-    hold each pressure at each speed and each temperature once. Between the rows the coefficient is
-    linear in each of the three, and beyond the first and the last it is constant.
+    Each key is a column, with a value in each row of the table. The rows are in any order, and have
+    each combination of a pressure, a speed and a temperature once. Between its values the
+    coefficient is linear in each of these three quantities, and constant beyond them.
     """
 
     mu: tuple[MeasuredFriction, ...]
@@ -131,7 +134,8 @@ class FrictionTable(Part):
         rows = dict(zip(zip(*self.columns.values(), strict=True), self.mu, strict=True))
         grid = np.array([rows[row] for row in product(*places)]).reshape(list(map(len, places)))
         at = {"speed": speed, "temperature_rise": temperature_rise}
-        # The last column is interpolated first. At the end only the pressure is left.
+        # The table is interpolated in one column after the other, from the last column on. The
+        # first column, the pressure, is left.
         for key, values in reversed(list(zip(self.columns, places, strict=True))):
             if key in at:
                 grid = np.apply_along_axis(partial(np.interp, at[key], values), -1, grid)
@@ -140,7 +144,7 @@ class FrictionTable(Part):
 
 
 def _tag_for_friction_number_or_table(data: object) -> str:
-    """The tag of data of a friction coefficient: "friction table" or "friction number"."""
+    """The tag by which pydantic chooses the type of friction data: a table or a number."""
     return "friction table" if isinstance(data, dict | FrictionTable) else "friction number"
 
 
@@ -154,10 +158,10 @@ is constant.
 
 
 def _friction_table_from_array_or_function(data: object) -> object:
-    """A friction table over the pressure from an array (n, 2) or a function; else the data.
+    """Turn an array or a function into the data of a friction table over the pressure.
 
-    The columns of the array are pressure [Pa] and coefficient. The function takes a pressure [Pa]
-    and returns the coefficient.
+    The columns of an array (n, 2) are pressure [Pa] and coefficient. A function takes a pressure
+    [Pa] and returns the coefficient. Other data are returned unchanged.
     """
     if callable(data):
         rows: object = table_rows_of_function_at_coordinates(data, PRESSURES_OF_FUNCTION)
@@ -166,7 +170,7 @@ def _friction_table_from_array_or_function(data: object) -> object:
     if not isinstance(rows, list) or rows is data:
         return rows
     pressure, mu = zip(*rows, strict=True)
-    # A function that is constant is a number.
+    # A constant coefficient becomes a number, so that it does not count as dependent on pressure.
     return {"pressure": pressure, "mu": mu} if len(set(mu)) > 1 else mu[0]
 
 
@@ -185,11 +189,13 @@ pressure.
 def friction_coefficient_curve_of_lining(
     written: float | FrictionTable, speed: float, temperature_rise: float
 ) -> FrictionCurve:
-    """The friction coefficient of a lining as a function of pressure; one point if constant.
+    """The friction coefficient of a lining as a function of pressure.
+
+    The curve has one point if the coefficient does not depend on the pressure.
 
     Parameters
     ----------
-    written : value of the key `friction` that holds for the lining
+    written : coefficient or table that the brake file gives for the lining
     speed : sliding speed [m/s]
     temperature_rise : rise of the temperature at the face of the lining [K]
     """
@@ -216,7 +222,7 @@ def friction_tables_by_brake_file_key(brake: "Brake") -> dict[str, FrictionTable
 
 
 def first_key_of_pressure_dependent_friction(brake: "Brake") -> str | None:
-    """The first key by which friction depends on the pressure; None if it does not."""
+    """The first key by which friction depends on the pressure; None if no friction does."""
     for key, table in friction_tables_by_brake_file_key(brake).items():
         if table.pressure:
             return f"{key}.pressure"
@@ -240,9 +246,10 @@ def require_friction_independent_of_pressure(brake: "Brake", what: str) -> None:
 
 
 def check_friction_tables_have_sliding_speed(brake: "Brake", key: str, given: bool) -> None:
-    """Raise ValueError if a friction table lacks a sliding speed, or if no table uses the speed.
+    """Raise ValueError if a friction table needs a sliding speed that is not given, or vice versa.
 
-    `key` is the key of the speed in the brake file, and `given` whether the brake has it.
+    A speed that no table uses is an error as well. `key` is the key of the speed in the brake file,
+    and `given` whether the file has this key.
     """
     over_speed = [
         name for name, table in friction_tables_by_brake_file_key(brake).items() if table.speed

@@ -1,9 +1,9 @@
 """Loads on a shoe besides its actuation: plain forces, springs, weight and centrifugal forces.
 
 The brake file gives plain forces and masses for each shoe. Springs, levers, gravity and the speed
-of rotating shoes are keys of the whole brake, which tells them to its shoes as forces at points and
-as accelerations of masses. The resultant (3,) of a load is about the origin of the brake: force x,
-force y [N] and moment [N m], counter-clockwise positive.
+of rotating shoes are keys of the whole brake. `brake_with_loads_assigned_to_shoes` hands them to
+the shoes as forces at points and accelerations of masses. The resultant (3,) of a load has force x,
+force y [N] and the moment [N m] about the origin of the brake, counter-clockwise positive.
 """
 
 import math
@@ -39,7 +39,7 @@ class ForceAtPoint(NamedTuple):
 
     @property
     def resultant(self) -> Floats:
-        """Force x, force y [N] and moment about the origin [N m]."""
+        """The resultant (3,): force x [N], force y [N] and moment about the origin [N m]."""
         fx, fy = self.force
         return np.array([fx, fy, self.point[0] * fy - self.point[1] * fx])
 
@@ -49,7 +49,7 @@ class LoadsOfBrake(NamedTuple):
 
     Attributes
     ----------
-    forces : forces of springs and levers at their points; a spring without pull has a force of 0
+    forces : force of each spring and lever that acts on the shoe; 0 for a spring without pull
     gravity : (2,) acceleration of free fall [m/s^2]
     square_of_speed : square of the angular velocity of the shoe about the origin [rad^2/s^2]
     """
@@ -124,7 +124,10 @@ class Spring(Part):
         return np.asarray(along / np.linalg.norm(along))
 
     def spring_or_lever_force_on_shoe(self, name: str, pull: float) -> ForceAtPoint | None:
-        """The spring's force on the shoe `name` by a pull [N]; None if it joins other shoes."""
+        """Force on the shoe `name` of the spring with this pull [N].
+
+        It is None if the spring does not begin or end at this shoe.
+        """
         if name not in (self.shoe, self.to):
             return None
         sign, at = (1, self.point) if name == self.shoe else (-1, self.end)
@@ -151,7 +154,7 @@ class Lever(ShoeForce):
 
     @model_validator(mode="after")
     def _check_strut_of_lever_pushes(self) -> Self:
-        """Raise ValueError for a lever on its own shoe, or one whose strut would have to pull."""
+        """Raise ValueError if a lever's strut leads to its own shoe or would have to pull."""
         if self.to == self.shoe:
             raise ValueError(f"to = {self.to!r}: must be another shoe")
         if math.dist(self.strut.xy, self.end.xy) == 0:
@@ -179,7 +182,10 @@ class Lever(ShoeForce):
         return about_pin / per_newton if per_newton else math.nan
 
     def spring_or_lever_force_on_shoe(self, name: str) -> ForceAtPoint | None:
-        """The force of lever or strut on the shoe `name`; None if they touch another shoe."""
+        """The force of the lever's pin, or of its strut, on the shoe `name`.
+
+        It is None if the lever neither turns on this shoe nor pushes it by the strut.
+        """
         strut = self.pushing_force_of_strut * self._unit_vector_along_strut
         if name == self.shoe:
             return make_force_at_point(self.force_vector - strut, self.pivot.xy)
@@ -192,7 +198,7 @@ def make_force_at_point(force: Floats, point: Floats) -> ForceAtPoint:
 
 
 def brake_with_loads_assigned_to_shoes(brake: Any, pulls: Sequence[float] | None = None) -> Any:
-    """Return a copy of the brake that tells each shoe its springs, levers, weight and rotation.
+    """Return a copy of the brake whose shoes have the loads of springs, levers, weight, rotation.
 
     Parameters
     ----------
@@ -202,7 +208,8 @@ def brake_with_loads_assigned_to_shoes(brake: Any, pulls: Sequence[float] | None
     Raises
     ------
     ValueError
-        for a spring at a shoe that does not exist, or for a weight or a speed without masses
+        if a spring or lever names no shoe of the brake, for gravity or a speed without masses, or
+        for masses without both
     """
     _check_loads_have_known_shoes_and_masses(brake)
     if pulls is None:
@@ -228,9 +235,10 @@ def brake_with_loads_assigned_to_shoes(brake: Any, pulls: Sequence[float] | None
 
 
 def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> Any:
-    """A copy of the brake whose springs have constant pulls [N]; the brake itself for no pulls.
+    """A copy of the brake in which the pull of each spring is constant, one of `pulls` [N].
 
-    `pulls` come from a solved brake, in which springs with a rate have found their pull.
+    They are the pulls in a solved brake, which depend on the motions of the shoes. Without pulls
+    the brake itself is returned.
     """
     if not pulls:
         return brake
@@ -242,16 +250,19 @@ def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> A
 
 
 def brake_with_all_loads_moved_to_actuation(brake: Any) -> Any:
-    """A copy of the brake in which all loads of a shoe act on the nodes that the actuation loads.
+    """A copy of the brake on which finite elements let all loads act where the actuations act.
 
-    This holds for finite elements. Elements in three dimensions can load no other nodes.
+    Elements in three dimensions can load the nodes of the actuation only.
     """
     shoes = tuple(shoe.shoe_with_all_loads_moved_to_actuation() for shoe in brake.shoes)
     return brake.model_copy(update={"shoes": shoes})
 
 
 def _check_loads_have_known_shoes_and_masses(brake: Any) -> None:
-    """Raise ValueError for a spring at an unknown shoe, or for gravity or speed without a mass."""
+    """Raise ValueError if loads name unknown shoes, or if masses or accelerations are missing.
+
+    Gravity and the speed of the shoes need a mass, and a mass needs one of the two.
+    """
     names = [shoe.name for shoe in brake.shoes]
     for part, each in (("spring", brake.springs), ("lever", brake.levers)):
         for i, joined in enumerate(each):
@@ -275,14 +286,14 @@ def _check_loads_have_known_shoes_and_masses(brake: Any) -> None:
 def reason_if_loads_besides_actuation_act(brake: Any, what: str) -> str | None:
     """Why a computation that takes actuation forces only does not apply; None if it applies.
 
-    `what` names the computation in the text. The text also names the first key of another load.
+    The text names the computation (`what`) and the first key of a load that is no actuation force.
     """
     key = first_key_of_loads_besides_actuation(brake)
     return None if key is None else f"{key}: {what} takes forces of the actuation only"
 
 
 def first_key_of_loads_besides_actuation(brake: Any) -> str | None:
-    """The first key by which a brake has loads besides its actuation; None for no such load."""
+    """The first key of the brake file with a load besides the actuation; None if there is none."""
     for i, shoe in enumerate(brake.shoes):
         if shoe.forces:
             return f"shoe[{i}].force"

@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 def temperature_rises_at_both_faces(part: Any) -> tuple[float, float]:
     """Temperature rises [K] of a part at its face towards the friction surface and at its far face.
 
-    The far face is as warm as the near one unless `back_temperature_rise` says otherwise.
+    The far face is as warm as the near face if the part has no `back_temperature_rise`.
     """
     near, far = part.temperature_rise, part.back_temperature_rise
     return near, near if far is None else far
 
 
 def is_part_heated(part: Any) -> bool:
-    """Whether a part is warmer or colder than when it was made, at one of its faces."""
+    """Whether a part is warmer or colder than when it was made, on at least one of its faces."""
     return part is not None and any(temperature_rises_at_both_faces(part))
 
 
@@ -40,7 +40,7 @@ class HeatedLayer(NamedTuple):
     ----------
     key : key of the part in the shoe, "lining", "backing" or "body"
     part : the part
-    depths : distances [m] of its near and its far face from the friction surface
+    depths : distances [m] of the layer's near face and far face from the friction surface
     """
 
     key: str
@@ -54,7 +54,10 @@ class HeatedLayer(NamedTuple):
         return material
 
     def free_thermal_strains_at_depths(self, depth: Any) -> Any:
-        """Free strains (2, ...) along and through the layer at depths (...) [m] in the shoe."""
+        """Thermal strains (2, ...) along and through the layer if nothing held it.
+
+        `depth` (...) are distances [m] from the friction surface.
+        """
         rise = np.interp(depth, self.depths, temperature_rises_at_both_faces(self.part))
         material = self.material
         # `check_thermal_expansion_of_shoes_is_known` has refused heated parts without coefficients.
@@ -84,7 +87,7 @@ def check_thermal_expansion_of_shoes_is_known(shoes: Sequence["Shoe"]) -> None:
 def _check_thermal_expansion_of_layer_is_known(key: str, shoe: "Shoe", layer: HeatedLayer) -> None:
     """Raise ValueError if a heated layer lacks a coefficient of expansion, or cannot be modelled.
 
-    `key` is the key of the layer in the brake, for the message.
+    `key` is the key of the layer in the brake file, for the message.
     """
     material = layer.material
     near, far = temperature_rises_at_both_faces(layer.part)
@@ -94,8 +97,8 @@ def _check_thermal_expansion_of_layer_is_known(key: str, shoe: "Shoe", layer: He
             f"{key}.temperature_rise = {near:g} K: its material needs {keys or 'expansion'}, "
             f'such as "12e-6 1/K"'
         )
-    # The depth of a point is its distance from the friction surface, which does not tell how deep
-    # the point lies in a straight beam or in the web of a mesh.
+    # Temperatures vary with the distance from the friction surface. In a straight beam, or in the
+    # web of a mesh, this distance does not tell how far a point is from the near face.
     if layer.key == "body" and near != far and (isinstance(layer.part, Beam) or shoe.mesh):
         shape = "the body of a mesh" if shoe.mesh else "a straight beam"
         raise ValueError(
@@ -131,12 +134,12 @@ def check_thermal_expansion_of_drum_is_known(drum: Drum) -> None:
 
 
 def _ring_material(ring: Ring | None) -> AnyMaterial | None:
-    """The material of an elastic ring; None without a ring or without its material."""
+    """The material of an elastic ring; None if there is no ring or its material is unknown."""
     return None if ring is None else ring.material
 
 
 def _thermal_expansion_coefficient_of_drum(drum: Drum) -> float | None:
-    """Thermal expansion of the drum [1/K]: its own value, or that of its ring's material."""
+    """Thermal expansion of the drum [1/K]: the drum's own value, or that of the ring's material."""
     material = _ring_material(drum.ring)
     if drum.expansion is None and material is not None:
         return material.expansion_along
@@ -151,8 +154,8 @@ def radial_growth_of_heated_drum(drum: Drum, sign: int) -> float:
         u(r) = alpha (1 + nu)/r Int_a^r T s ds + C_1 r + C_2/r
 
     (Timoshenko & Goodier, Theory of Elasticity, section 150: thermal stresses in a circular disk).
-    The constants follow from its two edges: the friction surface has no radial stress, and the far
-    edge has none either or is fixed.
+    The constants C_1 and C_2 follow from the two edges: the friction surface has no radial stress,
+    and a free far edge has no radial stress either, while a fixed far edge has no displacement.
 
     Parameters
     ----------
@@ -174,7 +177,7 @@ def radial_growth_of_heated_drum(drum: Drum, sign: int) -> float:
     span = edge - R
     heat = span * ((near + far) / 2 * R + span * (near + 2 * far) / 6)
     # The integral begins at R, so that the first term of u is zero at the friction surface.
-    # Stress at r is E/(1 - nu^2) ((1 + nu) C_1 - (1 - nu) C_2/r^2) - E alpha/r^2 Int T s ds.
+    # The radial stress is E/(1 - nu^2) ((1 + nu) C_1 - (1 - nu) C_2/r^2) - E alpha/r^2 Int T s ds.
     free_face = [1 + nu, -(1 - nu) / R**2]
     if drum.ring.support == "fixed":
         far_edge, right = [edge, 1 / edge], -alpha * (1 + nu) / edge * heat
@@ -185,15 +188,15 @@ def radial_growth_of_heated_drum(drum: Drum, sign: int) -> float:
 
 
 def brake_with_heat_only_in_given_parts(brake: "Brake", keys: Collection[str]) -> "Brake":
-    """A copy of a brake in which only some parts keep their heat.
+    """A copy of a brake in which only some parts are heated.
 
     All other parts are as warm as when they were made.
 
     Parameters
     ----------
     brake : the brake
-    keys : the parts of all shoes that keep their heat, of "lining", "backing" and "body", and
-        "drum"; no key gives the cold brake
+    keys : the parts that keep their temperatures: "drum", and "lining", "backing" and "body" of all
+        shoes; without keys the whole brake is cold
     """
     cold = {"temperature_rise": 0.0, "back_temperature_rise": None}
     shoes = []
@@ -201,8 +204,7 @@ def brake_with_heat_only_in_given_parts(brake: "Brake", keys: Collection[str]) -
         parts = {}
         for layer in heated_layers_of_shoe(shoe):
             if layer.key not in keys:
-                # If the shoe has several linings, `copy_of_lining_with_changed_fields` removes the
-                # heat of each.
+                # If the shoe has several linings, `copy_of_lining_with_changed_fields` cools each.
                 part = layer.part
                 is_lining = isinstance(part, Lining)
                 changed = (

@@ -275,12 +275,12 @@ KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
 def add_key_meanings_to_json_schema(parts: dict[str, Any], tables: Iterable[TableOfKeys]) -> None:
     """Write the meaning of each key into the descriptions of a JSON schema.
 
-    An editor shows the description of a key. A description that says how the value is written
-    follows the meaning.
+    Text editors show the description of a key. If the schema says already how the value is written,
+    this is kept in brackets after the meaning.
 
     Parameters
     ----------
-    parts : schemas of the classes by the names of the classes, which are changed
+    parts : schemas of the classes by the names of the classes; they are changed in place
     tables : the meanings; classes that the schema does not have are ignored
     """
     for _, kind, meanings in tables:

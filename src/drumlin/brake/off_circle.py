@@ -37,7 +37,8 @@ def gaps_of_lining_ground_to_circle(
     Floats
         gap [m] at each angle, with the shape of `theta`; positive where lining and drum are apart
     """
-    # c is the centre of the lining's circle; along = c.e_r and across = c x e_r at each angle.
+    # c is the centre of the lining's circle. `along` and `across` are c.e_r and c x e_r, with the
+    # radial unit vector e_r at each angle.
     r = R if radius is None else radius
     to_middle = np.array([np.cos(middle), np.sin(middle)])
     c = (R - r) * to_middle + offset.xy
@@ -65,7 +66,7 @@ def gaps_of_pad_ground_to_circle(radius: float | None, offset: Point, x: Floats)
     along = x - offset.x
     if radius is None:
         return np.full(np.shape(x), offset.y)
-    # This form of r - sqrt(r^2 - x^2) loses no digits for a large radius.
+    # x^2/(r + sqrt(r^2 - x^2)) is r - sqrt(r^2 - x^2) without cancellation for a large radius r.
     root = math.copysign(1.0, radius) * np.sqrt(radius**2 - along**2)
     return offset.y + along**2 / (radius + root)
 
@@ -82,7 +83,7 @@ def radial_deviation_of_drum(harmonics: Sequence[Lobes], angle: float, theta: Fl
     angle : angular position of the drum [rad]
     theta : angles [rad]
     """
-    # The deviation is fixed in these angles, which count from a mark on the drum.
+    # `at` are the angles from a mark on the drum; the harmonics turn with this mark.
     at = np.asarray(theta) - angle
     lobes = (part.amplitude * np.cos(part.order * (at - part.phase)) for part in harmonics)
     return np.sum([np.zeros(at.shape), *lobes], axis=0)

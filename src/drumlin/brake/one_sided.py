@@ -1,7 +1,7 @@
 """One-sided supports: anchors, abutments and struts that push on a shoe and cannot pull.
 
-Which of them bear is part of the solution. The force of each support is not negative, its opening
-is not negative, and one of the two is zero, as at a contact node of a lining.
+A solve finds out which of the supports bear. The force and the opening of a support are not
+negative, and one of them is zero, as at a contact node of a lining.
 """
 
 import itertools
@@ -21,17 +21,16 @@ from drumlin.brake.support import Held, work_of_force_in_rigid_body_motions
 LARGEST_PULL = 1e-9
 """Largest pull of a support that counts as round-off, relative to the largest force of the brake.
 
-A larger pull means that the support does not bear. The same fraction of the largest displacement is
-the deepest overlap of an open support that counts as none. The value is far above the round-off of
-an equilibrium, 1e-12, and far below any force in a brake file.
+A larger pull means that the support does not bear. An overlap of shoe and support counts as
+round-off up to the same fraction of the largest displacement. The value is far above the round-off
+of an equilibrium, 1e-12, and far below any force in a brake file.
 """
 SINGULAR_SUPPORT = 1e-9
-"""Smallest singular value of the openings of bearing supports, below which one is redundant.
+"""Singular value [m] at or below which one of the bearing supports of a shoe is redundant.
 
-The matrix has the opening of each bearing support per rigid-body motion, scaled so that each motion
-displaces points by about 1 m. If its smallest singular value is above the limit, c supports hold c
-independent motions. The limit is a judgement: it lies far above round-off, and no lever arm in a
-brake is so small.
+It is the smallest singular value of the matrix that has the opening of each bearing support in each
+rigid-body motion; each motion displaces points by about 1 m. With a larger value c supports hold c
+independent motions. The limit is a judgement: far above round-off, below any lever arm of a brake.
 """
 
 
@@ -74,7 +73,7 @@ class OneSidedSupport(NamedTuple):
 def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
     """The one-sided supports of a brake: abutment and anchors of each shoe that has anchors.
 
-    A strut between the feet of two such shoes is one support in place of their two abutments.
+    A strut between two such shoes is one support in place of the abutments of both.
     """
     numbers = {shoe.name: i for i, shoe in enumerate(brake.shoes)}
     found, on_strut = [], set()
@@ -124,7 +123,7 @@ def groups_of_shoes_on_anchors(brake: Brake) -> list[tuple[int, ...]]:
 
 
 def unit_forces_of_one_sided_supports_on_shoe(brake: Brake, name: str) -> list[Actuation]:
-    """Forces of 1 N of the one-sided supports on the shoe `name`, in the supports' order."""
+    """A force of 1 N by each one-sided support on the shoe `name`, in the order of the supports."""
     found = []
     for support in one_sided_supports_of_brake(brake):
         found += [side.push for side in support.sides if brake.shoes[side.shoe].name == name]
@@ -151,9 +150,9 @@ Bearing = tuple[bool, ...]
 
 
 def all_choices_of_bearing_supports(count: int, first: Bearing = ()) -> Iterator[Bearing]:
-    """Yield every choice of which of `count` supports bear, `first` before all others.
+    """Yield every combination of bearing and open supports, for `count` supports.
 
-    Each choice comes once, so that a search among them ends.
+    Each combination comes once, and the combination `first` before all others.
     """
     if first:
         yield first
@@ -168,7 +167,7 @@ def forces_of_one_sided_supports_on_shoe(
     """The forces of the supports on which a shoe bears or could bear.
 
     `forces` (m,) [N] are the forces of all supports, and `shoe` is the index of the shoe. A
-    negative force, a pull, can only be the round-off of zero, and becomes 0.
+    negative force would be a pull: it is a round-off error of zero, and is set to 0.
     """
     found = []
     for support, force in zip(supports, np.maximum(forces, 0.0).tolist(), strict=True):
@@ -180,9 +179,9 @@ def forces_of_one_sided_supports_on_shoe(
 
 
 def work_of_support_push_in_rigid_body_modes(shoe: Held, push: Actuation) -> Floats:
-    """The work (k,) of a push on the rigid-body modes of a shoe.
+    """The work (k,) of a support's push in each rigid-body mode of a shoe.
 
-    For a push of 1 N it is also the opening of the support that pushes, per unit of each mode.
+    For a push of 1 N it is also the distance by which the support opens, per unit of each mode.
     """
     return work_of_force_in_rigid_body_motions(
         shoe.rigid_body_modes_of_support().motions, push.force_vector, push.point.xy
@@ -190,14 +189,14 @@ def work_of_support_push_in_rigid_body_modes(shoe: Held, push: Actuation) -> Flo
 
 
 class HeldMotions(NamedTuple):
-    """The rigid-body motions that c bearing supports hold, and the motions that they leave free.
+    """The rigid-body motions that c bearing supports prevent, and the motions that they allow.
 
-    Each column of both matrices has the amounts of the k rigid-body modes in one motion.
+    Each column of both matrices is a motion: the amounts of the k rigid-body modes in it.
 
     Attributes
     ----------
-    free : (k, k - c), motions that no bearing support opposes
-    held : (k, c), motions of which number j opens bearing support j by 1 and no other support
+    free : (k, k - c), motions that open or close none of the bearing supports
+    held : (k, c), motions; motion j opens bearing support j by 1 m and no other bearing support
     """
 
     free: Floats
@@ -205,14 +204,14 @@ class HeldMotions(NamedTuple):
 
 
 def divide_motions_into_held_and_free(opening: Floats, sizes: Floats) -> HeldMotions | None:
-    """Divide k rigid-body motions into c held by bearing supports and k - c that are left free.
+    """Divide the motions of a group of shoes into c that supports prevent and k - c free motions.
 
-    The result is None if a support is redundant: then c supports hold fewer than c motions.
+    The result is None if a support is redundant: then c supports prevent fewer than c motions.
 
     Parameters
     ----------
-    opening : opening (c, k) of the bearing supports per unit of each motion
-    sizes : amount (k,) of each motion that displaces points of the brake by about 1 m
+    opening : (c, k), opening of each bearing support per unit of each rigid-body mode
+    sizes : (k,), amount of each rigid-body mode that displaces points of the brake by about 1 m
     """
     count = len(opening)
     if count > len(sizes):
@@ -229,12 +228,12 @@ def divide_motions_into_held_and_free(opening: Floats, sizes: Floats) -> HeldMot
 def do_linings_resist_free_motions(closing: Floats, scale: float) -> bool:
     """Whether the linings resist every motion that the bearing supports leave free.
 
-    A motion that closes no gap, such as a turn about the drum's centre, must be held by a support.
+    A motion that closes no gap, such as a turn about the drum's centre, meets no resistance.
 
     Parameters
     ----------
-    closing : (n, k), closing of the gaps at n points of the linings by each of k free motions
-    scale : largest closing by a motion that displaces points of the brake by about 1 m
+    closing : (n, k), decrease of the gap at n points of the linings in each of k free motions
+    scale : largest decrease of a gap in a motion that displaces points of the brake by about 1 m
     """
     values = np.linalg.svd(closing, compute_uv=False)
     return bool(values.min(initial=math.inf) > SINGULAR_SUPPORT * scale)

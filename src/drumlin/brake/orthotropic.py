@@ -10,7 +10,7 @@ from drumlin.brake.fields import Orthotropic
 
 
 def names_of_orthotropic_parts(brake: Brake) -> Iterator[str]:
-    """Give the name of each part of a brake with orthotropic material, for an error message."""
+    """Yield a name for each part of a brake with orthotropic material, for an error message."""
     for shoe in brake.shoes:
         parts = {"lining": shoe.lining, "backing": shoe.backing, "body": shoe.body}
         for name, part in parts.items():
@@ -21,9 +21,9 @@ def names_of_orthotropic_parts(brake: Brake) -> Iterator[str]:
 
 
 def reason_if_any_part_is_orthotropic(brake: Brake, model: str) -> str | None:
-    """Why a model that takes isotropic materials only does not apply to a brake, or None.
+    """Why a model for isotropic materials does not apply to a brake; None if it applies.
 
-    `model` is the name of the model in the text. The result is None if the model applies.
+    `model` is the name of the model in the text.
     """
     part = next(names_of_orthotropic_parts(brake), None)
     if part is None:

@@ -1,8 +1,8 @@
-"""Shoes that repeat at equal steps, such as the blocks of a band, from one table of a brake file.
+"""Shoes that repeat at equal distances, such as the blocks of a band, from one table of the file.
 
 A shoe with a pattern is read as several shoes: copies that are turned about the drum's centre, or
-moved along the plane, by one step after the other. Links from each copy to the next can be added,
-and springs from the shoe to the frame are repeated as well.
+moved along the plane, each by `step` farther than the one before. Links from each copy to the next
+can be added, and springs from the shoe to the frame are repeated as well.
 """
 
 import math
@@ -16,9 +16,9 @@ from drumlin.brake.fields import Angle, Length, Part, Point
 from drumlin.brake.further_loads import Spring
 
 ALONG_SURFACE = ("start", "end")
-"""Keys of coordinates along the surface."""
+"""Keys of a brake file that hold a coordinate along the surface, which moves with a shoe."""
 ROWS_ALONG_SURFACE = ("clearance", "blocks")
-"""Keys that may have a table of rows, which begin with a coordinate along the surface."""
+"""Keys that may hold a table whose rows begin with a coordinate along the surface."""
 
 
 class Pattern(Part):
@@ -45,13 +45,13 @@ class FlatPattern(Pattern):
 
 
 class Move(NamedTuple):
-    """A motion of a shoe as a rigid body, with its drum or along its plane.
+    """A rigid-body motion of a shoe: a turn about the drum's centre or a shift along the plane.
 
     Attributes
     ----------
-    turn : angle [rad] that is added to directions
-    along : amount that is added to coordinates along the surface
-    point : function of a point of the shoe that returns the moved point
+    turn : angle [rad] by which directions turn; 0 on a plane
+    along : increase of coordinates along the surface, [rad] on a drum and [m] on a plane
+    point : function that takes a point of the shoe and returns the moved point
     """
 
     turn: float
@@ -73,8 +73,8 @@ def translation_along_plane(length: float) -> Move:
 def copy_of_part_after_motion(part: Any, move: Move) -> Any:
     """A copy of a shoe or of a part of it, with all its places and directions moved.
 
-    The offset of a misfit is a vector: it turns with a shoe on a drum, and is the same for each
-    shoe on a plane.
+    The offset of a misfit is a vector, not a place: it turns with a shoe on a drum, and does not
+    change with a shoe that moves along a plane.
     """
     changes: dict[str, Any] = {}
     for name in part.model_fields_set:
@@ -105,9 +105,9 @@ def brake_data_with_patterned_shoes_repeated(
 
     Parameters
     ----------
-    data : data of a brake file, or anything else that is not a brake
+    data : data of a brake file, or wrong data of any type
     kind : class of the shoes
-    move : function of a distance (a number of steps times `step`) that returns the shoe's motion
+    move : function that returns the motion of a shoe by an angle [rad] or a length [m]
     info : pydantic's state of the validation
 
     Raises
@@ -164,9 +164,9 @@ def _springs_copied_with_repeated_shoe(
 ) -> Any:
     """The springs of a brake, with a copy for each copy of a shoe that a spring ties to the frame.
 
-    Data that are no list of springs are not changed. A spring to another shoe is not repeated: it
-    must name one of the copies. `first` is the shoe with the pattern, the other parameters are as
-    in `brake_data_with_patterned_shoes_repeated`.
+    Data that are no list of springs are returned unchanged. A spring to another shoe is not
+    repeated: it must name one of the copies. `first` is the shoe with the pattern. `move` and
+    `info` are as in `brake_data_with_patterned_shoes_repeated`.
     """
     if not isinstance(springs, list | tuple):
         return springs
@@ -185,10 +185,11 @@ def _springs_copied_with_repeated_shoe(
 
 
 def _copies_of_shoe_with_pattern(key: str, first: Any, move: Callable[[float], Move]) -> list[Any]:
-    """The copies of `first`, a shoe with a pattern; `key` is its key in messages.
+    """The shoes that `first`, a shoe with a pattern, stands for; `key` is its key in messages.
 
-    Raises ValueError for a mesh file in the brake's coordinates, which would not move with a shoe,
-    and for linked shoes without an abutment.
+    `move` returns the motion of a shoe by an angle or length. Raises ValueError for a mesh file in
+    the brake's coordinates, which would not move with a shoe, and for linked shoes without an
+    abutment.
     """
     pattern = first.pattern
     if first.mesh is not None and first.mesh_frame == "brake":

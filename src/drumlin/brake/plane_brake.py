@@ -76,7 +76,7 @@ class FlatMisfit(Misfit):
 
     `radius` [m] is the radius of a face that is ground to a circle: positive for a crowned face,
     negative for a hollow face. The circle touches the plane at the middle of the lining. `blocks`
-    are rows (x, depth) [m]. The other keys are those of a lining on a drum.
+    are rows (x, depth) [m]. The other keys are as in `Misfit`, for a lining on a drum.
     """
 
     radius: Length | None = None
@@ -90,8 +90,9 @@ class FlatLining(Lining):
 
     Finite elements need `thickness` [m] and `material`. `clearance` [m] is the gap between unloaded
     lining and plane, positive if open: a number, or a table of rows (x, clearance) with linear
-    interpolation. The gap due to the `misfit` is added to it. `friction` is the lining's own
-    friction coefficient, or a table of it, by default that of the brake.
+    interpolation. The gap due to the `misfit` is added to it. `friction` is the friction
+    coefficient of this lining, or a table of coefficients; by default the lining has the friction
+    of the brake.
     """
 
     start: Length
@@ -118,7 +119,7 @@ class FlatLining(Lining):
                 f"end = {text_in_mm(self.end)} must be greater than start = "
                 f"{text_in_mm(self.start)}"
             )
-        # A face of the smallest allowed radius has the largest allowed gap at its ends.
+        # `least` is the radius with which a face has the largest allowed gap, `most`, at its ends.
         most = LARGEST_MISFIT * long
         least = long / (8 * LARGEST_MISFIT)
         if radius is not None and abs(radius) < least:
@@ -145,15 +146,15 @@ class FlatBody(Bar):
 
     @property
     def shape(self) -> str:
-        """Shape of the body: "arc", because a straight bar is an arc in the coordinate phi."""
+        """Always "arc": finite elements treat a straight bar as an arc, in the coordinate phi."""
         return "arc"
 
 
 class FlatFrame(ShoeFrame):
-    """The frame of a shoe on a plane. Its origin lies on the plane, below the pin of the shoe.
+    """The coordinates of a shoe on a plane, with the origin on the plane at the x of the pin.
 
-    A point has two coordinates [m]: the distance from the origin along the plane towards the
-    lining, and the height above the plane.
+    A point has two coordinates [m]: the distance from the origin along the plane, positive towards
+    the lining, and the height above the plane.
     """
 
     def convert_vectors_to_brake_frame(self, vectors: Floats) -> Floats:
@@ -198,7 +199,10 @@ class FlatShoe(Shoe):
 
     @property
     def size(self) -> float:
-        """Size [m] of the brake of this shoe; for a shoe without a brake its lining's length."""
+        """Size [m] of the brake to which the shoe belongs: the length of the first shoe's lining.
+
+        For a shoe without a brake it is the length of the shoe's own lining.
+        """
         return self.lining.end - self.lining.start if self._size is None else self._size
 
     def copy_of_shoe_for_brake_of_size(self, size: float) -> Self:
@@ -209,7 +213,7 @@ class FlatShoe(Shoe):
 
     @cached_property
     def frame(self) -> FlatFrame:
-        """The frame of the shoe, in which the middle of the lining has a distance >= 0."""
+        """The frame of the shoe: its first coordinate grows from the pin towards the lining."""
         sense = 1 if self.lining.middle >= self.pin.x else -1
         return FlatFrame(self.pin.x, sense, self.size)
 
@@ -342,7 +346,7 @@ class FlatBrake(Brake):
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
         check_friction_tables_have_sliding_speed(self, "plane.speed", self.plane.speed is not None)
         self.check_brake_has_friction_if_lining_has()
-        # `unit_required` is set for data of a file, which need units, and not for a program's data.
+        # Data of a file need units, which `unit_required` tells; data of a program do not.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive_and_struts(self, file=from_file)
         # The length of the first lining is the size of the brake, which all its shoes must know.
@@ -351,7 +355,8 @@ class FlatBrake(Brake):
         check_thermal_expansion_of_shoes_is_known(shoes)
         for i, shoe in enumerate(shoes):
             check_shoe_on_abutment_has_no_grip(f"shoe[{i}]", shoe)
-            # Translations along y and turns close the gap to a plane, translations along x do not.
+            # `slice(1, 3)` takes dy and the turn of each rigid-body mode: a translation along x
+            # does not close the gap to a plane.
             check_rigid_body_modes_close_gap_differently(f"shoe[{i}]", shoe, slice(1, 3))
             if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
                 shown = f"shoe[{i}].guide.direction = {text_in_degrees(shoe.guide.direction)}"
@@ -411,9 +416,9 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
 
 
 def brake_itself_or_read_from_file(brake: Any) -> Brake:
-    """The brake itself; for the path of a brake file, the brake of this file.
+    """The brake that is given itself, or by the path of its brake file.
 
-    Raises BadInput for anything else, and as `read_any` does.
+    Raises BadInput for any other argument, and for a file that `read_any` refuses.
     """
     if isinstance(brake, str | Path):
         return read_any(brake)

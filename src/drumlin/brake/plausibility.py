@@ -1,8 +1,8 @@
 """Notes on values of a brake that can hardly be meant, such as a friction coefficient of 30.
 
-Such a value is usually a unit that was mistaken. The brake is solved all the same, since the value
-could be meant. The limits are judgements: each is several times as wide as the brakes of the
-studies and of `drumlin_studies.random_brake`.
+Such a value usually has the wrong unit. The brake is solved all the same, since the value may be
+meant. The limits are judgements: the values of all brakes in the studies and in
+`drumlin_studies.random_brake` are several times smaller or larger than the limits.
 """
 
 import functools
@@ -18,23 +18,23 @@ from drumlin.brake.fields import Material, Orthotropic, Part, Point, si_unit_of_
 from drumlin.brake.units import text_in_mm
 
 FAR_AWAY = 20.0
-"""Distance or length, relative to the brake's size, above which a note asks for its unit.
+"""Distance or length, relative to the brake's size, above which a note questions its unit.
 
-The size is the drum's radius, on a plane the length of the longest lining. Points of random brakes
-lie up to 3 radii away, on a plane up to 9 lengths.
+The size is the drum's radius, or on a plane the length of the longest lining. Points of random
+brakes are at most 3 radii from the drum's centre, or 9 lengths from the nearest pad.
 """
 NARROW = 1e-3
-"""Width or diameter, relative to the brake's size, below which a note asks for its unit.
+"""Width or diameter, relative to the brake's size, below which a note questions its unit.
 
-Widths of random brakes are 0.02 of the size at least.
+The widths of random brakes are at least 0.02 of the size.
 """
 THIN = 1e-4
-"""Thickness, relative to the brake's size, below which a note asks for its unit.
+"""Thickness, relative to the brake's size, below which a note questions its unit.
 
-Thicknesses of random brakes are 0.001 of the size at least.
+The thicknesses of random brakes are at least 0.001 of the size.
 """
 DRUM_RADII = (1e-3, 30.0)
-"""Radii [m] of the drum below and above which a note asks for the unit.
+"""A note questions the unit of a drum's radius [m] outside these two limits.
 
 Drums have radii of some 20 mm to 5 m.
 """
@@ -49,25 +49,27 @@ LARGEST_TURNS_OF_ANGLE = 2.0
 An angle of 75 deg that is written as 75 rad is 12 turns.
 """
 SOFTEST_LINING, SOFTEST_BODY, STIFFEST_PART = 1e5, 1e6, 3e13
-"""Moduli [Pa] beyond which a note asks: of a lining below, of a body below, of any part above.
+"""Limits of moduli [Pa]: a note questions the unit of a modulus beyond its limit.
 
+They are the smallest modulus of a lining, the smallest of a body, and the largest of any part.
 Foams have 1e5 Pa, wood across its grain 1e8 Pa, steel 2e11 Pa and diamond 1e12 Pa. A modulus in
 N/m^2 that was meant in N/mm^2 is a million times too small.
 """
 METAL_MODULI = (6e10, 2.2e11)
 """Moduli [Pa] of the metals of shoes, from aluminium (7e10 Pa) to steel (2.1e11 Pa).
 
-A note asks about a lining that is stiffer than a shoe of such a metal.
+A note questions the modulus of a lining that is stiffer than a shoe of such a metal.
 """
 STIFFEST_USUAL_LINING = 2e10
 """Largest usual modulus [Pa] of a lining's material; organic linings have 1e8 to 5e9 Pa.
 
-A note asks about a metal lining on a shoe whose modulus is not above this value.
+If a lining has the modulus of a metal, and its shoe at most this one, a note asks whether the two
+materials were exchanged.
 """
 HOTTEST = 1200.0
 """Temperature rise [K] above which a note asks whether it is meant. Cast iron melts at 1400 K."""
 LARGEST_EXPANSION = 1e-3
-"""Coefficient of thermal expansion [1/K] above which a note asks for its unit.
+"""Coefficient of thermal expansion [1/K] above which a note questions its unit.
 
 Steel has 1.2e-5 1/K, rubber 2e-4 1/K. A coefficient in 1e-6/K that was written in 1/K is a million
 times too large.
@@ -79,14 +81,14 @@ Linings that do not fit are some 50 micrometres off drums of 150 mm, 3e-4 of the
 leave gaps of 0.2 to 0.5 mm, more than 1e-3, and are not meant by the key.
 """
 CYLINDER_PRESSURES = (1e4, 1e9)
-"""Pressures [Pa] of a wheel cylinder below and above which a note asks for the unit.
+"""A note questions the unit of a wheel cylinder's pressure [Pa] outside these two limits.
 
-Wheel cylinders have some 1 to 20 MPa, and brakes worked by vacuum 5e4 Pa.
+Wheel cylinders have some 1 to 20 MPa, and vacuum brakes 5e4 Pa.
 """
 
 
 def notes_on_implausible_brake_values(brake: Brake) -> tuple[str, ...]:
-    """A line of text for each value of a brake that is probably a mistake, with the likely value.
+    """A line for each value of a brake that is probably a mistake, often with the likely value.
 
     Each line begins with "note:" and names the key of the brake file.
     """
@@ -109,7 +111,7 @@ def notes_on_implausible_brake_values(brake: Brake) -> tuple[str, ...]:
 
 
 def _merge_equal_notes_on_several_shoes(lines: list[str]) -> Iterator[str]:
-    """Yield one line, with a count, for lines that differ in the index of the shoe alone."""
+    """Yield each note once; notes that differ only in the shoe's index become one with a count."""
     counts: dict[str, int] = {}
     firsts: dict[str, str] = {}
     for line in lines:
@@ -136,9 +138,9 @@ class _Quantity(NamedTuple):
 
 
 def _quantities_of_brake_part(part: Part, key: str) -> Iterator[_Quantity]:
-    """Yield the quantities of a part and of the parts within it, without tables of quantities.
+    """Yield the quantities of a part and of the parts within it; tables of quantities are left out.
 
-    `key` is the key of the part itself, "" for the brake.
+    `key` is the key of the part itself in the brake file, "" for the whole brake.
     """
     for name, field in type(part).model_fields.items():
         value, below = getattr(part, name), f"{key}.{field.alias or name}".removeprefix(".")
@@ -163,7 +165,7 @@ def _si_unit_of_part_field(kind: type[Part], name: str) -> str:
 
 
 def _notes_on_too_high_friction(brake: Brake) -> Iterator[str]:
-    """Yield a note for each friction coefficient that is too large for a lining."""
+    """Yield a note for each friction coefficient above HIGH_FRICTION."""
     frictions = {"friction": brake.friction}
     for i, shoe in enumerate(brake.shoes):
         if shoe.lining.friction is not None:
@@ -194,7 +196,10 @@ def _notes_on_unusual_drum_radius(brake: Brake) -> Iterator[str]:
 
 
 def _notes_on_far_points(brake: Brake, size: float) -> Iterator[str]:
-    """Yield a note for each point of a support or load far from the drum or the linings."""
+    """Yield a note for each point of a support or load far from the drum's centre or all pads.
+
+    `size` is the drum's radius [m], or on a plane the length of the longest lining.
+    """
     for key, point in _points_of_supports_and_loads(brake):
         away = 0.0 if point is None else _distance_from_drum_centre_or_nearest_pad(brake, point)
         if away > FAR_AWAY * size:
@@ -244,10 +249,10 @@ def _text_of_brake_size_with_its_key(brake: Brake, size: float) -> str:
 
 
 def _text_of_length_with_unit_that_may_be_meant(length: float, *, small: bool) -> str:
-    """The length [m] as a text with the same number in another unit, as a suggestion.
+    """Text of the length that may be meant by a length [m]: the same number with another unit.
 
-    A `small` length may be meant in m and written in mm. A large length may be meant in mm or cm
-    and written in m.
+    A `small` length was perhaps written in mm and meant in m. A large length was perhaps written in
+    m and meant in mm or cm.
     """
     if small:
         return f"{length * 1e3:.4g} m"
@@ -255,7 +260,10 @@ def _text_of_length_with_unit_that_may_be_meant(length: float, *, small: bool) -
 
 
 def _notes_on_unusual_length(value: _Quantity, brake: Brake, size: float) -> Iterator[str]:
-    """Yield a note on a width, thickness, grip or diameter far from the size of the brake."""
+    """Yield a note on a width, thickness, grip or diameter too small or large for the brake.
+
+    `size` is the drum's radius [m], or on a plane the length of the longest lining.
+    """
     least = {"thickness": THIN, "width": NARROW, "grip": THIN, "diameter": NARROW}.get(value.name)
     if least is None or value.unit != "m":
         return
@@ -275,7 +283,7 @@ def _notes_on_unusual_length(value: _Quantity, brake: Brake, size: float) -> Ite
 def _notes_on_angle_of_many_turns(value: _Quantity) -> Iterator[str]:
     """Yield a note on an angle of several turns, probably degrees that were written as radians.
 
-    The angular position of the drum may have many turns.
+    The angular position of the drum, `drum.angle`, may be many turns.
     """
     if value.unit == "rad" and value.key != "drum.angle":
         yield from _note_if_angle_has_many_turns(value.key, value.value)
@@ -290,14 +298,14 @@ def _notes_on_angle_of_many_turns(value: _Quantity) -> Iterator[str]:
 
 
 def _note_if_angle_has_many_turns(key: str, angle: float) -> Iterator[str]:
-    """Yield a note if an angle [rad] has too many turns; `key` is its key in the file."""
+    """Yield a note if an angle [rad] has more turns than allowed; `key` is its key in the file."""
     if abs(angle) > LARGEST_TURNS_OF_ANGLE * 2 * math.pi:
         turns = abs(angle) / (2 * math.pi)
         yield f"{key} = {angle:.6g} rad is {turns:.3g} turns; did you mean {angle:.6g} deg?"
 
 
 def _notes_on_unit_of_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
-    """Yield a note on a modulus or cylinder pressure that confuses N/m^2 with N/mm^2."""
+    """Yield a note on a modulus or pressure if N/m^2 and N/mm^2 were probably confused."""
     if value.unit != "Pa":
         return
     low, high = CYLINDER_PRESSURES
@@ -335,15 +343,15 @@ def _stress_as_text_in_mpa(modulus: float) -> str:
 
 
 def _notes_on_too_stiff_linings(brake: Brake) -> Iterator[str]:
-    """Yield a note on each lining that is stiffer than its metal shoe, or metal on a soft shoe."""
+    """Yield a note on each lining that is stiffer than a metal shoe, or of metal on a soft shoe."""
     softest_metal, stiffest_metal = METAL_MODULI
     for i, shoe in enumerate(brake.shoes):
         body = None if shoe.body is None else shoe.body.material
-        # A modulus beyond STIFFEST_PART has a note of its own from another function.
         if body is None or shoe.lining.material is None:
             continue
         E_lining, E_body = shoe.lining.material.E_through, body.E_along
         moduli = f"E = {_stress_as_text_in_mpa(E_lining)} beside {_stress_as_text_in_mpa(E_body)}"
+        # A modulus that is itself doubtful has a note by `_notes_on_unit_of_modulus_or_pressure`.
         if E_lining <= E_body or E_lining > STIFFEST_PART or E_body < SOFTEST_BODY:
             continue
         key = f"shoe[{i}].lining.material is stiffer than shoe[{i}].body.material, {moduli}"

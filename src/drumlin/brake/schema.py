@@ -20,8 +20,8 @@ from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 """The version of JSON schema that the schema of brake files uses."""
-# The patterns admit every text that is read, and some others: an editor must not mark a text that
-# drumlin takes. A number may begin with a minus sign of a word processor, or with its decimal sign.
+# The patterns match every text that drumlin takes, and some that it refuses: an editor must not
+# mark a correct text as wrong. A number may begin with a typographic minus sign or a decimal sign.
 _BEGINNING_OF_NUMBER = r"^\s*[-+\u2010-\u2013\u2212\ufe63\uff0d]?\s*[.,]?\d"
 # The pattern matches the text of a quantity in a brake file: a number and some unit.
 QUANTITY = _BEGINNING_OF_NUMBER + r""".*[A-Za-zµμ°º˚%"'″′].*$"""
@@ -38,13 +38,14 @@ def json_schema_of_quantity_with_unit(si: str) -> dict[str, Any]:
 class UnitSchema(GenerateJsonSchema):
     """Generator of JSON schemas in which every quantity is a text with its unit, as in files.
 
-    Without it pydantic describes the numbers in SI that the quantities are converted to.
+    pydantic's own generator would describe numbers in SI, to which the quantities are converted.
     """
 
     def function_before_schema(self, schema: Any) -> JsonSchemaValue:
-        """The schema of the data that a validator takes, in place of the data it returns.
+        """The schema of the data that a validator takes, in place of the data that it returns.
 
-        pydantic calls this method for each field with a validator that precedes pydantic's own.
+        pydantic calls this method for each field whose data drumlin converts before pydantic checks
+        them (BeforeValidator).
         """
         found, function = super().function_before_schema(schema), schema["function"]["function"]
         if function is fields._point_from_polar_coordinates:
@@ -107,8 +108,8 @@ def _json_schema_of_numbers_as_texts_with_units(
 def json_schema_without_entries_unfit_for_toml(schema: Any) -> Any:
     """Remove from a schema all entries that do not hold for TOML files, at every level.
 
-    These are defaults in SI units, titles that pydantic makes of Python's names, and the value
-    null, which TOML does not have.
+    These are defaults in SI units, titles that pydantic makes from names of Python classes and
+    fields, and the value null, which TOML does not have.
     """
     if isinstance(schema, list):
         return [
@@ -124,7 +125,7 @@ def json_schema_without_entries_unfit_for_toml(schema: Any) -> Any:
         default_in_si = key == "default" and not isinstance(value, str | bool)
         if title_of_name or default_in_si:
             continue
-        # The keys below these two entries are names of fields and classes, which are all kept.
+        # The keys within "properties" and "$defs" are names of fields and classes; all are kept.
         if key in {"properties", "$defs"}:
             found[key] = {
                 name: json_schema_without_entries_unfit_for_toml(part)
@@ -132,7 +133,7 @@ def json_schema_without_entries_unfit_for_toml(schema: Any) -> Any:
             }
         else:
             found[key] = json_schema_without_entries_unfit_for_toml(value)
-    # A choice that has one option left is replaced by this option.
+    # A choice between schemas ("anyOf") of which one is left is replaced by this schema.
     choices = found.get("anyOf", ())
     if len(choices) == 1:
         del found["anyOf"]

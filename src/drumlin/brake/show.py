@@ -1,4 +1,4 @@
-"""Show a brake to the reader: a line on the whole brake and a row for each shoe."""
+"""Show a brake to the user: a line about the whole brake, and a table with a row for each shoe."""
 
 from typing import TYPE_CHECKING
 

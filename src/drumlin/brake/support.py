@@ -5,9 +5,9 @@ displaces the point (x, y) by (dx - turn y, dy + turn x). The rigid-body modes o
 motions that its support allows.
 
 Equilibrium is written with test modes, on which the support reactions do no work. The test modes
-are equal to the rigid-body modes unless friction acts at an abutment. With friction the reaction
-leans away from the normal of the abutment's face: the shoe still slides along the face, but its
-test mode is perpendicular to the reaction.
+are equal to the rigid-body modes unless friction acts at an abutment. With friction the reaction is
+not normal to the abutment's face: the shoe still slides along the face, but its test mode is a
+translation perpendicular to the reaction.
 """
 
 import math
@@ -41,7 +41,10 @@ from drumlin.brake.further_loads import (
 )
 
 MAIN_SUPPORTS = ("hinge", "abutment", "guide")
-"""Keys of supports of which a shoe without anchors has exactly one; a pivot needs a hinge."""
+"""Keys of the supports of which a shoe without anchors has exactly one.
+
+A pivot is no such support: it lies on a lever, which turns about the hinge.
+"""
 
 MOVES = {
     "hinge": "it turns about its hinge",
@@ -53,22 +56,24 @@ MOVES = {
 """How a shoe moves on each support, for error messages, by `Held.kind_of_support`."""
 
 UNHELD = 2
-"""Value of `sense` with which `Held.rigid_body_modes_of_support` lets the foot slide along and
-leave its abutment."""
+"""Value of `sense` for `Held.rigid_body_modes_of_support` with which the abutment does not act.
+
+The foot of the shoe may then slide along the abutment and leave it.
+"""
 
 STICKS = 1e-9
-"""Relative excess of the friction at a sticking foot over its limit that counts as round-off.
+"""Largest excess of a sticking foot's friction over the limit of Coulomb that is round-off.
 
-With a larger excess the foot does not stick.
+It is relative to the limit. With a larger excess the foot of the shoe slides on the abutment.
 """
 
 
 class Abutment(Part):
-    """A face on which the shoe's foot slides.
+    """A face on which the foot of a shoe, its end away from the actuation, slides.
 
-    The foot bears at `point`. `direction` [rad] is the direction of the face's normal, and of its
-    force on the foot without friction. `friction` is the friction coefficient between the foot and
-    the face.
+    The foot bears at `point`. `direction` [rad] is the direction of the face's normal, in which it
+    pushes the foot if there is no friction. `friction` is the friction coefficient between the foot
+    and the face.
     """
 
     point: Place
@@ -99,11 +104,11 @@ class Freedoms(NamedTuple):
 
     Attributes
     ----------
-    motions : (k, 3), dx, dy and turn of each unit mode
-    tests : (k, 3), test modes, on which the support reactions do no work
+    motions : (k, 3), dx, dy and turn of each mode, for a turn by 1 rad or a slide by 1 m
+    tests : (k, 3), dx, dy and turn of the test modes, on which the support reactions do no work
     work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
     further_work : (k,), work of all loads besides the actuation on each test mode [N m or N]
-    tip : (k,), displacement of the point of actuation along the actuation force in each mode [m]
+    tip : (k,), displacement [m] of the actuation's point along the actuation force in each mode
     names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" (along an abutment or a
         guide), "off" (away from an abutment), "x" or "y" (translations of a shoe on anchors)
     """
@@ -132,7 +137,7 @@ def rigid_body_motion_of_unit_translation(angle: float) -> Floats:
 
 
 def work_of_force_in_rigid_body_motions(motions: Floats, force: Floats, point: Floats) -> Floats:
-    """Work (k,) that a force (2,) [N] at a point (2,) [m] does on k rigid-body motions (k, 3)."""
+    """Work (k,) that a force (2,) [N] at a point (2,) [m] does in k rigid-body motions (k, 3)."""
     (x, y), (fx, fy) = point, force
     return motions @ np.array([fx, fy, x * fy - y * fx])
 
@@ -154,12 +159,12 @@ def displacements_in_rigid_body_motions(motions: Floats, xy: Floats) -> Floats:
 
 
 class SupportChange(NamedTuple):
-    """Derivatives of a shoe's k modes with respect to one number of its support.
+    """Derivatives of a shoe's k modes by one datum of its support, such as the hinge's x.
 
     Attributes
     ----------
-    motions : (k, 3), derivatives of the rigid-body modes
-    tests : (k, 3), derivatives of the test modes
+    motions : (k, 3), derivatives of dx, dy and turn of the rigid-body modes
+    tests : (k, 3), derivatives of dx, dy and turn of the test modes
     """
 
     motions: Floats
@@ -172,8 +177,8 @@ class Held(Part):
     There are five supports. A `hinge` is a pin about which the shoe turns. With a `pivot`, the
     hinge is the pin of a lever: the actuation acts on the lever, and the shoe turns about the pivot
     at the lever's end. An `abutment` is a face on which the foot of the shoe slides. A `guide` lets
-    the shoe move in one direction without turning. `anchors` are faces that the shoe can leave: it
-    rests on those of them that press on it. A shoe with anchors can leave its abutment as well.
+    the shoe move in one direction without turning. `anchors` are faces that push on the shoe and
+    that the shoe can leave. A shoe with anchors can leave its abutment as well.
     """
 
     name: Name
@@ -182,13 +187,13 @@ class Held(Part):
     abutment: Abutment | None = None
     guide: Guide | None = None
     anchors: Annotated[tuple[Anchor, ...], Field(alias="anchor")] = ()
-    # A shoe that a strut pushes has this actuation until the strut's line of action is found.
+    # This default stands for a shoe that a strut pushes, until the brake sets the strut's line.
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
     forces: Annotated[tuple[ShoeForce, ...], Field(alias="force")] = ()
     mass: ShoeMass | None = None
-    # The loads on this shoe by springs, levers, gravity and rotation, which the brake sets.
+    # The loads on this shoe by springs, levers, gravity and rotation. The brake sets them.
     _loads_of_brake: LoadsOfBrake = PrivateAttr(NO_LOADS)
-    # Whether finite elements let all loads of the shoe act where its actuation acts.
+    # Whether finite elements apply all loads of the shoe where its actuation acts.
     _has_loads_at_actuation: bool = PrivateAttr(False)
 
     @model_validator(mode="after")
@@ -213,9 +218,9 @@ class Held(Part):
         return self
 
     def _check_anchors_fit_other_supports(self, given: list[str]) -> None:
-        """Raise ValueError unless a shoe with anchors has no support besides a smooth abutment.
+        """Raise ValueError if a shoe with anchors has another support than a smooth abutment.
 
-        `given` are the keys of its other supports.
+        `given` are the keys of the shoe's supports besides the anchors.
         """
         other = next((key for key in given if key != "abutment"), None)
         if other is not None:
@@ -240,10 +245,10 @@ class Held(Part):
 
     @property
     def pin(self) -> Point:
-        """The reference point of the shoe, from which its moments and angles count.
+        """The point about which moments of the shoe are taken, and from which its angles count.
 
-        It is the hinge, the foot on an abutment, the point on the first anchor, or the point of
-        actuation of a guided shoe.
+        It is the hinge, the point of the abutment, the point of the first anchor, or for a guided
+        shoe the point of the actuation.
         """
         if self.hinge is not None:
             return self.hinge
@@ -263,9 +268,9 @@ class Held(Part):
         return shoe
 
     def shoe_with_all_loads_moved_to_actuation(self) -> Self:
-        """A copy of the shoe on which finite elements let all loads act where its actuation acts.
+        """A copy of the shoe on which finite elements apply all loads where the actuation acts.
 
-        Only the resultant of the loads then matters, as on a rigid shoe.
+        The result of a solve then depends on the resultant of the loads only, as on a rigid shoe.
         """
         shoe = self.model_copy()
         shoe._has_loads_at_actuation = True
@@ -273,7 +278,7 @@ class Held(Part):
 
     @property
     def are_all_loads_moved_to_actuation(self) -> bool:
-        """Whether finite elements let all loads of the shoe act where its actuation acts."""
+        """Whether finite elements apply all loads of the shoe where its actuation acts."""
         return self._has_loads_at_actuation
 
     @property
@@ -283,7 +288,10 @@ class Held(Part):
 
     @property
     def forces_at_points_besides_actuation(self) -> tuple[ForceAtPoint, ...]:
-        """The plain forces, spring and lever forces on the shoe: no actuation, no force on mass."""
+        """The plain forces and the forces of springs and levers on the shoe.
+
+        The actuation, and gravity and centrifugal force on the mass, are not among them.
+        """
         of_shoe = [make_force_at_point(each.force_vector, each.point.xy) for each in self.forces]
         return (*of_shoe, *self._loads_of_brake.forces)
 
@@ -311,7 +319,7 @@ class Held(Part):
 
     @property
     def largest_force_of_any_load(self) -> float:
-        """Largest force [N] of the actuation, plain forces, springs, levers, and on the mass."""
+        """Largest of the forces [N] on the shoe: actuation, other loads, and force on the mass."""
         forces = [abs(each.force) for each in (self.actuation, *self.forces)]
         of_brake = (*self._loads_of_brake.forces, self._gravity_and_rotation_force_on_mass)
         of_brake_sizes = [math.hypot(*each.force) for each in of_brake if each is not None]
@@ -364,7 +372,8 @@ class Held(Part):
     def senses_of_abutment_friction_to_try(self) -> tuple[int, ...]:
         """Senses of the abutment's friction to try in a solve, in this order.
 
-        A support without friction has the sense 1 only.
+        `rigid_body_modes_of_support` explains the senses. For a support without friction the sense
+        is 1, and has no effect.
         """
         return (1, -1, 0) if self.abutment is not None and self.abutment.friction > 0 else (1,)
 
@@ -390,7 +399,7 @@ class Held(Part):
         bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
         if bearing <= 0 or self.abutment.friction == 0:
             return bearing > 0
-        # A foot sticks if the force along the face is within the limit of Coulomb friction.
+        # The foot sticks if the force along the face is at most the limit of Coulomb friction.
         if sense == 0:
             return abs(along) <= self.abutment.friction * bearing * (1 + STICKS)
         return sense * slide <= 0
@@ -402,12 +411,13 @@ class Held(Part):
         ----------
         sense : sense of the friction of an abutment on the foot. It is +1 in the direction of the
             face's normal turned by +90 deg, -1 in the opposite direction, and 0 if the foot sticks.
-            With UNHELD the abutment is left out: the foot may slide and leave the face. Other
-            supports ignore it. A shoe on anchors has all three modes: its supports are
+            With UNHELD the abutment is left out: the foot may slide and leave the face. For other
+            supports the sense has no effect. A shoe on anchors has three modes: its supports are
             inequalities, see `one_sided.OneSidedSupport`.
         """
         at = self.actuation.point.xy
-        # Every shoe except a guided one turns about its pin. A lever or an abutment adds a mode.
+        # Every shoe except a guided one turns about its pin. A lever or an abutment adds a mode,
+        # and anchors add two.
         motions, names = [rigid_body_motion_of_turn_about_point(self.pin)], ["turn"]
         if self.guide is not None:
             motions, names = (
@@ -433,7 +443,7 @@ class Held(Part):
             motions.append(rigid_body_motion_of_unit_translation(along))
             tests.append(rigid_body_motion_of_unit_translation(along + leaning))
             names.append("slide")
-        # With UNHELD the foot also moves along the normal of the face.
+        # With UNHELD the foot may also leave the face, along the normal of the face.
         if on_abutment and sense == UNHELD:
             assert self.abutment is not None
             motions.append(rigid_body_motion_of_unit_translation(self.abutment.direction))
@@ -460,10 +470,9 @@ class Held(Part):
     ) -> dict[str, tuple[SupportChange, ...]]:
         """Exact derivatives of the rigid-body modes with respect to the data of the support.
 
-        The result has a tuple by the key of each datum: for a point two derivatives, along x and y
-        [per m], for a direction one [per rad], for a friction coefficient one. The modes depend
-        linearly on the points. `sense` is the sense of the friction, as in
-        `rigid_body_modes_of_support`.
+        The result has a tuple by the key of each datum: two derivatives, by x and y [per m], for a
+        point; one derivative [per rad] for a direction, and one for a friction coefficient. `sense`
+        is the sense of the friction, as in `rigid_body_modes_of_support`.
         """
         k = len(self.rigid_body_modes_of_support(sense).names)
         if self.guide is not None:
@@ -479,8 +488,8 @@ class Held(Part):
         # If the foot sticks, the modes do not depend on the direction of the face.
         if sense == 0:
             return found
-        # The test mode is rotated by the friction angle, the motion stays along the face. The
-        # derivative of each with respect to the face's direction is perpendicular to it.
+        # The motion is along the face, and the test mode is rotated from it by the friction angle.
+        # The derivative of a unit vector by the face's direction is perpendicular to the vector.
         mu, along = self.abutment.friction, self.abutment.direction + math.pi / 2
         tested = rigid_body_motion_of_unit_translation(along + sense * math.atan(mu) + math.pi / 2)
         of_motion = rigid_body_motion_of_unit_translation(along + math.pi / 2)
@@ -530,7 +539,7 @@ With None the group has the name that drumlin gives it.
 class MeshGroups(Part):
     """The names or numbers of a shoe's groups of elements or nodes in its mesh file.
 
-    A group without an entry has the name of its key here.
+    A group whose field is None has the name of the field in the mesh file, such as "lining".
     """
 
     lining: GroupNames = None
@@ -542,7 +551,7 @@ class MeshGroups(Part):
     actuation: GroupNames = None
 
     def names_of_group_in_mesh_file(self, group: str) -> list[str]:
-        """The names, in lower case, that the mesh file has for one of drumlin's groups."""
+        """The names or numbers, as texts in lower case, of the group `group` in the mesh file."""
         given = getattr(self, group)
         if given is None:
             return [group]
@@ -551,17 +560,17 @@ class MeshGroups(Part):
 
     @property
     def element_groups_named_in_brake_file(self) -> list[str]:
-        """The groups for which the brake file gives other names or numbers than drumlin's."""
+        """The groups for which the brake file gives the name or number in the mesh file."""
         return [group for group in type(self).model_fields if getattr(self, group) is not None]
 
 
 class Meshed(Held):
     """A shoe that may have a mesh file, `mesh`, in place of the parametric mesh.
 
-    The coordinates of the mesh are those of the brake, or those of the shoe's own `frame`: then a
-    shoe and its mirror image can share a file. `mesh_interference` states that a contact line deep
-    inside the drum or the plane is intended. `groups` are the names or numbers of the groups of
-    elements in the mesh file.
+    `mesh_frame` says whether the mesh has the coordinates of the brake or of the shoe's own frame,
+    in which a shoe and its mirror image can share a file. `mesh_interference` states that a contact
+    line deep inside the drum or the plane is intended. `groups` are the names or numbers of the
+    groups of elements in the mesh file.
     """
 
     mesh: Annotated[Path | None, AfterValidator(_absolute_mesh_path)] = None
@@ -582,14 +591,20 @@ class Meshed(Held):
 
 
 def _derivatives_of_one_rigid_body_mode(count: int, row: int, change: Floats) -> Floats:
-    """Derivatives (count, 3) of `count` modes: `change` (3,) of mode `row`, 0 of the others."""
+    """Derivatives (count, 3) of `count` modes of which only mode number `row` changes.
+
+    `change` (3,) is the derivative of dx, dy and turn of this mode.
+    """
     found = np.zeros((count, 3))
     found[row] = change
     return found
 
 
 def _equal_derivatives_of_mode_and_test_mode(count: int, row: int, change: Floats) -> SupportChange:
-    """The same derivative (3,) of the rigid-body mode and of the test mode `row` of `count`."""
+    """Derivatives of `count` modes of which only mode number `row` changes, with its test mode.
+
+    `change` (3,) is the derivative of dx, dy and turn, of the rigid-body mode and of the test mode.
+    """
     return SupportChange(
         _derivatives_of_one_rigid_body_mode(count, row, change),
         _derivatives_of_one_rigid_body_mode(count, row, change),
@@ -597,7 +612,7 @@ def _equal_derivatives_of_mode_and_test_mode(count: int, row: int, change: Float
 
 
 def _mode_derivatives_by_turning_point_position(count: int, row: int) -> tuple[SupportChange, ...]:
-    """Derivatives of mode `row` of `count`, a turn about a point, as the point moves in x and y."""
+    """Derivatives of `count` modes by x and y of the point about which mode number `row` turns."""
     along_x = _equal_derivatives_of_mode_and_test_mode(count, row, np.array([0.0, -1.0, 0.0]))
     along_y = _equal_derivatives_of_mode_and_test_mode(count, row, np.array([1.0, 0.0, 0.0]))
     return along_x, along_y
@@ -606,8 +621,8 @@ def _mode_derivatives_by_turning_point_position(count: int, row: int) -> tuple[S
 def check_rigid_body_modes_close_gap_differently(key: str, shoe: Held, columns: slice) -> None:
     """Raise ValueError if the two rigid-body modes of a shoe close its gap in the same way.
 
-    A combination of the two modes would then leave the gap unchanged, so that contact could not
-    stop it.
+    Some combination of the two modes would then not change the gap, so that contact could not
+    resist this motion. A shoe with another number of modes is not checked.
 
     Parameters
     ----------
@@ -616,11 +631,12 @@ def check_rigid_body_modes_close_gap_differently(key: str, shoe: Held, columns: 
     columns : components of a motion that close the gap: dx and dy on a drum, dy and turn on a plane
     """
     closing = shoe.rigid_body_modes_of_support().motions[:, columns]
-    # Two modes close the gap in the same way if these components are proportional.
+    # The check is for two modes. They close the gap in the same way if the components that close
+    # it are proportional.
     if len(closing) != 2:
         return
     lengths = np.linalg.norm(closing, axis=1)
-    # A small determinant, relative to the lengths of the two rows, shows that they are parallel.
+    # The two rows are parallel if their determinant is small relative to their lengths.
     if abs(np.linalg.det(closing)) <= 1e-6 * np.prod(lengths):
         what = (
             "pivot: the lever's pin"

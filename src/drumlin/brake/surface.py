@@ -1,4 +1,4 @@
-"""The friction surface of a brake, a drum or a plane: its coordinate, geometry and words.
+"""The friction surface of a brake, a drum or a plane: its coordinate, geometry and output texts.
 
 One class `Brake` and one class `Shoe` serve both kinds of surface. The differences between a drum
 and a plane are in the subclasses of these two classes and in the constants DRUM and PLANE. No
@@ -37,7 +37,7 @@ from drumlin.brake.units import text_in_degrees, text_in_mm
 
 @dataclass(frozen=True)
 class FrictionSurface:
-    """The geometry of a friction surface, and its units and words in outputs.
+    """The geometry of a friction surface, and the units and words for it in outputs.
 
     The effect of a brake is its torque on a drum, and its braking force on a plane.
 
@@ -95,9 +95,9 @@ class FrictionSurface:
         return self.period == 0
 
     def reason_why_surface_is_not_required_one(self, other: "FrictionSurface") -> str | None:
-        """Text for an error message that the shoes do not press on the surface `other`.
+        """Text for an error message that the shoes do not press on the required surface, `other`.
 
-        It is None if this surface is `other`.
+        The two surfaces are a drum and a plane. The text is None if this surface is `other`.
         """
         return None if self == other else f"its shoes press on a {self.word}, not on a {other.word}"
 
@@ -119,8 +119,8 @@ class FrictionSurface:
     def moments_of_unit_normal_and_tangential_forces(self, q: Floats, size: float) -> Floats:
         """Moments (2, ...) [m] about the origin of unit forces on the surface at the coordinates q.
 
-        The first row is for unit forces along the normals that `unit_normals_into_surface`
-        gives, the second row for unit forces along the surface. `size` [m] is the drum's radius.
+        The first row is for unit forces along the normals (`unit_normals_into_surface`), the second
+        row for unit forces along the surface, towards growing q. `size` [m] is the drum's radius.
         """
         zero = np.zeros(np.shape(q))
         if self.is_plane_and_not_drum:
@@ -128,16 +128,15 @@ class FrictionSurface:
         return np.array([zero, zero + size])
 
     def round_half_distance_to_whole_turns(self, twice: float) -> float:
-        """Round the distance `twice`/2 between two coordinates q to whole turns; 0 on a plane.
+        """Round the distance `twice`/2 between two coordinates q to a multiple of a full turn.
 
-        The result is in the unit of q, a multiple of 2 pi on a drum. For two linings `twice` is
-        twice the distance of their middles: the sum of the ends of the first lining minus the sum
-        of the ends of the second lining.
+        On a plane the result is 0. `twice` is given in place of the distance because, for the
+        middles of two linings, it is the sum of one lining's ends minus the sum of the other's.
         """
         return 0.0 if self.is_plane_and_not_drum else self.period * round(twice / (2 * self.period))
 
     def coordinate_plus_turns_nearest_to_middle(self, q: float, middle: float) -> float:
-        """The coordinate q plus the whole turns that bring it nearest to `middle`."""
+        """The coordinate q plus the number of whole turns that brings it nearest to `middle`."""
         return q if self.is_plane_and_not_drum else middle + math.remainder(q - middle, self.period)
 
 

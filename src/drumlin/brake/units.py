@@ -18,8 +18,8 @@ from drumlin.base.written_numbers import (
 
 # A quantity is a number and a unit. A unit consists of words, each with a power of one digit at
 # most, joined by a blank, a point, a hyphen, * or /. The last denominator may be in brackets. Other
-# texts are refused before pint sees them, because pint would evaluate a unit such as m^9^9^9 for
-# ever.
+# texts are refused before pint, the package for units, gets them: it would compute a unit such as
+# m^9^9^9 for ever.
 _WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}\.?(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
 _UNIT = (
     rf"(?:1 ?/ ?)?{_WORD}(?:[ */-]{{0,3}}(?<![\wµμ°%]){_WORD}){{0,5}}"
@@ -27,7 +27,7 @@ _UNIT = (
 )
 _QUANTITY = re.compile(rf"\s*({NUMBER_PATTERN})\s*({_UNIT}|[\"'])\s*", re.ASCII)
 _NUMBER_WITHOUT_UNIT = re.compile(rf"\s*{NUMBER_PATTERN}\s*", re.ASCII)
-# Signs that word processors and keyboards put into units, and the signs that pint reads.
+# Signs that word processors and keyboards put into units, each with the sign that pint reads.
 _PLAIN_UNIT_SIGNS = str.maketrans(
     {"·": "*", "⋅": "*", "∙": "*", "×": "*", "º": "°", "˚": "°", "″": '"', "′": "'"}
 )
@@ -43,7 +43,7 @@ No brake needs a larger number, and products of such numbers stay finite.
 SMALLEST = 1e-30
 """Smallest absolute value of a number of a brake in SI units; a smaller number is set to 0.
 
-The square of a much smaller number would be rounded to 0 although the number is not 0.
+The square of a number below some 1e-162 is 0 in floating point although the number is not 0.
 """
 
 # Examples of quantities in error messages, by SI unit.
@@ -82,8 +82,8 @@ QUANTITY_NAMES = {
     "K": "a temperature rise",
     "1/K": "a coefficient of thermal expansion",
 }
-# These factors convert the usual units to SI, so that most files are read without loading pint. The
-# tests compare them with the factors of pint.
+# Factors that convert the usual units to SI, by SI unit. With them most files are read without the
+# package pint, which takes long to load. The tests compare them with the factors of pint.
 COMMON = {
     "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254},
     "N": {"N": 1.0, "kN": 1e3, "lbf": 4.4482216152605},
@@ -101,8 +101,8 @@ COMMON = {
     "1/K": {"1/K": 1.0, "1/degC": 1.0, "1/°C": 1.0, "um/(m K)": 1e-6},
 }
 
-# Units that pint does not know, or takes for something else: in pint Nm is a unit of textile
-# fibres, and in some versions a pond is 1 kgf.
+# Definitions of units that pint does not know or takes for something else. In pint Nm is a unit of
+# textile fibres, and in some versions of pint a pond is 1 kgf.
 _FURTHER_UNITS = (
     "newton_meter = newton * meter = Nm",
     "newton_centimeter = newton * centimeter = Ncm",
@@ -110,13 +110,13 @@ _FURTHER_UNITS = (
     "pond = 9.80665e-3 * newton",
     "kilogram_weight = 9.80665 * newton = kp",
 )
-# Units that pint reads as a mass or an angle, and the force or length that they may mean instead.
+# Units that pint reads as a mass or an angle, each with the force or length that may be meant.
 _OTHER_MEANINGS = {"lb": "lbf", "lbs": "lbf", "mil": "thou", "mils": "thou"}
 
 
 @functools.cache
 def _pint_unit_registry() -> Any:
-    """The units that the package pint knows.
+    """The registry of units of the package pint, with drumlin's further units.
 
     pint takes 0.25 s to load. It is loaded only for a unit that is not in COMMON.
     """
@@ -139,16 +139,16 @@ def _si_factor_of_unit(unit: str, si: str) -> float:
 
 
 def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
-    """Factor that converts a number in `unit` to the SI unit `si`, as the package pint knows it.
+    """Factor that converts a number in `unit` to the SI unit `si`, found by the package pint.
 
     If the text of a unit can be read in several ways, the first reading with the dimension of `si`
     counts. Raises ValueError if `unit` is unknown or has another dimension than `si`.
     """
-    # The word is a degree in German and a gon in English. pint reads a capital G as giga.
+    # "Grad" is a degree in German and a gon in English, and pint would read Grad as gigaradian.
     if si == "rad" and unit.casefold() == "grad":
         raise ValueError(f"{unit!r} may be degrees or gons; write 'deg' or 'gon'")
     readings = _possible_meanings_of_unit_text(unit, si)
-    # pint may know some readings and not others, which give None.
+    # A reading of the unit that pint does not know gives None.
     found = [_si_factor_and_dimension_by_pint(reading) for reading in readings]
     needed = _si_factor_and_dimension_by_pint(si)
     assert needed is not None  # the SI units of this module are known
@@ -169,7 +169,7 @@ def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
 
 
 def _si_factor_and_dimension_by_pint(unit: str) -> tuple[float, Any] | None:
-    """The factor from `unit` to pint's base units, and these units; None for an unknown unit."""
+    """The factor from `unit` to pint's base units, and the base units; None for an unknown unit."""
     registry = _pint_unit_registry()
     try:
         factor, base = registry.get_base_units(registry.parse_units(unit))
@@ -190,10 +190,10 @@ def _possible_meanings_of_unit_text(unit: str, si: str) -> list[str]:
     # A point or a hyphen between two words is a product, and a digit after a length is its power.
     plain = re.sub(r"(?<=[A-Za-z])[.-]+", " ", unit)
     plain = re.sub(r"(?<![A-Za-z])(mm|cm|dm|m|in|ft)([2-4])(?!\w)", r"\1^\2", plain)
-    # pint would take the square of Nm for N^2 m^2.
+    # In "Nm^2" people mean N m^2, whereas pint would square the whole unit Nm.
     squared = re.sub(r"N(mm|cm|m)(?= ?(?:\^|\*\*))", r"N \1", plain)
     readings = [plain, squared, re.sub(r"[A-Za-z]+", _second_meaning_of_unit_word, plain)]
-    # In "mm^3/N m" both N and m are often meant to be in the denominator.
+    # In "mm^3/N m" both N and m may be meant to be in the denominator.
     above, line, below = plain.partition("/")
     if line and not set("/()") & set(below):
         readings.append(f"{above}/({below})")

@@ -35,7 +35,10 @@ READABLE = {
     "N/m": ("N/mm",),
     "K": ("K",),
 }
-"""Units for a written file, by SI unit. The first unit with a short and exact number is used."""
+"""Units in which a brake file is written, by SI unit.
+
+The first unit in which the number is short and exact is used, else the SI unit.
+"""
 
 
 def brake_file_text(brake: Part) -> str:
@@ -54,7 +57,8 @@ def brake_file_text(brake: Part) -> str:
 def _brake_without_forces_of_drive_and_struts(brake: Part) -> Part:
     """The brake as its file describes it: without forces that follow from a drive or a strut.
 
-    A brake file must not give these forces. A force that follows from a drive is set to nan.
+    A brake file must not give these forces. A force that follows from a drive is set to nan, which
+    marks it to be left out.
     """
     if not isinstance(brake, Brake) or not (brake.actuation or brake.links):
         return brake
@@ -72,11 +76,11 @@ def _brake_without_forces_of_drive_and_struts(brake: Part) -> Part:
 
 
 def part_values_other_than_defaults(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
-    """Yield key in the file, value and pydantic field of each value other than its default."""
+    """Yield (key in the file, value, pydantic field) of each field that is not at its default."""
     for name, field in type(part).model_fields.items():
         value = getattr(part, name)
-        # A force of nan follows from the drive and is left out. Any other force is written, even if
-        # it is the default 0.
+        # A force of nan follows from the drive and is left out. Any other force of an actuation is
+        # written, even if it is the default 0.
         if isinstance(part, Actuation) and name == "force":
             if not math.isnan(value):
                 yield name, value, field
@@ -120,7 +124,7 @@ def _toml_text_of_value(value: Any, field: FieldInfo) -> str:
         return _toml_text_in_quotes(str(value))
     if isinstance(value, tuple) and any(isinstance(item, Part) for item in value):
         return "[" + ", ".join(_toml_text_of_part_in_one_line(item) for item in value) + "]"
-    # The units of a table of numbers, or of a number, are found from the type of the field.
+    # The type of the field tells the units of a number or of a table of numbers.
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     if isinstance(value, tuple):
         return f"[{', '.join(_toml_texts_of_table_rows(value, kind))}]"
@@ -128,7 +132,10 @@ def _toml_text_of_value(value: Any, field: FieldInfo) -> str:
 
 
 def _toml_texts_of_table_rows(rows: tuple[Any, ...], kind: Any) -> list[str]:
-    """Texts of the rows of a table, or of the numbers of a column; `kind` is the field's type."""
+    """Texts of the rows of a table, or of the numbers in a column of a friction table.
+
+    `kind` is the type of the field, which has the units.
+    """
     if not isinstance(rows[0], tuple):
         si = si_unit_of_field_type(kind) or ""
         return [quoted_toml_text_of_quantity(item, si) for item in rows]

@@ -1,7 +1,7 @@
 """The elastic foundation model of post brakes, published by Barecki & Scieszka (1987).
 
-The shoe is a bending beam. Lining and block are independent springs side by side. The drum is rigid
-or a ring that bends.
+A shoe is a beam that bends. Lining and block are springs side by side, which do not interact. The
+drum is rigid or a ring that bends.
 """
 
 from typing import TYPE_CHECKING

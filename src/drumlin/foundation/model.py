@@ -7,9 +7,10 @@ below the sector moves inwards by z, and the beam closes the gap by d, so that t
     w = Delta + N/k + z - d >= 0,                N w = 0
 
 The beam turns about its hinge by y and bends under its moments M. The forces of all sectors bend
-the ring, which has the flexibilities c. The matrices `loaded`, `pressed`, `dragged` and `closing`
-are those of `SectionedShoe`. A subscript 0 stands for their first row, that of the station at the
-hinge. With the trapezoidal rule over the stations of the beam, whose weights are dx,
+the ring, which has the flexibilities c. `SectionedShoe` explains the arrays `loaded`, `pressed`,
+`dragged` and `closing`, and the friction factor mu_hat. The subscript 0 stands for the first row of
+an array, which belongs to the station at the hinge. With the trapezoidal rule over the stations of
+the beam, whose weights are dx,
 
     M = loaded - (pressed + mu_hat dragged) N,   d = y closing_0 + closing^T (dx/EI) M,
     z = c N,                                     M_0 = 0: (pressed + mu_hat dragged)_0 N = loaded_0.
@@ -104,7 +105,7 @@ ALWAYS_NEGLECTED_EFFECTS = (
 """Effects that the foundation model always neglects, as lines for the printed answer."""
 
 EFFECTS_OF_AN_ELASTIC_RING = frozenset({"thick-ring", "all-modes", "own-pressure", "ring-friction"})
-"""Names in LIFTS of the effects that exist only if the drum is an elastic ring."""
+"""Names, as in LIFTS, of the effects that exist only if the drum is an elastic ring."""
 
 
 def reason_against_foundation_model(brake: Brake) -> str | None:
@@ -140,7 +141,7 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
         raise BadInput(
             f"--lift = {unknown[0]!r}: unknown simplification; allowed: {', '.join(LIFTS)}, all"
         )
-    # `lacking` holds, by the effect's name, why the brake file does not allow an effect.
+    # `lacking` tells why the brake file does not allow an effect, by the name of the effect.
     lacking: dict[str, str] = {}
     for shoe in brake.shoes:
         if shoe.backing and isinstance(shoe.body, Beam) and shoe.body.thickness is None:
@@ -166,7 +167,7 @@ class FoundationSystem(NamedTuple):
 
     Attributes
     ----------
-    posts : the shoes of the group, divided into stations and sectors
+    posts : the shoes of the group, with stations along their beams and sectors of their linings
     ring : (n, n) [m/N], inward displacement of the ring at each of the group's n sectors per normal
         force on each sector
     problem : the contact problem, whose unknowns are the normal forces [N] of the sectors
@@ -185,7 +186,7 @@ def contact_problem_of_shoe_group(
     Parameters
     ----------
     brake : the brake
-    group : positions in the brake of the shoes of the group
+    group : indices of the group's shoes in the brake
     sections : number of divisions of each beam
     lift : names in LIFTS of the effects to include
 
@@ -204,10 +205,10 @@ def contact_problem_of_shoe_group(
         plane_stress="plane-stress" in lift,
     )
     posts = tuple(make(brake, brake.shoes[i]) for i in group)
-    # Angles of all sectors of the group on the ring.
+    # The polar angles, on the ring, of the sectors of all shoes of the group.
     theta = np.concatenate([p.axis.origin + p.axis.sense * p.theta for p in posts])
     ring = ring_displacement_per_normal_force(brake, theta, theta, lift)
-    # Only the ring couples the shoes. All matrices except `ring` are block diagonal.
+    # Only the ring couples the shoes: all matrices except `ring` have a diagonal block per shoe.
     problems = list(map(_contact_problem_of_one_shoe, posts))
     problem = ContactProblem(
         A=block_diag(*(each.A for each in problems)) + ring,
@@ -221,8 +222,9 @@ def contact_problem_of_shoe_group(
 
 def _contact_problem_of_one_shoe(p: SectionedShoe) -> ContactProblem:
     """The contact problem of one shoe for the normal forces [N] of its sectors, on a rigid drum."""
-    # turning @ M is the closing of the gaps by the bending moments M of the beam's stations.
-    # moments @ N are the moments of the normal forces N and their friction.
+    # `turning` times the bending moments at the stations is the distance by which the gaps close.
+    # `moments` times the normal forces of the sectors are the moments of these forces and their
+    # friction about the stations.
     turning = p.closing.T * (p.step / p.EI)
     moments = p.pressed + p.drag * p.dragged
     return ContactProblem(
@@ -256,7 +258,7 @@ def ring_displacement_per_normal_force(
     c = ring_displacement_per_radial_force(
         ring, R, d, twin=twin, sign=-1, thick="thick-ring" in lift
     )
-    # Friction acts on the drum against the rotation. It bends the ring as well.
+    # The friction on the drum acts against the rotation, and bends the ring as well.
     if "ring-friction" in lift:
         c = c - brake.friction * brake.sign_of_motion * ring_displacement_per_tangential_force(
             ring, R, d, twin=twin
@@ -282,8 +284,8 @@ def ring_displacement_under_each_shoe(
     """
     names = validated_names_of_effects_to_include(brake, lift)
     rows = []
-    # The trapezoidal rule turns the pressure of a shoe into normal forces N at the angles of the
-    # response.
+    # N are the normal forces of a shoe at the angles of its response, from its pressure by the
+    # trapezoidal rule.
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
         N = (
             shoe.lining.width
@@ -355,11 +357,11 @@ def solve_brake_by_foundation_model(
 def _groups_of_shoes_solved_together(
     brake: Brake, touching: list[int], names: frozenset[str]
 ) -> list[list[int]]:
-    """The groups of shoes that must be solved together, as positions of shoes in the brake.
+    """The groups of shoes that must be solved together, as indices of shoes in the brake.
 
     Shoes influence each other only through an elastic ring that bends under the pressure of each
     shoe (the effect "own-pressure"). Otherwise each shoe is a group of its own. `touching` are the
-    positions of the shoes that touch the drum, `names` the effects that the solve includes.
+    indices of the shoes that touch the drum, `names` the effects that the solve includes.
     """
     together = brake.ring is not None and "own-pressure" in names
     return [touching] if together and touching else [[i] for i in touching]
@@ -368,12 +370,12 @@ def _groups_of_shoes_solved_together(
 def _responses_of_shoe_group(
     brake: Brake, group: list[int], parts: FoundationSystem, found: active_set.Contact
 ) -> dict[int, ShoeResponse]:
-    """The responses of a group of shoes, by the position of each shoe in the brake.
+    """The responses of a group of shoes, by the index of each shoe in the brake.
 
     Parameters
     ----------
     brake : the brake
-    group : positions in the brake of the shoes of the group
+    group : indices of the group's shoes in the brake
     parts : the contact problem of the group
     found : the solution of the contact problem
     """
@@ -390,7 +392,7 @@ def _responses_of_shoe_group(
 
 
 def texts_of_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
-    """Lines on the effects that a solve neglects, each with the option to include the effect.
+    """Lines of text about the effects that a solve neglects, each with the option to include it.
 
     `names` are the names in LIFTS of the effects that the solve includes.
     """
@@ -415,12 +417,12 @@ def _solve_contact_of_shoe_group(
     names: frozenset[str],
     start: list[Bools] | None,
 ) -> active_set.Contact:
-    """Solve the contact problem of a group of shoes for its normal forces and turns.
+    """Solve the contact problem of a group of shoes for normal forces and turns about the hinges.
 
     Parameters
     ----------
     brake : the brake
-    group : positions in the brake of the shoes of the group
+    group : indices of the group's shoes in the brake
     sections : number of divisions of each beam
     parts : the contact problem of the group
     names : names in LIFTS of the effects to include
@@ -441,8 +443,9 @@ def _solve_contact_of_shoe_group(
         other = brake.brake_with_new_friction_coefficient(friction)
         return contact_problem_of_shoe_group(other, group, sections, names).problem
 
-    # `law` is the lowest friction at which one of the shoes, if rigid, locks itself (mu_lock). The
-    # solver trusts a solution found without a search from zero friction only below it.
+    # `law` is the lowest friction at which a shoe of the group would lock itself if it were rigid.
+    # Only below this friction the solver may take a solution that it has not followed from zero
+    # friction.
     limits = []
     for i in group:
         own = self_locking_friction_of_hinged_shoe(brake, brake.shoes[i])
@@ -476,21 +479,21 @@ def response_of_post_brake_shoe(
     Parameters
     ----------
     brake : the brake
-    index : position of the shoe in the brake
-    p : the shoe, divided into stations and sectors
+    index : index of the shoe in the brake
+    p : the shoe, with stations along its beam and sectors of its lining
     N : normal forces (n,) [N] on the sectors
     z : inward displacements (n,) [m] of the ring at the sectors
     turn : turn of the beam about its hinge [rad]
     """
     shoe, R = brake.shoes[index], brake.size
     pressure = N / (shoe.lining.width * R * p.sector)
-    # The displacement w of the beam is due to its turn about the hinge and to bending.
+    # The displacement w of the beam is the sum of its turn about the hinge and its bending.
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
     bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
     w = turn * p.x + bent
     theta = brake_angles_from_beam_angles(p.axis, shoe, p.theta)
     contact = _resultant_of_sector_forces(brake, shoe, theta, N)
-    # Friction is self-energising if its moment about the hinge opposes that of the normal forces.
+    # Friction is self-energising if its moment about the hinge opposes the normal forces' moment.
     helping = float(-p.drag * (p.dragged[0] @ N))
     # `place` also has nodes in the slots between linings, where the pressure is zero.
     place, on_lining = polynomial_nodes_on_linings_and_slots(

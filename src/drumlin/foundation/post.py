@@ -2,12 +2,12 @@
 
 The shoe of a post brake is a straight beam that carries one lining, or several with slots between
 them. The beam has parts under the linings, in the slots, and before and behind them, and each part
-has equal divisions of length dx. The points between the divisions are called stations. Each station
-under a lining has a sector of the lining. The ends of a lining are stations, so that the sectors at
-the ends are half as long as the others. The sums of Barecki & Scieszka (1987) are then trapezoidal
-rules, with errors of second order in dx. Of a sector, only the half that is farther from the hinge
-bends the beam at the sector's own station. Sum (8) of the paper counts the whole sector there,
-which is an error of first order in dx.
+has equal divisions of length dx. The ends of the divisions are called stations. Each station under
+a lining has a sector of the lining, which reaches half-way to the neighbouring stations. The ends
+of a lining are stations, so that the sectors there are half as long. The sums of Barecki & Scieszka
+(1987) are then trapezoidal rules, with errors of second order in dx. At the station of a sector
+only the half of the sector that is farther from the hinge bends the beam. Sum (8) of the paper
+counts the whole sector there, which is an error of first order in dx.
 """
 
 from collections.abc import Sequence
@@ -33,12 +33,12 @@ class SectionedShoe(NamedTuple):
     Attributes
     ----------
     axis : axis of the beam
-    x : (m,) [m], places of the stations along the beam
+    x : (m,) [m], distances of the stations from the hinge along the beam
     step : (m,) [m], weights of the trapezoidal rule over the stations, 0 at the hinge
     EI : (m,) [N m^2], bending stiffness of the beam at the stations
     under : (n,), index of the station of each sector
-    theta : (n,) [rad], angles of the sectors
-    sector : (n,) [rad], sizes of the sectors
+    theta : (n,) [rad], angles of the sectors in the beam's coordinates, see `beam_axis`
+    sector : (n,) [rad], angles that the sectors cover
     k : (n,) [N/m], stiffnesses of the sectors: force per compression of lining and block
     gap : (n,) [m], clearance Delta between the unloaded lining and the drum at the sectors
     pressed : (m, n) [m], moment about each station per normal force on each sector
@@ -87,11 +87,11 @@ def divide_shoe_into_stations_and_sectors(
     ----------
     brake, shoe : the brake and the shoe
     sections : number of divisions of the beam
-    tilt : whether a cross-section of the beam that turns also moves the lining along the beam
+    tilt : whether a turning cross-section of the beam also moves the lining along the beam
     wedge : whether the block fills the space between the lining's back and the beam's straight
         face; otherwise the block has the thickness of the shoe's backing everywhere
-    plane_stress : whether the layers are bonded, so that they cannot spread along the arc and are
-        1/(1 - nu^2) times stiffer
+    plane_stress : whether the layers are bonded, so that they cannot expand along the arc and are
+        1/(1 - nu^2) times as stiff
     """
     body, lining, R = shoe.body, shoe.lining, brake.size
     # `reason_against_foundation_model` has refused brakes whose shoes are not beams.
@@ -140,14 +140,14 @@ def divide_shoe_into_stations_and_sectors(
 
 
 def _angles_of_sectors_at_places(places: Floats, axis: Axis, R: float, ends: Floats) -> Floats:
-    """The angles (m,) [rad] of the sectors of a lining from their places along the beam.
+    """The angles (m,) [rad] of the sectors of a lining from their distances along the beam.
 
     Parameters
     ----------
-    places : (m,) places along the beam [m]
+    places : (m,) distances of the sectors from the hinge along the beam [m]
     axis : axis of the beam
     R : radius of the drum [m]
-    ends : (2,) angles of the lining's ends [rad], where the first and the last sector are
+    ends : (2,) angles of the lining's ends [rad], which are the first and the last result
     """
     theta = np.arcsin(np.clip((places - axis.foot) / R, -1, 1))
     theta[[0, -1]] = ends
@@ -155,9 +155,10 @@ def _angles_of_sectors_at_places(places: Floats, axis: Axis, R: float, ends: Flo
 
 
 def _weights_of_beam_stations(x: Floats) -> Floats:
-    """The weights (n,) [m] of a beam's stations at x (n,) [m] in integrals of its bending moment.
+    """The weights (n,) [m] of a beam's stations in integrals of its bending moment.
 
-    The beam has no moment at its hinge, so that the first station has the weight 0.
+    `x` (n,) are the distances of the stations from the hinge [m]. The beam has no moment at its
+    hinge, so that the first station has the weight 0.
     """
     weights = trapezoidal_rule_weights(x)
     weights[0] = 0.0
@@ -169,12 +170,12 @@ def _levers_along_and_across_beam_of_sectors_about_stations(
 ) -> tuple[Floats, Floats]:
     """The levers (m, n) [m] of n sectors about m stations, along the beam and towards the drum.
 
-    The bending moment at a station is that of the forces farther from the hinge. Sectors nearer to
-    the hinge therefore have the levers 0.
+    Only forces farther from the hinge than a station bend the beam at this station. Sectors nearer
+    to the hinge therefore have the levers 0.
 
     Parameters
     ----------
-    x : (m,) places of the stations along the beam [m]
+    x : (m,) distances of the stations from the hinge along the beam [m]
     under : (n,) index of the station of each sector
     angles : angles (n_k,) of the sectors of each lining [rad]
     depth : (m, n) distance [m] of each sector from the beam's neutral axis at each station, normal
@@ -185,17 +186,17 @@ def _levers_along_and_across_beam_of_sectors_about_stations(
 
 
 def _fractions_of_sectors_beyond_stations(x: Floats, under: Ints, angles: list[Floats]) -> Floats:
-    """The fraction (m, n) of each of n sectors that is farther from the hinge than each station.
+    """Fractions (m, n): how much of each of n sectors is farther from the hinge than each station.
 
     Parameters
     ----------
-    x : places (m,) [m] of the stations along the beam
+    x : distances (m,) [m] of the stations from the hinge along the beam
     under : index (n,) of the station of each sector
     angles : angles (n_k,) [rad] of the sectors of each lining
     """
     beyond = (x[:, None] < x[under]).astype(float)
-    # A sector reaches half-way to the neighbouring stations. At its own station only the part
-    # towards the next station counts.
+    # A sector reaches half-way to the neighbouring stations. Of the sector at a station only the
+    # part towards the next station is farther from the hinge.
     ahead = []
     for theta in angles:
         half_ahead = np.append(np.diff(theta), 0.0)
@@ -207,13 +208,13 @@ def _fractions_of_sectors_beyond_stations(x: Floats, under: Ints, angles: list[F
 def places_of_beam_stations_and_indices_under_linings(
     length: float, linings: Sequence[Floats], sections: int
 ) -> tuple[Floats, list[Ints]]:
-    """The places (m,) [m] of a beam's stations, and the indices (n_k,) of those under each lining.
+    """Distances (m,) [m] of a beam's stations from its hinge, and indices (n_k,) under each lining.
 
     Parameters
     ----------
     length : length of the beam [m]
-    linings : begin and end (2,) of each lining along the beam [m], growing
-    sections : wanted number of divisions of the beam; the actual number m - 1 is rounded
+    linings : distances (2,) of begin and end of each lining from the hinge along the beam [m]
+    sections : wanted number of divisions of the beam; the actual number, m - 1, may differ a little
     """
     # Lengths of the parts of the beam, in order: before the first lining, under it, in the slot
     # behind it, under the next lining, and so on, and behind the last lining.
@@ -251,8 +252,8 @@ def compression_of_layers_per_pressure(
     theta : angles [rad] in the beam's coordinates, any shape
     wedge : whether the block fills the space between the lining's back and the beam's face;
         otherwise the block has the thickness of the shoe's backing everywhere
-    plane_stress : whether the layers are bonded, so that they cannot spread along the arc and are
-        1/(1 - nu^2) times stiffer
+    plane_stress : whether the layers are bonded, so that they cannot expand along the arc and are
+        1/(1 - nu^2) times as stiff
     """
 
     def compression_of_layer_per_pressure(thickness: Floats, material: AnyMaterial) -> Floats:
@@ -280,7 +281,7 @@ def compression_of_layers_per_pressure(
 def brake_angles_from_beam_angles(axis: Axis, shoe: Shoe, theta: Floats) -> Floats:
     """Convert angles in a beam's coordinates to angles of the brake [rad], of the same shape.
 
-    Full turns are added or not so that the result lies near the angles of the shoe's lining.
+    Full turns are added so that the results are near the angles of the shoe's lining.
     """
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     origin = middle - axis.sense * float(axis.angle(np.array(middle)))

@@ -1,10 +1,10 @@
 """Deflection of a circular ring under forces on its rim, in closed form.
 
 Let R be the radius of a thin ring, EI its bending stiffness, and d the angle from a radial force. A
-unit force on the rim is the line load 1/(pi R) (1/2 + sum_{n >= 1} cos n d). The mean of the load
-does not bend the ring, and the drum's shaft carries the mode n = 1. A line load cos n d with n >= 2
-moves the rim radially by R^4/(EI (n^2 - 1)^2) cos n d. At the angle d from an inward force N the
-rim therefore moves inwards by
+unit force on the rim is the line load 1/(pi R) (1/2 + sum_{n >= 1} cos(n d)). The mean of the load
+does not bend the ring, and the drum's shaft carries the mode n = 1. A line load cos(n d) with
+n >= 2 moves the rim radially by R^4/(EI (n^2 - 1)^2) cos(n d). At the angle d from an inward force
+N the rim therefore moves inwards by
 
     z = N R^3/(pi EI) f(d),      f(d) = sum_{n >= 2} cos(n d)/(n^2 - 1)^2.
 
@@ -25,7 +25,7 @@ SHEAR_FACTOR = 6 / 5
 
 
 def _angle_within_full_turn_and_its_difference_from_pi(d: Floats) -> tuple[Floats, Floats]:
-    """The angles d [rad] reduced by full turns to d' in [0, 2 pi), and pi - d'."""
+    """The angles d [rad] minus full turns, in [0, 2 pi), and pi minus these angles."""
     d = np.mod(d, 2 * math.pi)
     return d, math.pi - d
 
@@ -113,8 +113,8 @@ def ring_displacement_per_radial_force(
     # The mean of the line load of one force, in units of 1/(pi R).
     hoop = 0.5
     n2 = shear_series_of_one_radial_force(d)
-    # An equal force on the opposite side doubles the mean load. Its modes are those of the first
-    # force, turned by pi.
+    # An equal force on the opposite side doubles the mean load. Its shear series is that of the
+    # first force, turned by pi.
     if twin:
         hoop, n2 = 1.0, n2 + shear_series_of_one_radial_force(d + math.pi)
     modes = (1 + 3 * e) * series(d) + e * shear * n2 + e * hoop

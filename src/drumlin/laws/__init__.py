@@ -3,8 +3,8 @@
 The module `rigid` solves a brake with any rigid shoes, and `face` describes the drum or the plane
 on which they press. The modules `shapes`, `pivoted` and `flat` hold closed-form laws as formulas on
 arrays. The modules `hinged` and `flat` solve a brake by laws that assume how the pressure varies
-along the lining. The module `naming` chooses the name of the law for a brake. The module `simscape`
-has the formulas of the double-shoe brake block of Simscape Driveline.
+along the lining. The module `naming` tells under which name the rigid-shoe law applies to a brake.
+The module `simscape` has the formulas of the Double-Shoe Brake block of Simscape Driveline.
 """
 
 from typing import TYPE_CHECKING
@@ -24,7 +24,7 @@ __all__ = [
 ]
 
 if not TYPE_CHECKING:
-    # Programs of users may still import these functions by the names that they had.
+    # Users' programs may still import these functions by their former names.
     __getattr__ = make_getattr_function_for_renamed_functions(
         __name__,
         {

@@ -1,9 +1,9 @@
-"""The rigid-shoe law of shoes on one-sided supports: anchors, and struts between their feet.
+"""The rigid-shoe law of shoes on one-sided supports: anchors, and struts between two such shoes.
 
 Each shoe has three rigid-body motions y: the turn about its pin and two translations. Its lining
 has the stiffness E/t per area, so that the pressure is E/t times the closing of the gap. The
 matrices N and F are those of `equilibrium_matrices_of_rigid_shoe`, Q is the work of the actuation,
-V y the gaps at the supports, and f their forces on the shoes:
+V y the gaps at the supports, and f the forces of the supports on the shoes:
 
     E/t (N - mu s F) y = Q + V^T f,    V y >= 0,  f >= 0,  f V y = 0
 
@@ -52,9 +52,9 @@ from drumlin.laws.shoe_contact import (
 MOST_HALVED_FRICTIONS = 30
 """Largest number of times that the friction is halved in search of an equilibrium.
 
-A brake whose friction is above mu_lock has no equilibrium that shows which supports bear. After
-thirty halvings the friction is 1e-9 of its value, where the brake is as good as frictionless; the
-number changes no result.
+The search is for mu_lock, which depends on the supports that bear. If the friction of the brake is
+above mu_lock, there is no equilibrium that shows them. After thirty halvings the friction is 1e-9
+of its value: the brake is as good as frictionless, and more halvings would change no result.
 """
 SAME_FORCES = 1e-6
 """Relative difference of the support forces below which two equilibria count as the same.
@@ -70,13 +70,14 @@ class _ShoesOnAnchors(NamedTuple):
 
     Attributes
     ----------
-    members : positions of the shoes in the brake
+    members : indices of the shoes in the brake
     faces, freedoms : friction surface of each shoe, and rigid-body modes of each shoe
     stiffness : (shoes,) stiffness E/t of each lining, divided by E/t of the first lining; ones if
         any E/t is unknown
     supports : the m one-sided supports of the shoes
-    opening : (m, k) growth of the gap at each support per unit of each rigid-body mode
-    sizes : (k,) amplitude of each mode at which points of the shoe move by about 1 m
+    opening : (m, k) growth of the gap at each support per unit of each rigid-body mode; k is three
+        times the number of shoes
+    sizes : (k,) amount of each mode at which points of the shoe move by about 1 m
     """
 
     members: tuple[int, ...]
@@ -89,12 +90,12 @@ class _ShoesOnAnchors(NamedTuple):
 
 
 class SolvedShoesOnAnchors(NamedTuple):
-    """Shoes on their bearing supports in equilibrium.
+    """An equilibrium of shoes on one-sided supports.
 
     `bearing` tells which supports bear, `contacts` has the contact of each shoe by its name, and
     `forces` (m,) [N] are the forces of the supports on the shoes. `mu_lock` is the friction
-    coefficient at which the shoes lock, if the same supports bear and the same arcs of the linings
-    touch.
+    coefficient at which the shoes would lock with the same bearing supports and the same arcs of
+    the linings in contact.
     """
 
     shoes: _ShoesOnAnchors
@@ -105,7 +106,7 @@ class SolvedShoesOnAnchors(NamedTuple):
 
 
 def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesOnAnchors:
-    """Collect the shoes at the positions `members` of a brake, with their one-sided supports."""
+    """Collect the shoes of a brake with the indices `members`, with their one-sided supports."""
     shoes = [brake.shoes[i] for i in members]
     freedoms = tuple(shoe.rigid_body_modes_of_support() for shoe in shoes)
     supports = tuple(
@@ -120,7 +121,7 @@ def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesO
             opening[j, 3 * k : 3 * k + 3] = work_of_support_push_in_rigid_body_modes(
                 shoes[k], side.push
             )
-    # If any lining has no stated stiffness, all linings are taken as equally stiff.
+    # If the stiffness of any lining is unknown, all linings are taken as equally stiff.
     stiffness = np.ones(len(shoes))
     linings = [shoe.lining for shoe in shoes]
     if all(lining.material is not None and lining.thickness for lining in linings):
@@ -137,10 +138,10 @@ def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesO
 
 
 class _Matrices(NamedTuple):
-    """Matrices N and F (k, k) of shoes on given arcs, weighted by the linings' stiffness.
+    """Matrices N and F (k, k) of the equilibria of several shoes, weighted by lining stiffness.
 
-    The weight is E/t relative to the first lining. F is also multiplied by the friction coefficient
-    of each lining relative to the friction coefficient of the brake.
+    The weight of a shoe is E/t of its lining divided by E/t of the first lining. F is also
+    multiplied by the lining's friction coefficient divided by the brake's friction coefficient.
     """
 
     normal: Floats
@@ -150,7 +151,7 @@ class _Matrices(NamedTuple):
 def _equilibrium_matrices_of_shoes_on_arcs(
     brake: Brake, on: _ShoesOnAnchors, arcs: list[Arcs]
 ) -> _Matrices:
-    """The matrices N and F of shoes whose linings touch on given arcs."""
+    """The matrices N and F of shoes whose linings touch drum or plane on the given arcs."""
     found = []
     for k, i in enumerate(on.members):
         width = on.stiffness[k] * brake.shoes[i].lining.width
@@ -164,10 +165,10 @@ def _equilibrium_matrices_of_shoes_on_arcs(
 
 
 def _rigid_body_motions_held_and_free(on: _ShoesOnAnchors, bearing: Bearing) -> HeldMotions | None:
-    """The motions that bearing supports prevent and leave free; None if the shoes stay loose.
+    """The motions that the bearing supports prevent, and the motions that they leave free.
 
-    Shoes are loose if a free motion closes no gap, so that no pressure resists it. Redundant
-    supports give None as well.
+    The result is None if a free motion closes no gap, so that no pressure resists it, and if one of
+    the supports is redundant.
     """
     motions = divide_motions_into_held_and_free(on.opening[np.array(bearing, dtype=bool)], on.sizes)
     if motions is None:
@@ -182,7 +183,7 @@ def _rigid_body_motions_held_and_free(on: _ShoesOnAnchors, bearing: Bearing) -> 
 
 
 class _SettledContact(NamedTuple):
-    """The equilibrium of shoes with given free motions, on the arcs where the pressure is positive.
+    """The equilibrium of shoes that can move in given ways, on arcs with positive pressure.
 
     Attributes
     ----------
@@ -201,10 +202,11 @@ class _SettledContact(NamedTuple):
 def _equilibrium_in_free_motions(
     brake: Brake, on: _ShoesOnAnchors, free: Floats, work: Floats
 ) -> _SettledContact | None:
-    """The equilibrium of shoes that can move only in the free motions (k, k'); None without one.
+    """The equilibrium of shoes that can move only in the motions `free`; None if none is found.
 
-    The arcs in contact are changed until they are those where the pressure is positive. `work` (k,)
-    is the work of the actuation on each motion.
+    The arcs in contact are changed until they are those where the pressure is positive. A column of
+    `free` (k, k') has the amounts of the k rigid-body modes in a motion. `work` (k,) is the work of
+    the loads on each mode.
     """
     linings = [brake.shoes[i].lining for i in on.members]
     arcs: list[Arcs] = [lining.arcs for lining in linings]
@@ -228,8 +230,8 @@ def _equilibrium_in_free_motions(
         ]
         if all(map(are_contact_arcs_equal, after, arcs)):
             return _SettledContact(matrices, y, c, arcs)
-        # A shoe without an arc in contact lifts off. If arcs of an earlier iteration come back, the
-        # iteration would go round in a circle.
+        # The search ends if a shoe without an arc in contact lifts off, or if the arcs are those of
+        # an earlier iteration, from which the iterations would repeat for ever.
         back = any(all(map(are_contact_arcs_equal, after, each)) for each in before)
         if back or not all(after):
             break
@@ -241,10 +243,10 @@ def _equilibrium_in_free_motions(
 def _solve_rigid_shoes_on_given_supports(
     brake: Brake, on: _ShoesOnAnchors, bearing: Bearing
 ) -> SolvedShoesOnAnchors | None:
-    """The equilibrium of shoes on a given set of bearing supports; None if this set is wrong.
+    """The equilibrium of shoes of which given supports bear; None if other supports must bear.
 
-    It is wrong if there is no equilibrium or the shoes lock, if a bearing support would pull, or if
-    another support would overlap its shoe.
+    Others must bear if the given supports allow no equilibrium or lock the shoes, if one of them
+    would pull, or if a support that does not bear would overlap its shoe.
     """
     motions = _rigid_body_motions_held_and_free(on, bearing)
     if motions is None:
@@ -277,7 +279,7 @@ def _solve_rigid_shoes_on_given_supports(
 def _do_supports_of_rigid_shoes_bear_as_assumed(
     on: _ShoesOnAnchors, bearing: Bearing, y: Floats, forces: Floats
 ) -> bool:
-    """Whether no bearing support pulls its shoe, and no other support overlaps its shoe.
+    """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.
 
     Parameters
     ----------
@@ -300,7 +302,7 @@ def _equilibria_of_shoes_on_anchors(
 ) -> Iterator[SolvedShoesOnAnchors]:
     """Yield each equilibrium of shoes on anchors, trying one set of bearing supports after another.
 
-    Sets of bearing supports that lead to the same forces give only one equilibrium.
+    Sets of bearing supports that lead to the same support forces count as one equilibrium.
     """
     on = _collect_shoes_on_anchors(brake, members)
     found: list[Floats] = []
@@ -334,8 +336,8 @@ def _first_equilibrium_of_shoes_on_anchors(
 def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, ...]) -> float:
     """The friction coefficient at which shoes on anchors lock; inf if they never do.
 
-    The supports are those that bear at the brake's friction. If there is no equilibrium at this
-    friction, it is halved until there is one.
+    The same supports bear as at the brake's friction. If there is no equilibrium at this friction,
+    the friction is halved until there is one.
     """
     friction = brake.friction
     for _ in range(MOST_HALVED_FRICTIONS):
@@ -352,7 +354,7 @@ def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, .
 
 
 def _indices_of_shoes_solved_with_shoe(brake: Brake, index: int) -> tuple[int, ...]:
-    """The positions of all shoes whose equilibria are solved together with shoe `index`."""
+    """The indices of all shoes whose equilibria are solved together with those of shoe `index`."""
     return next(group for group in groups_of_shoes_on_anchors(brake) if index in group)
 
 
@@ -379,10 +381,10 @@ def locking_friction_of_shoes_on_anchors(brake: Brake, index: int) -> float:
 
 
 def which_supports_of_rigid_shoes_bear(brake: Brake, members: tuple[int, ...]) -> Bearing:
-    """Which one-sided supports of some shoes bear by the rigid-shoe law, in the order of the brake.
+    """Whether each one-sided support of the shoes `members` bears, by the rigid-shoe law.
 
-    The result is () if the shoes have no equilibrium. `members` are the positions of the shoes in
-    the brake.
+    The order is that of `one_sided_supports_of_brake`. The result is () if the shoes have no
+    equilibrium. `members` are the indices of the shoes in the brake.
     """
     bears: dict[str, bool] = {}
     for group in groups_of_shoes_on_anchors(brake):
@@ -398,14 +400,14 @@ def which_supports_of_rigid_shoes_bear(brake: Brake, members: tuple[int, ...]) -
 
 
 class AnchoredAnswer(NamedTuple):
-    """The equilibria of all shoes on anchors of a brake by the rigid-shoe law.
+    """The answer of the rigid-shoe law for all shoes on anchors of a brake.
 
     Attributes
     ----------
     contacts : contact of each shoe, by its name
     supports : forces of the one-sided supports on each shoe, by its name
-    warnings : a line of text for each group of shoes with more than one equilibrium, which names
-        the supports that bear in each
+    warnings : a line of text for each group of shoes with more than one equilibrium; it names the
+        supports that bear in each of these equilibria
     """
 
     contacts: dict[str, RigidShoeContact]

@@ -18,7 +18,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.response.resultants import Resultant
 
 Arcs = tuple[tuple[float, float], ...]
-"""Begin and end of each stretch of lining in contact: angles [rad], on a plane places x [m]."""
+"""Begin and end of each stretch of lining in contact: angles [rad] on a drum, x [m] on a plane."""
 
 
 class DrumFace(NamedTuple):
@@ -56,10 +56,9 @@ class DrumFace(NamedTuple):
         return np.array([np.cos(place), np.sin(place), np.ones(np.shape(place))])
 
     def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
-        """Matrix (3, 2) [m] of integrals over arcs of g_i g_j: g_i cos, sin or 1, g_j cos or sin.
+        """Integrals (3, 2) [m] of products of shape functions over the length of arcs.
 
-        The rows belong to the shape functions g_i, the columns to g_j. The integrals are over the
-        length of the arcs.
+        Row i belongs to the factor cos, sin or 1, and column j to the factor cos or sin.
         """
         total = np.zeros((3, 2))
         for a, b in arcs:
@@ -75,7 +74,7 @@ class DrumFace(NamedTuple):
         return self.radius * total
 
     def arcs_of_positive_pressure(self, c: Floats, start: float, end: float) -> Arcs:
-        """Arcs of a lining in which the pressure c[0] cos + c[1] sin is positive.
+        """Arcs of a lining in which the pressure c[0] cos(theta) + c[1] sin(theta) is positive.
 
         The lining reaches from `start` to `end` [rad].
         """
@@ -92,8 +91,8 @@ class DrumFace(NamedTuple):
     def peak_pressure_on_arcs(self, c: Floats, arcs: Arcs) -> float:
         """Largest value [Pa] of the pressure c[0] cos + c[1] sin on the arcs."""
         top = math.atan2(c[1], c[0])
-        # The pressure is largest where c[0] cos + c[1] sin has its maximum or, if no arc contains
-        # this angle, at an end of an arc.
+        # The pressure is largest at an end of an arc, or at the maximum of c[0] cos + c[1] sin if
+        # an arc contains this angle.
         tops = [top + 2 * turn * math.pi for turn in range(-2, 3)]
         places: list[float] = []
         for a, b in arcs:
@@ -150,11 +149,17 @@ class PlaneFace(NamedTuple):
     """
 
     def gap_closing_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
-        """Factors (k, 2) of 1 and x in the closing of the gap [m] by rigid-body motions (k, 3)."""
+        """Factors (k, 2) of 1 and x in the closing of the gap [m] by k rigid-body motions.
+
+        A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
+        """
         return -motions[:, 1:]
 
     def slide_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
-        """Factors (k, 3) of 1, x and 0 in the slide [m] along +x by rigid-body motions (k, 3)."""
+        """Factors (k, 3) of 1, x and 0 in the slide [m] along +x by k rigid-body motions.
+
+        A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
+        """
         return np.column_stack([motions[:, 0], np.zeros((len(motions), 2))])
 
     def shape_function_values(self, place: Floats) -> Floats:
@@ -162,9 +167,9 @@ class PlaneFace(NamedTuple):
         return np.array([np.ones(np.shape(place)), place, np.zeros(np.shape(place))])
 
     def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
-        """Matrix (3, 2) of integrals over arcs of g_i g_j: g_i is 1, x or 0, and g_j is 1 or x.
+        """Integrals (3, 2) of products of shape functions over the length of arcs.
 
-        The rows belong to the shape functions g_i, the columns to g_j.
+        Row i belongs to the factor 1, x or 0, and column j to the factor 1 or x.
         """
         total = np.zeros((3, 2))
         for a, b in np.array(arcs).reshape(-1, 2):
@@ -216,7 +221,8 @@ class PlaneFace(NamedTuple):
         if c[0] == 0:
             return 0
         slack = 1e-9 * (end - start)
-        # c[0] is a force and c[1] its moment: c[1] / c[0] is the place x where the force acts.
+        # The force c[0] with the moment c[1] acts at the place x = c[1] / c[0]. A pressure can have
+        # this resultant if the place is on the lining.
         return int(math.copysign(1, c[0])) if start - slack <= c[1] / c[0] <= end + slack else 0
 
 

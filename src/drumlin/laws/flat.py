@@ -45,7 +45,7 @@ class FlatLoad(NamedTuple):
 
 
 class FlatLayout(NamedTuple):
-    """Lengths of a shoe on a plane that the formulas of a law need.
+    """Lengths and the sign s' of a shoe on a plane, which the formulas of a law need.
 
     The attributes are numbers or arrays that broadcast, so that one call serves many shoes.
 
@@ -98,9 +98,8 @@ class FlatLaw:
     def actuation_moment_over_pressure_amplitude(self, mu: Values, pad: FlatLayout) -> Floats:
         """Actuation moment divided by w p_0: Load.x + s' mu h Load.total [m^2].
 
-        This is the moment of pressure and friction about the hinge that the actuation must balance,
-        for an amplitude p_0 = 1 and the width w = 1. It is zero or negative if the shoe locks
-        itself.
+        The actuation must balance this moment of pressure and friction about the hinge, here for
+        the amplitude p_0 = 1 and the width w = 1. It is zero or negative if the shoe locks itself.
         """
         load = self.load(pad)
         return load.x + pad.s * mu * pad.h * load.total
@@ -169,7 +168,7 @@ def distances_of_lining_ends_from_hinge_foot(shoe: Shoe) -> tuple[float, float]:
 
 
 def lengths_of_flat_shoe(brake: Brake, shoe: Shoe) -> FlatLayout:
-    """The lengths of a shoe on a plane that the formulas of a law need."""
+    """The lengths and the sign s' of a shoe on a plane, which the formulas of a law need."""
     return FlatLayout(
         *distances_of_lining_ends_from_hinge_foot(shoe),
         h=shoe.pin.y,
@@ -226,7 +225,8 @@ def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeRe
     pad, w = lengths_of_flat_shoe(brake, shoe), shoe.lining.width
     mu = brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
     moment = -shoe.frame.sense * shoe.moment_of_all_loads_about_point(shoe.pin)
-    # Without a force, or under a force that lifts the lining off the plane, nothing touches.
+    # Without a force, or under a force that lifts the lining off the plane, the shoe is not in
+    # contact.
     if moment <= 0:
         return response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads)
     if law.actuation_moment_over_pressure_amplitude(mu, pad) <= 0:
@@ -235,7 +235,8 @@ def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeRe
             f"mu_lock = {float(law.self_locking_friction(pad)):.6g} of the {law.name} law"
         )
     amplitude = float(law.pressure_amplitude(moment, w, mu, pad))
-    # The amplitude is the pressure where f is 1: at the far end, or everywhere on a short shoe.
+    # The amplitude is the peak pressure, where f is 1: at the lining's end away from the hinge, or
+    # everywhere on a short shoe.
     N = amplitude * w * float(law.load(pad).total)
     # The pressure is linear in x, so that one quadratic piece with three nodes represents it.
     x = np.linspace(shoe.lining.start, shoe.lining.end, 3)

@@ -1,9 +1,9 @@
-"""Solve drum brakes with hinged rigid shoes by laws that assume how the pressure varies over phi.
+"""Solve drum brakes with hinged rigid shoes by laws that assume the shape of the pressure.
 
 A block that is fixed to a lever counts as a hinged shoe: its hinge is the lever's pin, and the
-actuation acts on the lever. Angles and signs are measured in the shoe's own frame, in which the
+actuation acts on the lever. Angles phi and signs are measured in the shoe's own frame, in which the
 lining lies at positive angles from the hinge. One formula therefore serves internal and external
-shoes, both rotations, and shoes on either side of their hinge. Whether a shoe is self-energising
+shoes, both rotations, and linings on either side of their hinge. Whether a shoe is self-energising
 follows from the moments about the hinge.
 """
 
@@ -40,11 +40,11 @@ from drumlin.response.resultants import (
 )
 
 ANGLE_ROUND_OFF = 1e-9
-"""Angle [rad] by which round-off may let a lining exceed the range of angles that a law allows."""
+"""Largest angle [rad], due to round-off, by which a lining may exceed the angles a law allows."""
 
 
 def angles_and_radii_of_hinged_shoe(brake: Brake, shoe: Shoe) -> Layout:
-    """The angles and radii of a shoe on a drum that the formulas of a law need."""
+    """The angles, radii and the sign dD of a shoe on a drum, which the formulas of a law need."""
     return Layout(
         *shoe.arc,
         R=brake.size,
@@ -127,11 +127,11 @@ def solve_brake_by_sine_law(brake: Brake) -> Response:
 def _notes_on_shoe_response(
     law: Law, brake: Brake, index: int, response: ShoeResponse
 ) -> list[str]:
-    """Notes for the reader on the response of shoe `index` by a law.
+    """Notes for the user on the response of shoe `index` by a law.
 
-    A note says that the shoe does not touch, repeats the law's remark, or compares the force that
-    the law lumps at the lining's middle with the resultant of the same pressure spread over the
-    arc.
+    A note says that the shoe does not touch, or repeats the law's remark. For a law that lumps the
+    contact force at the lining's middle, it compares this force with the resultant of the same
+    pressure spread over the arc.
     """
     said = f"shoe {response.name!r}:"
     if not response.contact_arcs:
@@ -157,7 +157,8 @@ def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResp
         brake.friction_coefficient_of_shoe_at_zero_pressure(shoe),
     )
     moment = actuation_moment_towards_drum(shoe)
-    # Without a force, or under a force that turns the shoe away from the drum, nothing touches.
+    # Without a force, or under a force that turns the shoe away from the drum, the shoe is not in
+    # contact.
     if moment <= 0:
         return response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads)
     if law.actuation_moment_over_pressure_amplitude(mu, arc) <= 0:
@@ -205,7 +206,7 @@ def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
 
 
 def actuation_moment_towards_drum(shoe: Shoe) -> float:
-    """Moment of the actuation about the hinge [N m], positive if it turns the shoe to the drum."""
+    """Moment [N m] of all loads on a shoe about its hinge, positive if it presses on the drum."""
     return -shoe.sign * shoe.frame.sense * shoe.moment_of_all_loads_about_point(shoe.pin)
 
 
@@ -217,11 +218,11 @@ def resultant_of_hinged_shoe_pressure(
     Parameters
     ----------
     brake, shoe : the brake and the shoe
-    load : integrals [Pa] over the angle phi of the pressure, and of the pressure times cos phi and
-        sin phi
+    load : integrals [Pa] over the angle phi of the pressure, of the pressure times cos phi, and of
+        the pressure times sin phi
     factor : factor by which the lining's friction coefficient is multiplied
     """
-    # The integrals are over an angle [rad]. Width times radius makes them integrals over an area.
+    # The integrals over an angle [rad], times width and radius, are integrals over the area.
     force = shoe.lining.width * brake.size
     along: Floats = force * np.array([load.cos, load.sin])
     across = np.array([-along[1], along[0]])
@@ -257,7 +258,7 @@ def response_of_hinged_shoe_in_contact(
     theta, on_lining = polynomial_nodes_on_linings_and_slots(
         [shoe.frame.theta(phi) for phi in nodes], 2
     )
-    # Round-off may make the pressure negative at an end, as sin(pi) is 1e-16.
+    # Round-off of the angle may make the pressure negative at an end where it is zero.
     pressures = np.zeros(len(theta))
     pressures[on_lining] = np.maximum(pressure(np.concatenate(nodes)), 0.0)
     # A shoe is self-energising if friction and actuation turn it about the hinge in the same sense.

@@ -1,4 +1,4 @@
-"""Choose the name of the rigid-shoe law for a brake."""
+"""Tell under which name the rigid-shoe law applies to a brake, such as "sine"."""
 
 from drumlin.brake.brake import Brake
 from drumlin.laws import flat, hinged, pivoted, rigid
@@ -23,10 +23,9 @@ def name_of_rigid_shoe_law(brake: Brake) -> str:
 
 
 def reason_why_brake_has_no_law_named_rigid(brake: Brake) -> str | None:
-    """The reason why a brake has no law named "rigid"; None if it has.
+    """The reason why the rigid-shoe law of a brake is not named "rigid"; None if it is.
 
-    It has none if the rigid-shoe law of this brake has a closed form with its own name, such as
-    "sine".
+    It is not if the law has a closed form with a name of its own for this brake, such as "sine".
     """
     name = name_of_rigid_shoe_law(brake)
     return None if name == "rigid" else f"on this brake it is the same as the law {name!r}"

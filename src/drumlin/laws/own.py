@@ -1,7 +1,7 @@
 """Laws that a user writes as a function of the angle from the hinge.
 
-The function gives the shape of the pressure. Its integrals are computed numerically, so that such a
-law takes the same way as the closed-form laws of `drumlin.laws.shapes`.
+The function gives the pressure up to a factor. Its integrals are computed numerically, and a brake
+is then solved as by the closed-form laws of `drumlin.laws.shapes`.
 """
 
 from collections.abc import Callable
@@ -22,22 +22,25 @@ It returns the pressures (n,) up to a factor.
 LAW_GAUSS_POINTS = 20
 """Number of Gauss points in each of ARC_PIECES pieces of a lining.
 
-A smooth shape is integrated to round-off. A shape with a kink inside a piece is integrated to some
-1e-5 of the whole; a jump to 1e-3.
+The integral of a smooth pressure has no error but round-off. A kink of the pressure inside a piece
+causes a relative error of some 1e-5, a jump of some 1e-3.
 """
 
 ARC_PIECES = 20
-"""Number of equal pieces of a lining on which the shape of the pressure is integrated."""
+"""Number of equal pieces into which a lining is divided to integrate the pressure."""
 
 PEAK_POINTS = 2001
 """Number of equally spaced angles among which the largest pressure is sought.
 
-On a lining of 120 degrees they are 0.06 degrees apart, and a smooth peak is met to 1e-6.
+On a lining of 120 degrees they are 0.06 degrees apart, and the largest of the pressures there
+differs from a smooth peak by 1e-6 of the peak.
 """
 
 NEGLIGIBLE_PRESSURE = 1e-12
-"""Negative pressure, relative to the largest, that counts as zero: the round-off of a function that
-is zero at an end of the lining."""
+"""Negative pressure, relative to the largest pressure, that counts as zero.
+
+A user's function that is zero at an end of the lining may be as negative there by round-off.
+"""
 
 
 def make_law_from_pressure_shape(name: str, assumes: str, shape: Shape) -> Law:
@@ -58,7 +61,10 @@ def make_law_from_pressure_shape(name: str, assumes: str, shape: Shape) -> Law:
     """
 
     def pressure(phi: Floats, arc: Layout) -> Floats:
-        """The shape at the angles phi, same shape as phi; checked."""
+        """The pressures that the user's function returns at the angles phi [rad], after a check.
+
+        They have the shape of `phi`. Round-off below zero is set to zero.
+        """
         values = np.asarray(shape(np.ravel(phi), arc), dtype=float)
         values = np.broadcast_to(values, (np.size(phi),)) if values.ndim == 0 else values
         asked = f"law {name!r}: its function must return a finite number for each angle; it "
@@ -79,7 +85,7 @@ def make_law_from_pressure_shape(name: str, assumes: str, shape: Shape) -> Law:
         return np.maximum(values, 0.0).reshape(np.shape(phi))
 
     def load_on_part(whole: Layout, part: Layout) -> Load:
-        """Integrals of the shape over a part of the arc, by Gauss's rule on equal pieces."""
+        """Integrals of the function over a part of the arc, by Gauss's rule on equal pieces."""
         ends = np.linspace(float(part.phi_1), float(part.phi_2), ARC_PIECES + 1)
         x, w = np.polynomial.legendre.leggauss(LAW_GAUSS_POINTS)
         half = 0.5 * np.diff(ends)[:, None]

@@ -9,9 +9,10 @@ lever's pin H (UWA notes, hinged shoe with a pivot G):
     [ M_N - dD mu M_F ]_G A + [ M_N - dD mu M_F ]_G B = 0
     [ M_N - dD mu M_F ]_H A + [ M_N - dD mu M_F ]_H B = M / (b R)
 
-Each bracket holds the moments of the pressure cos phi (before A) or sin phi (before B), as
-`scaled_normal_and_friction_moments_about_point` computes them; dD is the sign of `Layout`. With phi
-counted from the lining's middle, B vanishes only if G lies on the middle radius at the distance
+Each bracket holds the moments M_N and M_F of the pressure cos phi (before A) or sin phi (before B)
+about G or H, see `scaled_normal_and_friction_moments_about_point`. The sign dD is explained at
+`Layout`, b is the lining's width and R the drum's radius. With phi counted from the lining's
+middle, B vanishes only if G lies on the middle radius at the distance
 `pivot_radius_for_cosine_pressure`.
 
 The functions of this module work on arrays and assume a lining in contact over its whole length. To
@@ -37,7 +38,7 @@ PIVOTED_ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no momen
 
 
 class MomentEquilibriumMatrix(NamedTuple):
-    """Matrix (2, 2) [m] by which two moment equilibria multiply the pressure's factors A and B.
+    """Matrix (2, 2) [m] of the two moment equilibria for the factors A and B of the pressure.
 
     Attributes
     ----------
@@ -66,7 +67,7 @@ class _MatricesOfMoments(NamedTuple):
 def _matrices_of_normal_and_friction_moments(
     arc: Layout, x: Values, y: Values
 ) -> _MatricesOfMoments:
-    """The matrices M_N and M_F; the moment equilibria have the matrix M_N - dD mu M_F.
+    """The matrices M_N of pressure and M_F of friction in the equilibrium matrix M_N - dD mu M_F.
 
     The pivot is at x, y [m] in the shoe's frame, and the lever's pin at (a, 0).
     """
@@ -116,7 +117,7 @@ def torque_of_pivoted_shoe(moment: Values, mu: Values, arc: Layout, x: Values, y
 
     The torque is nan if the lever locks itself or the pressure is negative somewhere.
     """
-    # The torque does not depend on the lining's width, so that any width will do.
+    # The torque does not depend on the width of the lining, which is set to 1.
     A, B = pressure_factors_of_cos_and_sin(moment, 1.0, mu, arc, x, y)
     # On an arc below half a turn, A cos + B sin is positive if it is positive at both ends.
     least = np.minimum(*(A * np.cos(phi) + B * np.sin(phi) for phi in (arc.phi_1, arc.phi_2)))
@@ -160,7 +161,7 @@ def self_locking_friction_of_pivoted_shoe(arc: Layout, x: float, y: float) -> fl
     )
     second = (at_2 - 2 * at_1 + at_0) / 2
     parabola = np.array([second, at_1 - at_0 - second, at_0])
-    # A coefficient that is only round-off would make a root far away, so it is set to zero.
+    # A coefficient that is round-off only is set to zero, because it would give a huge false root.
     parabola[np.abs(parabola) < 1e-14 * np.abs(parabola).max()] = 0.0
     roots = np.roots(parabola)
     positive = [float(r.real) for r in roots if abs(r.imag) < 1e-12 and r.real > 0]

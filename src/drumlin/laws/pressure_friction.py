@@ -72,7 +72,7 @@ def solve_brake_by_law_of_even_pressure(solve: LawSolver, brake: Brake) -> Respo
 
 
 def _brake_with_friction_coefficient_of_each_shoe(brake: Brake, frictions: list[float]) -> Brake:
-    """A copy of a brake with a friction coefficient for the lining of each shoe."""
+    """A copy of a brake in which the lining of each shoe has its own coefficient, `frictions`."""
     shoes = []
     for shoe, friction in zip(brake.shoes, frictions, strict=True):
         lining = shoe.lining.copy_of_lining_with_changed_fields({"friction": friction})
@@ -91,8 +91,8 @@ def _friction_at_equilibrium_of_smallest_pressure(
     Parameters
     ----------
     curve : friction coefficient over the pressure
-    pressure : function that returns the pressure [Pa] at a friction coefficient
-    name : name of the shoe
+    pressure : function that returns the shoe's pressure [Pa] by the law at a friction coefficient
+    name : name of the shoe, for the message
 
     Raises
     ------
@@ -103,13 +103,14 @@ def _friction_at_equilibrium_of_smallest_pressure(
     from scipy.optimize import brentq  # noqa: PLC0415
 
     def pressure_minus_pressure_by_its_friction(p: float) -> float:
-        """The pressure p less the pressure that its friction leads to."""
-        # A shoe that locks itself has an infinite pressure, so that every finite p is too small.
+        """The pressure p minus the pressure [Pa] that the law gives with the friction at p."""
+        # A shoe that locks itself has an infinite pressure: the difference is then negative for
+        # every finite p.
         reached = pressure(float(curve.friction_coefficients_at_pressures(np.array(p))))
         return p - reached if np.isfinite(reached) else -max(p, 1.0)
 
-    # Between two pressures of the table the coefficient is linear in p, so that `brentq` finds a
-    # zero between them.
+    # The friction is linear between two pressures of the table. `brentq` finds the zero between the
+    # first two at which the differences have opposite signs.
     for low, high in pairwise([0.0, *curve.pressure.tolist()]):
         if low < high and pressure_minus_pressure_by_its_friction(
             low

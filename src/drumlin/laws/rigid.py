@@ -61,13 +61,13 @@ from drumlin.response.self_locking import LockedShoes, SelfLocking, first_shoes_
 RIGID_ASSUMES = (
     "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
 )
-# The beginning of the last note in NEGLECTED_BY_RIGID_LAWS, to which the kind of surface is added.
+# The beginning of the last note in NEGLECTED_BY_RIGID_LAWS; the name of the surface follows.
 _FITS = "clearance and misfit: the law is that of a lining that fits, new or worn in, on a"
 NEGLECTED_BY_RIGID_LAWS = {
     "drum": ("elasticity of shoe, backing and drum: rigid by assumption", f"{_FITS} round drum"),
     "plane": ("elasticity: rigid by assumption", f"{_FITS} plane"),
 }
-"""Notes on the effects that the rigid-shoe laws neglect, by the surface: "drum" or "plane"."""
+"""Notes for users on the effects that the rigid-shoe laws neglect on a drum and on a plane."""
 
 PRESSURE_NODES = 257
 """Number of nodes of the pressure over a lining on a drum.
@@ -97,7 +97,10 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
 
 
 def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
-    """The friction of a brake, and the smallest mu_lock of its shoes by the rigid-shoe law."""
+    """The brake's friction, and the friction at which its first shoe locks by the rigid-shoe law.
+
+    Both are friction coefficients of the brake, to which those of the linings are proportional.
+    """
     limits = []
     for shoe in brake.shoes:
         limit = self_locking_friction_of_rigid_shoe(brake, shoe)
@@ -131,11 +134,11 @@ def find_contact_of_rigid_shoe(
     face = friction_surface_of_shoe(brake, shoe)
     if not shoe.is_any_load_on_shoe:
         return None
-    # A force that only tension on the lining could balance lifts the shoe off.
+    # An actuation that only a tension on the lining could balance lifts the shoe off.
     if sign_of_pressure_that_balances_actuation(brake, shoe) < 0:
         return None
-    # Friction on the foot at an abutment must oppose the motion of the foot or hold it. The
-    # solution for the first sense of friction that fulfils this condition is the answer.
+    # Friction at an abutment must oppose the slide of the shoe's foot, or hold the foot. The senses
+    # of this friction are tried until the solution for one of them fulfils this condition.
     failure: NoAnswer | None = None
     for sense in shoe.senses_of_abutment_friction_to_try:
         try:
@@ -162,7 +165,8 @@ def sign_of_pressure_that_balances_actuation(brake: Brake, shoe: Shoe) -> int:
     free = shoe.rigid_body_modes_of_support(shoe.senses_of_abutment_friction_to_try[-1])
     shapes = face.gap_closing_factors_of_rigid_body_motions(free.tests)
     if len(shapes) == 1:
-        # With one mode, a pressure at some place of the lining must work against the actuation.
+        # A shoe with one mode moves so that the loads do positive work. A pressure can balance them
+        # if this motion closes the gap at some place of the lining.
         places = np.concatenate([np.linspace(*arc, 65) for arc in shoe.lining.arcs])
         works = (
             shapes[0]
@@ -207,8 +211,8 @@ def _find_contact_for_friction_sense(
     arcs: Arcs = linings
     mu_lock = locking_friction_on(arcs)
     locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
-    # A shoe with one rigid-body mode moves in the sense in which its actuation does positive work.
-    # This sense tells which arcs come into contact.
+    # A shoe with one rigid-body mode moves so that the loads do positive work. This motion tells
+    # which arcs come into contact.
     if len(shapes) == 1:
         arcs = arcs_of_positive_pressure_on_linings(
             face, shapes[0] * math.copysign(1.0, free.work_of_all_loads_on_test_modes[0]), linings
@@ -273,7 +277,7 @@ def _contact_resultant_of_rigid_shoe(
 def response_of_rigid_shoe(
     brake: Brake, shoe: Shoe, found: RigidShoeContact | None
 ) -> ShoeResponse:
-    """The response of a rigid shoe from its contact `found`, None if it does not touch."""
+    """The response of a rigid shoe with the contact `found`; None stands for no contact."""
     if found is None:
         return response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads)
     contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.flat
@@ -290,7 +294,7 @@ def response_of_rigid_shoe(
     # anchors act at different points.
     has_moment = guided or bool(shoe.anchors)
     reaction_moment = -about_pin.pressure - about_pin.friction - of_actuation
-    # Friction is self-energising if its moment about the pin has the actuation moment's sense.
+    # Friction is self-energising if its moment about the pin has the sign of the loads' moment.
     helping = about_pin.friction * of_actuation
     # A shoe on a guide does not turn, and a shoe on anchors turns about no given point. For such a
     # shoe friction is self-energising if it does positive work in the motion of the shoe.
@@ -318,9 +322,9 @@ def response_of_rigid_shoe(
 def _friction_work_minus_round_off_threshold(drag: float, found: RigidShoeContact) -> float:
     """Work of the friction in the motion of a shoe, minus NEITHER times the work of the pressure.
 
-    The result is positive if friction is self-energising. If the guide is square to the surface,
-    friction does no work; the second term keeps round-off from making the result positive. `drag`
-    is the friction stress on the lining divided by the pressure.
+    The result is positive if friction is self-energising. The small second term keeps the result
+    from being positive by round-off if friction does no work, as with a guide square to the
+    surface. `drag` is the friction stress on the lining divided by the pressure.
     """
     a = found.amounts
     systems = equilibrium_matrices_of_rigid_shoe(found.face, found.freedoms, 1.0, found.arcs)
@@ -361,11 +365,10 @@ def _pressure_and_friction_moments_about_pin(shoe: Shoe, contact: Resultant) -> 
 def node_places_of_pressure_along_lining(
     ends: tuple[float, float], arcs: Arcs, steps: int
 ) -> Floats:
-    """Choose the places (n,) of the nodes at which the pressure on a lining is given.
+    """Choose the places (n,), along a lining, of the nodes at which the pressure is given.
 
-    A parabola through every three successive nodes gives the pressure between them. Each end of the
-    contact is an end of a parabola, and between two ends of the contact the nodes are evenly
-    spaced.
+    A parabola through every three successive nodes gives the pressure between them. Each end of an
+    arc in contact is the end of a parabola, and between two such ends the nodes are evenly spaced.
 
     Parameters
     ----------
@@ -394,7 +397,7 @@ def brake_with_cam_and_strut_forces_by_rigid_law(brake: Brake, *, whole: bool = 
         _divide_cam_force_between_shoes(
             brake, shoes, brake.actuation.force_of_cylinder_or_sum_of_cam_forces, whole
         )
-    # A strut pushes a shoe with the force that the foot of the other shoe exerts on the strut.
+    # A strut pushes a shoe with the force that the other shoe exerts on the strut by its abutment.
     pushed = brake.names_of_shoes_pushed_by_struts
     for link in brake.links:
         if link.to not in pushed:
@@ -455,7 +458,11 @@ def _cam_force_on_first_shoe_with_further_loads(
     from scipy.optimize import brentq  # noqa: PLC0415
 
     def loaded_end_motion_over_lining_compliance(i: int, force: float) -> float:
-        """Displacement of a shoe's loaded end over its lining's compliance [Pa]; 0 if apart."""
+        """Displacement of a shoe's loaded end, divided by its lining's compression per pressure.
+
+        The quotient is in Pa. `i` is the index of the shoe, and `force` [N] the force on it. The
+        result is 0 if the shoe does not touch.
+        """
         shoe = shoes[i].shoe_with_changed_actuation_force(force)
         found = find_contact_of_rigid_shoe(brake, shoe, whole=whole)
         return 0.0 if found is None else found.loaded_point_motion_over_compliance
@@ -463,7 +470,10 @@ def _cam_force_on_first_shoe_with_further_loads(
     one, other = on_cam
 
     def difference_of_both_loaded_end_motions(force: float) -> float:
-        """The motion of the first loaded end minus the second, by the force on the first shoe."""
+        """The motion [Pa] of the first shoe's loaded end minus that of the second shoe's.
+
+        `force` [N] is the force on the first shoe; the rest of `total` acts on the second.
+        """
         return loaded_end_motion_over_lining_compliance(
             one, force
         ) - loaded_end_motion_over_lining_compliance(other, total - force)
@@ -473,7 +483,7 @@ def _cam_force_on_first_shoe_with_further_loads(
         difference_of_both_loaded_end_motions(total),
     )
     if not low < 0 < high:
-        # If springs or other forces alone press a shoe too far, the shoe moves away from the cam.
+        # A shoe that springs or other forces move farther than the cam loses contact with the cam.
         lacking = on_cam[0] if low >= 0 else on_cam[1]
         raise NoAnswer(f"shoe {shoes[lacking].name!r}: the cam does not press it")
     force = float(
@@ -510,7 +520,7 @@ def solve_brake_by_rigid_shoe_law(
             found = find_contact_of_rigid_shoe(under, shoe, whole=whole)
         answer = response_of_rigid_shoe(under, shoe, found)
         shoes.append(replace(answer, supports=anchored.supports.get(shoe.name, ())))
-    # If a cam or a strut divides a force among shoes, each response states the force on its shoe.
+    # If a cam or a strut decides the forces on the shoes, each response states its shoe's force.
     if under.shoes != brake.shoes:
         shoes = [
             replace(response, force=shoe.actuation.force)
@@ -539,9 +549,9 @@ def solve_brake_by_rigid_shoe_law(
 def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
     """A note on how a cam divides its force if its two linings have different E/t; else no note.
 
-    The cam moves the loaded ends of both shoes equally. A new lining follows by its compression p
-    t/E, so that E/t matters. A worn-in lining follows by its wear, which is proportional to p for
-    any E/t.
+    The cam moves the loaded ends of both shoes equally. New linings allow this by the compression
+    p t/E, which depends on E/t. Worn-in linings allow it by wear, which is proportional to the
+    pressure p for any E/t.
     """
     if brake.actuation is None or not brake.actuation.is_cam_or_wedge:
         return ()
@@ -571,8 +581,8 @@ def response_with_note_on_ignored_keys(brake: Brake, response: Response) -> Resp
 
     Responses of other models are returned unchanged.
 
-    The law also ignores `misfit.blocks`. Where blocks stand back the real lining does not press, so
-    that the law's torque and pressure are wrong for it; a warning says so.
+    The law also ignores `misfit.blocks`. The real lining does not press where blocks lie back, so
+    that torque and pressure of the law are wrong; a warning says so.
     """
     if response.left_out != NEGLECTED_BY_RIGID_LAWS[brake.surface.word]:
         return response
@@ -592,9 +602,9 @@ def response_with_note_on_ignored_keys(brake: Brake, response: Response) -> Resp
 
 
 def _given_keys_that_laws_do_not_use(brake: Brake) -> list[str]:
-    """The keys of parts and gaps in a brake file that no rigid-shoe law uses, each once."""
-    # The attribute `out_of_round_harmonics` of a brake also contains the growth of a heated drum,
-    # about which there is a separate warning. The key of the file is therefore read here.
+    """The keys of a brake, such as "shoe.body", that no rigid-shoe law uses; each key once."""
+    # The key `out_of_round` is read from the drum, because `out_of_round_harmonics` of a brake also
+    # has the growth of a heated drum, about which there is a separate warning.
     out_of_round = getattr(getattr(brake, "drum", None), "out_of_round", ())
     parts: dict[str, object] = {"drum.ring": brake.ring, "drum.out_of_round": out_of_round}
     for shoe in brake.shoes:
@@ -609,5 +619,8 @@ def _given_keys_that_laws_do_not_use(brake: Brake) -> list[str]:
 
 
 def note_on_shoe_without_contact(name: str, body: str = "drum") -> str:
-    """The text of the note on a shoe that its force does not press on the drum or the plane."""
+    """The text of the note on a shoe that its actuation does not press on the drum or plane.
+
+    `name` is the name of the shoe, and `body` the word for the moving body.
+    """
     return f"shoe {name!r}: no contact, the force does not turn it towards the {body}"

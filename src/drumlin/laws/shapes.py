@@ -37,7 +37,7 @@ class Load(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Angles and radii of a shoe on a drum that the formulas of a law need.
+    """Angles, radii and the sign dD of a shoe on a drum, which the formulas of a law need.
 
     The attributes are numbers or arrays that broadcast, so that one call serves many shoes.
 
@@ -61,7 +61,7 @@ class Layout(NamedTuple):
 
     @property
     def linings(self) -> "list[Layout]":
-        """The layout of each lining of the shoe on its own, in the order of their angles."""
+        """A layout for each lining of the shoe alone, by growing angle from the hinge."""
         ends = [self.phi_1, *(end for slot in self.slots for end in slot), self.phi_2]
         pairs = zip(ends[::2], ends[1::2], strict=True)
         return [self._replace(phi_1=first, phi_2=last, slots=()) for first, last in pairs]
@@ -82,8 +82,9 @@ def scaled_normal_and_friction_moments_about_point(
 ) -> tuple[Floats, Floats]:
     """Moments M_N and M_F [m] about a point, of pressure and friction, divided by b R p_0.
 
-    The moment M_N of the normal pressure opposes the actuation. The moment M_F is that of the
-    friction at mu = 1; with dD = 1 it helps the actuation.
+    Here b is the lining's width, R the drum's radius and p_0 the pressure's amplitude. The moment
+    M_N of the normal pressure opposes the actuation. The moment M_F of the friction is for mu = 1;
+    with dD = 1 it helps the actuation.
 
     Parameters
     ----------
@@ -183,7 +184,7 @@ def _integrals_of_uniform_pressure_on_arc_part(whole: Layout, part: Layout) -> L
 
 
 def _friction_factor_of_one_for_each_arc(arc: Layout) -> Floats:
-    """The factor 1 on mu, in the shape of the arc's angles: the law does not change friction."""
+    """The factor on mu of a law that does not change it: 1, in the shape of the arc's angles."""
     return np.ones(np.shape(arc.half_of_lining_arc))
 
 
@@ -199,7 +200,7 @@ class Law:
     pressure : function that returns f at angles phi
     peak_at : function that returns the angle phi [rad] of the largest f
     lumped : whether the law lets the whole contact force act at the lining's middle
-    friction : function that returns the factor on mu, which is 1 unless the law lumps the forces
+    friction : function that returns the factor by which the law multiplies mu; 1 for most laws
     remark : note for the reader of the law's results
     load_on_part : function that takes the whole arc and a part of it, and returns the integrals of
         f over the part; None for a law that cannot have several linings on a shoe
@@ -219,7 +220,8 @@ class Law:
         """Integrals of f over the arc of a shoe, or over all linings of a shoe with slots."""
         if not arc.slots:
             return self.load(arc)
-        # Models refuse a shoe with slots for a law that lumps the force at the lining's middle.
+        # A law that lumps the force at the lining's middle has no `load_on_part`. Shoes with slots
+        # are refused before they get here.
         assert self.load_on_part is not None
         first, *others = (self.load_on_part(arc, part) for part in arc.linings)
         total, cos, sin = first
@@ -242,7 +244,8 @@ class Law:
     def scaled_normal_and_friction_moments_about_hinge(self, arc: Layout) -> tuple[Floats, Floats]:
         """Moments M_N of pressure and M_F of friction about the hinge, divided by b R p_0 [m].
 
-        M_N opposes the actuation. M_F is the moment at mu = 1; with dD = 1 it helps the actuation.
+        Here b is the lining's width, R the drum's radius and p_0 the pressure's amplitude. M_N
+        opposes the actuation. M_F is the moment at mu = 1; with dD = 1 it helps the actuation.
         """
         M_N, M_F = scaled_normal_and_friction_moments_about_point(
             self.pressure_integrals_over_all_linings(arc), arc.R, arc.a
@@ -252,8 +255,9 @@ class Law:
     def actuation_moment_over_pressure_amplitude(self, mu: Values, arc: Layout) -> Floats:
         """Actuation moment divided by b R p_0: M_N - dD mu M_F [m].
 
-        This is the moment of pressure and friction about the hinge that the actuation must balance.
-        It is zero or negative if the shoe locks itself.
+        Here b is the lining's width, R the drum's radius and p_0 the pressure's amplitude. The
+        actuation must balance this moment of pressure and friction about the hinge. It is zero or
+        negative if the shoe locks itself.
         """
         M_N, M_F = self.scaled_normal_and_friction_moments_about_hinge(arc)
         return M_N - arc.dD * mu * M_F
@@ -278,7 +282,8 @@ class Law:
     def torque_over_actuation_moment(self, mu: Values, arc: Layout) -> Floats:
         """Ratio eta = T/M = 1/(m - dD n) of torque to actuation moment (UWA notes, eq. 8).
 
-        It is nan if the shoe locks itself.
+        For m and n see `short_shoe_pressure_and_friction_moments_over_torque`. The ratio is nan if
+        the shoe locks itself.
         """
         resistance = self.actuation_moment_over_pressure_amplitude(mu, arc)
         effect = (
@@ -287,7 +292,7 @@ class Law:
         return effect / np.where(resistance > 0, resistance, np.nan)
 
     def sensitivity_of_braking_effect_to_friction(self, mu: Values, arc: Layout) -> Floats:
-        """Sensitivity S = (mu/T) dT/dmu = m eta at fixed actuation (UWA notes, eq. 8).
+        """Sensitivity S = (mu/T) dT/dmu of the torque at fixed actuation (UWA notes, eq. 8).
 
         S is nan if the shoe locks itself.
         """
@@ -311,11 +316,10 @@ class Law:
 def short_shoe_pressure_and_friction_moments_over_torque(
     mu: Values, theta_m: Values, r: Values, a: Values
 ) -> tuple[Floats, Floats]:
-    """Dimensionless moments m and n of the pressure and the friction on a short shoe.
+    """Moments m of the pressure and n of the friction on a short shoe, divided by its torque.
 
-    m is the moment of the normal force about the hinge divided by the torque, (a/(mu r)) sin
-    theta_m. n is the moment of the friction about the hinge divided by the torque, 1 - (a/r) cos
-    theta_m (UWA notes, eq. 6a).
+    Both are moments about the hinge: m = (a/(mu r)) sin theta_m and n = 1 - (a/r) cos theta_m (UWA
+    notes, eq. 6a).
 
     Parameters
     ----------
@@ -330,7 +334,7 @@ def short_shoe_pressure_and_friction_moments_over_torque(
 
 
 def _angle_of_lining_middle(arc: Layout) -> Floats:
-    """Angle phi [rad] of the lining's middle, where the peak pressure of a law may lie."""
+    """Angle phi [rad] of the lining's middle, where some laws have their largest pressure."""
     return arc.middle
 
 

@@ -11,7 +11,10 @@ from drumlin.brake.support import Freedoms
 from drumlin.laws.face import Arcs, Face
 
 MOST_CONTACT_STEPS = 200
-"""Largest number of iterations in search of the arcs in contact; after it the solve fails."""
+"""Largest number of iterations in search of the arcs in contact.
+
+If the arcs still change after so many iterations, the shoe counts as without equilibrium.
+"""
 
 
 class RigidShoeContact(NamedTuple):
@@ -36,9 +39,9 @@ class RigidShoeContact(NamedTuple):
 
     @property
     def loaded_point_motion_over_compliance(self) -> float:
-        """Displacement of the loaded point along its force over the lining's compliance [Pa].
+        """Displacement [m] of the loaded point along its force, divided by the lining's compliance.
 
-        The compliance is the compression of the lining per pressure [m/Pa].
+        The quotient is in Pa, because the compliance is the lining's compression per pressure.
         """
         return float(self.freedoms.tip @ self.amounts)
 
@@ -48,8 +51,9 @@ def equilibrium_matrices_of_rigid_shoe(
 ) -> tuple[Floats, Floats]:
     """Matrices N and F (k, k) of the equilibria (N - mu s F) a = Q of a rigid shoe.
 
-    N has the work of the pressure, and F the work of the friction. The unknowns a are the factors
-    of the k rigid-body modes in the pressure. Q is the work of the actuation on the test modes.
+    Column i of N has the work, on each test mode, of the pressure by the rigid-body mode i. F has
+    the work of the friction at mu = 1. The unknowns a are the factors of the k rigid-body modes in
+    the pressure. Q is the work of the actuation and other loads on the test modes.
 
     Parameters
     ----------
@@ -87,7 +91,7 @@ def self_locking_friction_on_arcs(
 
 
 def smallest_friction_with_singular_equilibrium(N: Floats, F: Floats, spin: int) -> float:
-    """The smallest friction coefficient mu > 0 at which N - mu s F is singular; inf without one.
+    """The smallest friction coefficient mu > 0 at which N - mu s F is singular; inf if none is.
 
     N and F (k, k) are the matrices of `equilibrium_matrices_of_rigid_shoe`, and `spin` is the sense
     s of the motion, +1 or -1.
@@ -118,7 +122,7 @@ def are_contact_arcs_equal(a: Arcs, b: Arcs) -> bool:
     """Whether two sets of contact arcs are equal up to round-off."""
     if len(a) != len(b):
         return False
-    # Contact iterations compare a few numbers many times, for which arrays would be slow.
+    # Contact iterations compare a few numbers many times. Lists are faster for this than arrays.
     ends_of_a, ends_of_b = list(chain(*a)), list(chain(*b))
     round_off = 1e-13 * max(1.0, *map(abs, ends_of_b))
     return all(abs(x - y) <= round_off for x, y in zip(ends_of_a, ends_of_b, strict=True))

@@ -51,7 +51,7 @@ class DoubleShoe:
     theta_sb : angle from the pin to the lining's beginning [rad]
     theta_s : span of the shoe or its end angle, according to `reading` [rad]
     mu_Coulomb : friction coefficient at full speed
-    mu_visc : viscous friction [N m s/rad]
+    mu_visc : viscous torque per angular speed [N m s/rad]
     omega_threshold : speed at which friction is almost full [rad/s]
     reading : meaning of theta_s, "end" or "span"
     """
@@ -136,11 +136,11 @@ class DoubleShoe:
         return float(SINE.self_locking_friction(self._angles_and_radii_of_shoe(1)))
 
     def _angles_and_radii_of_shoe(self, dD: int) -> Layout:
-        """Angles and radii for the sine law of the leading shoe (dD = 1) or the trailing (-1)."""
+        """Angles and radii for the sine law of the leading (dD = 1) or trailing (dD = -1) shoe."""
         return Layout(*self.arc, R=self.r_D, a=self.r_p, dD=dD)
 
     def friction(self, omega: Values) -> Floats:
-        """Friction coefficient at speeds omega [rad/s], in omega's shape and with omega's sign."""
+        """Friction coefficient at speeds omega [rad/s], with the shape and the sign of omega."""
         return np.asarray(self.mu_Coulomb * np.tanh(4 * np.asarray(omega) / self.omega_threshold))
 
     def shoe_torques(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
