@@ -75,7 +75,7 @@ RING_ERROR = 0.1
 
 A column of width w on a body of modulus E leaves an error of about p w/E of the displacement under
 the pressure p. The ring's columns may therefore be wider than the lining's columns by this fraction
-of the ratio of the moduli, rounded down to a power of two. Without the rounding, on 24 random
+of the ratio of the moduli, rounded down to a power of two. Without the rounding, on 23 random
 brakes with rings (seeds 0 to 7 of each of the three kinds), the error of p was at most 1.15 times
 the error with the lining's columns; with 0.3 it was up to 2.7 times as large. Smaller values give
 the ring more columns, and the solve takes more time.
