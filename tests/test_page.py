@@ -12,7 +12,7 @@ from drumlin.base.texts import number_as_text
 from drumlin.report.page import write_html_page
 
 TEMPLATE = """{% extends "base.html" %}
-{% from "blocks.html" import figure, table, fields %}
+{% from "blocks.html" import figure, table, fields_by_vtk %}
 {% block title %}{{ name }}{% endblock %}
 {% block lead %}off by {{ error|form("+.1%") }}{% endblock %}
 {% block body %}
@@ -20,7 +20,7 @@ TEMPLATE = """{% extends "base.html" %}
 {% set first = Column("a", "first", "mm", 1e3, ".1f") %}
 {% set columns = [first, Column("b", "second"), Column("c", "third")] %}
 {% call table(rows, columns) %}rows{% endcall %}
-{{ fields("none", "no screen") }}
+{{ fields_by_vtk("none", "no screen") }}
 {% endblock %}
 """
 
