@@ -89,7 +89,7 @@ class ContactLine:
 
     @cached_property
     def node_angles_with_mask_of_linings(self) -> tuple[Floats, Bools]:
-        """Angles (m,) [rad] of nodes on all linings and in the slots, and which are on linings.
+        """Angles (m,) [rad] of nodes on linings and in slots, and a mask (m,): True on linings.
 
         The nodes on linings are the nodes of `angles_and_mean_pressures`. Nodes are added in the
         slots between linings, so that a piecewise polynomial spans them, see
@@ -103,12 +103,18 @@ class ContactLine:
 
     @property
     def node_distances_from_mid_plane(self) -> Floats:
-        """Distances (m,) [m] from the mid-plane of the nodes across the width: here one, at 0."""
+        """Distances (m,) [m] of the nodes across the width from the mid-plane.
+
+        In plane stress there is one such node, at the distance 0.
+        """
         return np.zeros(1)
 
     @property
     def width_fraction_of_each_node_across_width(self) -> Floats:
-        """The fraction (m,) of the width that each node across the width stands for: here 1."""
+        """The fraction (m,) of the width that each node across the width stands for.
+
+        In plane stress there is one such node, and its fraction is 1.
+        """
         return np.ones(1)
 
     def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
@@ -297,5 +303,5 @@ def weak_coupling_of_contact_line(
 
 
 def _sum_values_with_equal_position(at: Ints, values: Floats, count: int) -> Floats:
-    """Sums (count,) of `values` over all entries that have the same position `at`."""
+    """Sums (count,): entry k is the sum of all `values` whose entry in `at` is k."""
     return np.bincount(at, values.ravel(), count).astype(float, copy=False)

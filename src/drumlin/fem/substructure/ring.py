@@ -66,10 +66,10 @@ class RingSubstructure:
     mesh, basis : mesh and scalar basis; for a ring of hp elements both are its grid
     line : contact line of the ring
     condensed : the ring, condensed to its contact nodes
-    normal_half_flexibilities, friction_half_flexibilities : for each shoe i the half flexibility
-        (m, n_i) of the ring under the nodal forces N^T of the pressure, and -T^T of the friction.
-        Called Y_i and Z_i, they open the weighted gap of shoe i under the pressure p_j of shoe j by
-        Y_i^T (Y_j + drag Z_j) p_j.
+    normal_half_flexibilities, friction_half_flexibilities : for each shoe i the half flexibilities
+        Y_i and Z_i (m, n_i) of the ring, under the nodal forces N^T of the pressure and -T^T of the
+        friction. The pressure p_j of shoe j, with its friction, opens the weighted gap of shoe i by
+        Y_i^T (Y_j + drag Z_j) p_j, where drag is mu_j times the sense of sliding, +1 or -1.
     coupling_matrices : N and T (n_i, 2n) of each shoe
     held : nodes of the far edge (opposite to the friction surface) that are fixed; empty for a free
         ring
@@ -336,7 +336,10 @@ def couple_ring_with_linings(
 
 
 def _ring_facets_under_arcs(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
-    """Facets of the ring's friction surface that lie at least partly under any arc [rad]."""
+    """Numbers of the element edges (facets) of the friction surface under any of the `arcs` [rad].
+
+    An edge on the ring's friction surface counts if it lies at least partly under an arc.
+    """
     facets = mesh.boundaries["contact"]
     x, y = mesh.p[:, mesh.facets[:, facets]]
     first, second = np.arctan2(y, x)
