@@ -209,7 +209,7 @@ def column_layers_of_shoe(
 
 
 UnknownRun = tuple[slice, slice]
-"""Two slices of the same unknowns: in an element's stiffness, and in its column's stiffness.
+"""Where a run of unknowns stands: a slice in an element's stiffness, and one in its column's.
 
 The unknowns inside the element are already eliminated from its stiffness.
 """
@@ -224,7 +224,7 @@ class LayerPlan(NamedTuple):
         `_flat_stiffness_entries_of_each_element`: boundary by boundary unknowns, inner by boundary
         unknowns, and inner by inner unknowns
     kept, rest : runs of the boundary unknowns that the column keeps, and of the boundary unknowns
-        that it eliminates
+        that it eliminates; each run is a pair of slices, see `UnknownRun`
     """
 
     outer: Ints
@@ -279,7 +279,7 @@ def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnP
 
 
 class ColumnUnknownNames(NamedTuple):
-    """The unknowns of a column, by what its condensation does with them.
+    """The unknowns of a column, sorted by their role in its condensation.
 
     Attributes
     ----------
@@ -298,7 +298,7 @@ class ColumnUnknownNames(NamedTuple):
 def unknowns_of_element_column_by_role_in_condensation(
     stack: ColumnLayers, along: AlongRow
 ) -> ColumnUnknownNames:
-    """The unknowns of a column, sorted by what its condensation does with them.
+    """The unknowns of a column, sorted by their role in its condensation.
 
     `stack` are the layers of the column. `along` has the numbers of the unknowns along a row of
     nodes; they are the same for all rows.
@@ -319,8 +319,8 @@ def unknowns_of_element_column_by_role_in_condensation(
         rows = range(k * p, (k + 1) * p + 1)
         outer = (*kept, *edges[k], *edges[k + 1])
         boundary.append([u for u in outer if _is_unknown_of_layer(u, rows, counts)])
-        # The unknowns inside an element are eliminated before its stiffness is added to that of the
-        # column of elements.
+        # The unknowns inside an element are eliminated before its stiffness is added to the
+        # stiffness of the column of elements.
         inside = []
         for row in rows[1:-1]:
             own = stack.unknowns_of_node_row_besides_contact(row, along.inside)
@@ -405,8 +405,9 @@ def _flat_stiffness_entries_of_each_element(
     """The entries of the stiffness of c elements, as a flat row for each element (c, entries).
 
     The entries that couple two of u_x and u_y come first, then the entries that couple u_x or u_y
-    with u_z, then the entries of u_z alone. Each of the three parts is flattened from the axes
-    (along, along, row, row, function, function).
+    with u_z, then the entries of u_z alone. Each entry belongs to two unknowns. Each of the three
+    parts is flattened from the axes (along, along, row, row, function, function): the positions of
+    both unknowns along their rows, then their rows, then their functions of z.
 
     Parameters
     ----------

@@ -240,7 +240,8 @@ class WidthUnknowns:
             [self._element_columns_of_one_block(under, 0)],
         )
         if beyond and len(div.before) > 1:
-            # The nodes of this block go from the lining to the hinge.
+            # The nodes of this block go from the lining to the hinge, so that they are put into
+            # reverse order.
             columns.insert(0, self._element_columns_of_one_block(beyond.pop(0)[:, ::-1], first))
         if beyond:
             columns.append(self._element_columns_of_one_block(beyond.pop(0), first))

@@ -424,7 +424,7 @@ class _FaceAxes(NamedTuple):
 
     Attributes
     ----------
-    angles : (n functions,) angles by which axes are turned from the columns' to the frame's [rad]
+    angles : (n functions,) angles [rad] from the axes of the columns to the axes of the frame
     inverse : matrix (functions, nodes) that turns values at the nodes across the width into factors
         of the functions
     """
