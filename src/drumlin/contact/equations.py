@@ -182,7 +182,7 @@ class ContactSetEquations:
 
     @property
     def determinant_sign(self) -> int:
-        """The sign of the determinant, +1 or -1."""
+        """The sign, +1 or -1, of the determinant of K in the rows and columns of free unknowns."""
         return _determinant_sign_from_lu_factors(self._factors)
 
     def _solve_for_unknowns_of_contact_set(self, right: Floats) -> Floats:
@@ -228,8 +228,8 @@ class BorderedEquations(ContactSetEquations):
     def determinant_sign(self) -> int:
         """The sign of the determinant, +1 or -1.
 
-        It is the product of the signs of the base and of the Schur complement. By Jacobi's theorem
-        on complementary minors the product holds for released nodes too.
+        It is the sign for the base times the sign of the Schur complement's determinant. By
+        Jacobi's theorem on complementary minors the product holds for released nodes too.
         """
         return self._base_equations.determinant_sign * _determinant_sign_from_lu_factors(
             self._schur_factors
@@ -305,7 +305,7 @@ def _lu_factors_and_pivots_of_transposed_matrix(matrix: Floats) -> tuple[Floats,
 
 def _solve_with_lu_factors(factors: tuple[Floats, Ints], right: Floats) -> Floats:
     """Return the solution of a linear system, from LU factors and pivots of the transpose."""
-    # LAPACK is called directly, since scipy's checks take longer than these small systems.
+    # LAPACK is called directly, since the checks in scipy take longer than solving small systems.
     return dgetrs(*factors, right, trans=1)[0] if len(right) else right
 
 

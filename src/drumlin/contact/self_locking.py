@@ -567,9 +567,9 @@ def next_friction_with_singular_contact_equations(
     G = np.linalg.solve(system.K[unknowns[:, None], unknowns], K1)[: len(nodes)]
     gamma = np.linalg.eigvals(G)
     gamma = gamma[gamma.imag == 0].real
-    # gamma are the eigenvalues of G. Each negative one gives a friction mu - 1/gamma above the
-    # present mu at which the equations are singular. An eigenvalue next to 0 stands for an infinite
-    # friction.
+    # gamma are the eigenvalues of K(mu)^-1 K1. Each negative gamma gives a friction mu - 1/gamma
+    # above the present mu at which the equations are singular. A gamma next to 0 stands for an
+    # infinite friction.
     falling = gamma[gamma < -1e-300]
     return float(friction - 1 / falling.min()) if len(falling) else np.inf
 
