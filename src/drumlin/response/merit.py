@@ -36,12 +36,12 @@ def sign_of_friction_moment_about_hinge(brake: Brake, shoe: Shoe) -> int:
     """The sign dD (double delta) of the friction's moment in the UWA notes, eq. 6: +1 or -1.
 
     The sign is +1 for an external shoe whose lining the drum drags away from the hinge, and for an
-    internal shoe whose lining the drum drags towards the hinge. Otherwise the sign is -1. On a
-    lining that lies more than half a turn from its hinge, the opposite sense of the actuation
-    moment presses, and dD has the opposite sign.
+    internal shoe whose lining the drum drags towards the hinge. Otherwise the sign is -1. A
+    lining that lies more than half a turn from its hinge is pressed by an actuation moment of the
+    opposite sense. Its dD then has the opposite sign, too.
     """
-    # A lining that reaches beyond half a turn from the hinge is pressed on either side of this
-    # angle. The sense of the actuation moment tells on which one.
+    # A lining that reaches beyond half a turn from the hinge is pressed either before or beyond
+    # this angle. The sense of the actuation moment tells which.
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
     beyond = shoe.arc[1] > math.pi and M * -shoe.sign * shoe.frame.sense < 0
     return shoe.sign * brake.sign_of_motion * shoe.frame.sense * (1 if beyond else -1)
@@ -67,7 +67,7 @@ def figures_of_merit_of_shoe_on_drum(
     M_N = float(planar_cross_product(to_centre, contact.normal))
     M_F = contact.moment + float(planar_cross_product(to_centre, contact.friction))
     N, T = float(np.linalg.norm(contact.normal)), response.torque
-    # The sign makes the vector point from the drum's centre to the lining, for internal and
+    # With the sign, `outwards` points from the drum's centre to the lining, for internal and for
     # external shoes.
     outwards = -shoe.sign * contact.normal
     angle = math.atan2(outwards[1], outwards[0])

@@ -287,7 +287,7 @@ class LiningWithoutEndZones:
         # The limits of the two integrals in the coordinate [-1, 1] of each piece. A limit outside
         # the piece becomes the nearer end of the piece.
         xi = np.minimum(np.maximum((limits[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)
-        # Integrals of the shape functions of each piece from the begin of the piece up to a limit.
+        # Integrals of the shape functions of each piece from the piece's beginning up to a limit.
         integrals = _legendre_coefficients_of_integrated_shapes(
             order
         ) @ _legendre_polynomial_values(order + 1, xi).swapaxes(0, 1)
