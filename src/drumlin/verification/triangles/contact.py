@@ -93,8 +93,8 @@ class ContactForces(NamedTuple):
     Attributes
     ----------
     force : (n,) nodal contact forces along the normals [N], 0 at open nodes
-    motions : (k,) generalised coordinates of the rigid-body modes of the shoes; before a solution
-        is split by shoes, followed by the forces [N] of the supports that bear
+    motions : (k,) generalised coordinates of the rigid-body modes of the shoes. In a solution of
+        several shoes together, the forces [N] of the supports that bear follow them.
     active : (n,) whether a node is in contact
     supports : forces of the one-sided supports of one shoe
     """

@@ -253,7 +253,8 @@ def _places_where_pressure_is_not_smooth(
         {angle for angle, _ in clearance.gap_kinks_that_point_to_drum(shoe.lining)},
     )
     most = min(MOST_HALVINGS_AT_CONTACT_ENDS, level.halvings)
-    # At a kink of the gap that points to the drum p grows without bound, and triangles are smaller.
+    # At a kink of the gap that points to the drum the pressure grows without bound. Therefore the
+    # triangles there are smaller than at other kinks.
     beyond = 0.5 ** (level.halvings - most)
     places = [
         (angle, shape.triangle_length_before_first_halving * (beyond if angle in tips else 1.0))

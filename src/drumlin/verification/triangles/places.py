@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from drumlin.verification.triangles.face import MeshedBody
 
 SPREAD_OVER_THICKNESS = 0.5
-"""Standard deviation of the length over which a force is spread, over the body's thickness.
+"""Standard deviation of the length over which a force is spread, divided by the body's thickness.
 
-It is that of the finite elements that are verified, `load_places.SPREAD`. Another value would load
-another shoe.
+The finite elements that are verified spread forces over the same length, see `load_places.SPREAD`.
+With another value the triangles would solve a different load.
 """
 
 

@@ -66,7 +66,7 @@ class _LiningOnRing(NamedTuple):
 def mesh_drum_ring_and_refine_shoe_meshes_to_match(
     brake: Brake, drafts: list[DraftShoeMesh], level: TriangleLevel
 ) -> tuple[list[Triangles], MeshedBody]:
-    """Mesh the drum ring, and refine the shoes' meshes so that nodes of both lie opposite.
+    """Mesh the drum ring, and refine the shoes' meshes until their nodes lie opposite ring nodes.
 
     Returns the refined meshes of the shoes, and the meshed ring. Raises BadInput for a ring without
     a section and for shoes on both sides of the ring.
@@ -288,8 +288,9 @@ def condense_ring_to_lining_nodes(
     held[right] = held[left, 1] = True
     found = lagrange.condense_body_to_kept_nodes(ring.K, nodes, held.ravel(), chosen, loads)
     own = rigid[(2 * chosen[:, None] + np.arange(2)).ravel()]
-    # Tractions -loads l on the rim balance contact forces f, with l = (rigid^T loads)^-1 own^T f.
-    # Then the mean motion of the rim is subtracted from the displacements.
+    # Tractions on the rim balance the contact forces f. They are the columns of `loads` with the
+    # factors -l, where l = (rigid^T loads)^-1 own^T f. Then the mean motion of the rim is
+    # subtracted from the displacements.
     share = np.linalg.solve(rigid.T @ loads, own.T)
     moved = found.of - found.loaded @ share
     mean = found.loaded.T - found.work @ share
