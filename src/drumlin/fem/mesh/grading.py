@@ -148,7 +148,8 @@ def element_ends_beyond_lining(near: float, far: float, division: LiningDivision
     length, step = abs(far - near), division.step
     if length < 1e-9:
         return np.array([near])
-    # Equal elements, or elements whose lengths grow by a constant ratio if there were too many.
+    # The elements are equal. If they are too many, their number is limited, and their lengths grow
+    # by a constant ratio with the distance from the lining.
     count = max(1, round(length / step))
     parts = np.linspace(0, 1, min(count, MOST_OVERHANG_ELEMENTS) + 1)
     if count > MOST_OVERHANG_ELEMENTS:

@@ -108,7 +108,8 @@ def convert_plane_cells_to_one_kind(
     for cells in kinds.values():
         if cells.min() < 0 or cells.max() >= len(points):
             raise BadInput(f"{fault}: has cells with nodes that the file does not define")
-    # Third order is converted to second order, and then mixed cells to triangles.
+    # Cells of third order become cells of second order. If the mesh then has triangles and
+    # quadrilaterals, all cells become triangles.
     own = len(points)
     notes: list[str] = []
     if set(kinds) & set(LOWER):
