@@ -127,7 +127,7 @@ def scale_contact_problem(
 def _row_and_column_scale_factors_of_contact_problem(
     problem: ContactProblem,
 ) -> tuple[Floats, Floats]:
-    """Return the scale factors (n + k,) of the rows of K, and then those of its columns."""
+    """Return the scale factors (n + k,) of the rows of K, and the scale factors of its columns."""
     A, _, B, C, _ = problem
     k = B.shape[1]
     # With these factors A gets a unit diagonal. The largest entry of each column of B and of each
@@ -226,7 +226,7 @@ class BorderedEquations(ContactSetEquations):
 
     @property
     def determinant_sign(self) -> int:
-        """The sign of the determinant, +1 or -1.
+        """The sign, +1 or -1, of the determinant of K in the rows and columns of free unknowns.
 
         It is the sign for the base times the sign of the Schur complement's determinant. By
         Jacobi's theorem on complementary minors the product holds for released nodes too.
@@ -328,5 +328,5 @@ def is_bordered_system_cheaper_than_new_factors(base: ContactSetEquations, free:
     """
     size = len(base._free_numbers)
     changed = np.count_nonzero(base.free ^ free)
-    # A bordered system costs less if at most one unknown in eight changes.
+    # A bordered system costs less if fewer than one unknown in eight changes.
     return size > BORDERED_ABOVE_UNKNOWNS and bool(8 * changed < size)

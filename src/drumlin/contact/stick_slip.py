@@ -644,8 +644,8 @@ def sticking_and_slipping_arcs_of_lining(
     """Return the arcs of a lining that stick and that slip, under the keys "stick" and "slip".
 
     Each arc is given by its start and its end [rad]. An arc covers neighbouring nodes in one state;
-    its ends lie half-way to the next nodes. `nodes` (n,) are the angles [rad] of the nodes, and
-    `state` (n,) are their states.
+    its ends lie half-way to the next nodes, or at an end of the lining. `nodes` (n,) are the angles
+    [rad] of the nodes, and `state` (n,) are their states.
     """
     edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
     return {

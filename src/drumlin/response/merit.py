@@ -61,7 +61,8 @@ def figures_of_merit_of_shoe_on_drum(
     """
     shoe = brake.shoes[index]
     R, b = brake.size, shoe.lining.width
-    # Moments about the hinge: of the actuation, of the normal pressure and of the friction.
+    # M, M_N and M_F are the moments of the loads, the normal pressure and the friction about the
+    # hinge.
     to_centre = -shoe.pin.xy
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
     M_N = float(planar_cross_product(to_centre, contact.normal))
@@ -111,16 +112,16 @@ def barecki_shoe_factor(
     psi : apparent friction radius, divided by the drum's radius R
     delta : distance of the hinge from the drum's centre, divided by R
     gamma : arm of the actuation force P about the hinge, divided by R
-    sense : +1 for a leading shoe of the paper, -1 for a trailing shoe, as
-        `sign_of_friction_moment_about_hinge`. On a leading external shoe the friction points from
-        the hinge to the loaded end.
+    sense : +1 for a leading shoe of the paper, -1 for a trailing shoe; it is the sign that
+        `sign_of_friction_moment_about_hinge` returns. On a leading external shoe the friction
+        points from the hinge to the loaded end.
     """
     resisting = delta * (np.sin(angle) / mu + sense * np.cos(angle))
     return np.asarray(gamma * psi / (resisting - sense * psi))
 
 
 def mean_friction_of_shoe(brake: Brake, shoe: Shoe, response: ShoeResponse) -> float:
-    """The friction coefficient of a shoe, as a mean weighted with the pressure if it varies."""
+    """The friction coefficient of a shoe; its mean weighted with the pressure if it varies."""
     if response.friction_stress is None:
         return brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
     values = (response.friction_stress, response.pressure)
@@ -140,7 +141,7 @@ def figures_of_merit_of_shoe_on_plane(
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
     friction = mean_friction_of_shoe(brake, shoe, response)
     force = friction * N
-    # The moment of the friction about the hinge, positive if it helps the actuation.
+    # `helping` is the moment of the friction about the hinge, positive if it helps the actuation.
     helping = -math.copysign(1, M) * friction * brake.sign_of_motion * shoe.pin.y * N
     return FlatMerit(
         braking_force=force,

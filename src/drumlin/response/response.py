@@ -122,6 +122,7 @@ def reference_force_of_reaction_errors(reaction: Floats, normal_force: float) ->
     """The force [N] to which errors of a support reaction (2,) [N] are relative.
 
     It is the size of the reaction, and at least NO_FORCE times the normal force [N] on the lining.
+    If both are zero, it is 1 N.
     """
     return max(math.hypot(*reaction), NO_FORCE * normal_force) or 1.0
 
@@ -254,11 +255,11 @@ class ShoeResponse(EqualByArrays):
 
     @property
     def nodal_pressures_on_linings(self) -> Floats:
-        """The pressures [Pa] at the nodes on linings, without those in slots between linings."""
+        """The pressures [Pa] at nodes on linings, without the nodes in slots between linings."""
         return self.nodal_values_on_linings(self.pressure)
 
     def nodal_values_on_linings(self, values: Floats) -> Floats:
-        """The values at the nodes on linings, of `values` (n,) at all nodes."""
+        """The values at nodes on linings, selected from the values (n,) at all nodes."""
         on_lining = np.ones(len(self.theta), dtype=bool)
         for start, end in self.slots:
             on_lining &= (self.theta <= start) | (self.theta >= end)

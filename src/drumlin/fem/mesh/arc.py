@@ -84,7 +84,7 @@ def _move_nearest_element_ends_to_angles(angles: Floats, places: tuple[float, ..
 
 
 FACE_SLACK = 1e-9
-"""Largest distance of an edge's middle from a face of the shoe at which the edge lies on the face.
+"""Largest distance from a face of the shoe at which the middle of an edge counts as on the face.
 
 The edge is an edge of an element. Distances in depth are relative to the drum's radius, and
 distances along the shoe are in rad. Distances of this size are round-off.

@@ -172,7 +172,7 @@ class NodalBasis:
         return int(self.doflocs.shape[1])
 
     def get_dofs(self, facets: Ints) -> Ints:
-        """The numbers of all nodes on some sides of elements."""
+        """The numbers of all nodes on the sides `facets` of elements; the name is scikit-fem's."""
         return np.unique(nodes_along_element_edges(self, facets))
 
     def shape_function_gradients_and_jacobian_determinants(

@@ -254,7 +254,7 @@ class _Assembled:
         )
 
     def _is_chosen_instance(self, owner: str) -> bool:
-        """Whether the instance named `owner` is one of the chosen bodies, or no instance at all."""
+        """True if `owner` names one of the chosen bodies, or if it is "" and names no instance."""
         return owner == "" or any(body.name == owner for body in self.bodies)
 
     def _collect_members_by_group_name(

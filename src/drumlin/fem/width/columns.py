@@ -310,7 +310,7 @@ def unknowns_of_element_column_by_role_in_condensation(
         *stack.unknowns_on_left_or_right_side_of_column(along.right),
     ]
     # The column keeps the unknowns on its two sides and on its contact. It eliminates the other
-    # nodes on the edges between its layers.
+    # unknowns on the edges of its layers.
     edges = [
         stack.unknowns_of_node_row_besides_contact(k * p, along.inside) for k in range(last + 1)
     ]
@@ -432,8 +432,9 @@ def _flat_stiffness_entries_of_each_element(
 def _sum_of_section_times_width_integrals(section: list[Floats], width: list[Floats]) -> Floats:
     """The sum of two products, each of an integral over the section and one over the width.
 
-    `section` and `width` hold two integrals each, of the shapes (c, A, B, n, n) and (k, l). The
-    result (c A B n n, k l) has the products of all their entries.
+    `section` and `width` hold two integrals each, of the shapes (c, A, B, n, n) and (k, l). In the
+    result (c A B n n, k l), a row belongs to an entry of the section's integrals, and a column to
+    an entry of the width's integrals.
     """
     if width[0].size == 0:
         return np.zeros((len(section[0]), 0))

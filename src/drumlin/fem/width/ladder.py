@@ -103,10 +103,10 @@ mid-plane, and no level has small elements at all of these ends. On such a brake
 across the width it has some 300 000 unknowns.
 """
 MOST_DEGREE = 5
-"""Largest degree across the width if parts have several widths and an error may exceed its limit.
+"""Largest degree across the width for parts of several widths, if a tolerance may be missed.
 
-Where a tolerance must be reached, LARGEST_STATED_DEGREE is the limit. With degree 7 the brake named
-at MOST_SECTION_LEVELS takes 2 GB on the first level.
+If the tolerance must be met, LARGEST_STATED_DEGREE is the limit. With degree 7 the brake "built"
+3201 of `drumlin_studies.solid_error` takes 2 GB on the first level.
 """
 SECTION_SHARE = 0.5
 """Fraction of the tolerance for the error of the section's hp elements.

@@ -1,11 +1,11 @@
 """The displacements of all nodes of a shoe with a width, recovered from the forces on the shoe.
 
-Condensation has eliminated all displacements except those of the contact. If a picture or a file
-needs the others, the columns of elements are condensed once more, to the nodes on their two sides:
-a left and a right line, without the contact. Lines are eliminated from the hinge to the far end of
-the shoe. From the far end back to the hinge, the displacements of the lines are computed one after
-another, and the displacements between the lines follow. All displacements are in the axes of the
-shoe's frame.
+Condensation has eliminated all displacements except the displacements of the contact. If a picture
+or a file needs the others, the columns of elements are condensed once more, to the nodes on their
+two sides: a left and a right line, without the contact. Lines are eliminated from the hinge to the
+far end of the shoe. From the far end back to the hinge, the displacements of the lines are computed
+one after another, and the displacements between the lines follow. All displacements are in the axes
+of the shoe's frame.
 """
 
 from dataclasses import dataclass
@@ -327,8 +327,8 @@ class WidthUnknowns:
             rest = line.forces - line.below.T @ u[line.later]
             u[line.own] = dtrsm(1.0, line.L, rest, lower=1, trans_a=1)
         for column in columns:
-            # The displacements of both sides give those of the other edges of elements, and these
-            # give the displacements inside the elements.
+            # The displacements of both sides give the displacements of the other edges of elements,
+            # and all of these give the displacements inside the elements.
             made = self._assembled_stiffness_of_element_column(column, held)
             right = forces[column.rest] - made.coupling @ u[column.kept]
             u[column.rest] = np.linalg.solve(made.rest, right)
@@ -344,7 +344,7 @@ class WidthUnknowns:
     def _cholesky_factors_of_node_lines(
         self, columns: list[_Column], held: Bools, forces: Floats
     ) -> list[_LineFactor]:
-        """The Cholesky factors of all lines of nodes between columns, from the hinge on.
+        """The Cholesky factors of all lines of nodes between element columns, from the hinge on.
 
         Parameters
         ----------

@@ -93,8 +93,8 @@ class ContactForces(NamedTuple):
     Attributes
     ----------
     force : (n,) nodal contact forces along the normals [N], 0 at open nodes
-    motions : (k,) generalised coordinates of the rigid-body modes of the shoes. In a solution of
-        several shoes together, the forces [N] of the supports that bear follow them.
+    motions : (k,) generalised coordinates of the rigid-body modes of the shoes. Before a solution
+        is split by shoes, the forces [N] of the supports that bear follow these coordinates.
     active : (n,) whether a node is in contact
     supports : forces of the one-sided supports of one shoe
     """
@@ -207,8 +207,8 @@ def contact_forces_of_shoes_in_one_system(
         bearing supports holds shoes on anchors.
     """
     failure: NoAnswer | None = None
-    # Each combination of the senses of friction at the abutments is tried in turn, until all feet
-    # are held as it assumes.
+    # Each combination of the senses of friction at the abutments is tried in turn, until the
+    # abutments hold all feet as the combination assumes.
     for chosen in (
         product(*(shoe.senses_of_abutment_friction_to_try for shoe in shoes))
         if senses is None
@@ -232,8 +232,8 @@ def _is_abutment_friction_sense_confirmed(
 ) -> bool:
     """Whether a solution agrees with the sense of friction assumed at a shoe's abutment.
 
-    The abutment must push the foot of the shoe, and the friction on the foot must oppose its slide
-    or be large enough to hold it.
+    The abutment must push the foot of the shoe. The friction on the foot must oppose the foot's
+    slide or be large enough to hold the foot.
     """
     # `drum` is the force of the drum on the lining per unit of normal force, at each node.
     drum = brake.signed_friction_stress_over_pressure(shoe) * one.tangent - one.normal

@@ -106,10 +106,10 @@ def _ring_outline_and_mesh_graded_to_linings(
     linings: list[_LiningOnRing],
     level: TriangleLevel,
 ) -> tuple[Outline, Triangles]:
-    """The outline of the ring, and its mesh graded to the points where p is not smooth.
+    """The outline of the ring, and its mesh graded to the points where the pressure is not smooth.
 
-    These points are opposite the linings' ends and opposite the places on the linings' faces where
-    p is not smooth.
+    These points are opposite the linings' ends, and opposite the places on the linings' faces where
+    the pressure is not smooth.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def _ring_outline_and_mesh_graded_to_linings(
 
 
 def _ring_angles_of_lining_ends(lining: _LiningOnRing, draft: DraftShoeMesh) -> Floats:
-    """Angles [rad] on the ring of the ends of a shoe's linings, those at slots included."""
+    """Angles [rad] on the ring of the ends of a shoe's linings, also of the ends at slots."""
     face = draft.shape.layers[0]
     return lining.ring_angles_at_face_coordinates(
         np.concatenate([[face.start, face.end], np.ravel(face.slots)])
