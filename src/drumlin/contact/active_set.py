@@ -584,7 +584,7 @@ def _can_contact_set_resist_rigid_body_modes(problem: ContactProblem, active: Bo
     if k < 2:
         return bool(touched.any()) or not B.size
     # In a mode without load, such as the slide of a shoe under a cam, the pressures balance each
-    # other. A single node cannot do so.
+    # other. The pressure of a single node would have no counterpart.
     unloaded = problem.h == 0
     if unloaded.any():
         bearing = np.count_nonzero(problem.C[unloaded][:, active], axis=1)
@@ -608,7 +608,7 @@ def _mask_of_nodes_that_touch_first(
     """Mark the nodes (n,) that touch first as the actuation moves the open shoes.
 
     A shoe with a single rigid-body mode touches at the node whose gap the mode closes first, or at
-    several nodes at once. With `one_node_per_mode` only one of these is marked. A shoe with k
+    several nodes at once. With `one_node_per_mode` only one of these nodes is marked. A shoe with k
     modes touches at k nodes.
     """
     _, q, B, C, h = problem

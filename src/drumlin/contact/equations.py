@@ -197,8 +197,8 @@ class BorderedEquations(ContactSetEquations):
     """The equations of a contact set that differs by a few nodes from a factorised `base`.
 
     A released node has left the contact set of the base, and an added node has joined it. The
-    bordered system has two kinds of unknowns beside those of the base: the weighted gaps of the
-    released nodes, whose pressures must vanish, and the pressures of the added nodes, whose
+    bordered system has two kinds of unknowns beside the unknowns of the base: the weighted gaps of
+    the released nodes, whose pressures must vanish, and the pressures of the added nodes, whose
     weighted gaps must vanish. Only the small Schur complement of the border is factorised.
     """
 

@@ -425,7 +425,7 @@ def _solve_contact_directly_at_friction(
     """Solve the contact at a friction coefficient directly, without steps of growing friction.
 
     The contact at half of the friction is solved too. If the contact force grows by little from
-    there on, the solution is certainly the one that growing friction reaches. `problem` is the
+    half of the friction on, growing friction certainly reaches the solution. `problem` is the
     problem at `friction`. The other parameters are those of
     `solve_contact_reached_from_zero_friction`.
     """

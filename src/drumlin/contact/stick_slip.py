@@ -305,7 +305,7 @@ class _StateEquations:
 NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
 """The next state of a contact node (4, 2), by its present state and the violated condition.
 
-Each state has two conditions. Their order is that of
+Each state has two conditions, which are in the order of
 `_StateEquations.distances_of_nodes_from_their_two_state_changes`. An open node that closes becomes
 FORWARD or BACKWARD by the sign of its slip. The table has FORWARD alone, and the code that uses the
 table corrects it.

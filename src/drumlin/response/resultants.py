@@ -152,7 +152,7 @@ def _integrals_of_shape_functions(order: int) -> Floats:
 def polynomial_nodes_on_linings_and_slots(
     parts: Sequence[Floats], order: int
 ) -> tuple[Floats, Bools]:
-    """The nodes of a piecewise polynomial on several linings, and which of them are on a lining.
+    """The nodes of a piecewise polynomial on several linings, and a mask of the nodes on linings.
 
     Between two linings there are three more pieces. On the first piece the polynomial falls to 0,
     on the second it is 0, and on the third it rises to its value on the next lining.
@@ -284,8 +284,8 @@ class LiningWithoutEndZones:
         half = 0.5 * (ends[1:] - ends[:-1])
         around_slots = [place for a, b in self.slots for place in (a - zone, b + zone)]
         limits = np.array([ends[0], ends[0] + zone, ends[-1] - zone, ends[-1], *around_slots])
-        # The limits of the two integrals in the coordinate [-1, 1] of each piece. A limit outside
-        # the piece becomes the nearer end of the piece.
+        # xi are the limits of the two integrals, in the coordinate [-1, 1] of each piece. A limit
+        # outside the piece becomes the nearer end of the piece.
         xi = np.minimum(np.maximum((limits[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)
         # Each shape function is integrated from the beginning of its piece up to each limit.
         integrals = _legendre_coefficients_of_integrated_shapes(

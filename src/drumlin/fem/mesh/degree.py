@@ -331,14 +331,14 @@ def node_displacements_that_follow_moved_sides(
 ) -> Floats:
     """The moves (2, N) [m] of all nodes if the nodes on some sides are moved.
 
-    The nodes inside the elements at these sides follow their side, so that the elements keep their
-    shape. The corners stay.
+    The nodes inside the elements at these sides follow the move of their side, so that the elements
+    keep their shape. The corners stay.
 
     Parameters
     ----------
     basis : the basis
     facets : (m,) numbers of the sides
-    moves : (2, degree + 1, m) moves of the nodes along the sides [m]; 0 at the corners
+    moves : (2, degree + 1, m) moves [m] of the nodes on each side, from end to end; 0 at corners
     """
     mesh, elem = basis.mesh, basis.elem
     change = np.zeros_like(basis.doflocs)

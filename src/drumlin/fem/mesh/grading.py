@@ -13,7 +13,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 
 EDGE_SIZE = 1 / 32
-"""Size of the element at a lining's end relative to that of an element in the lining's middle.
+"""Size of the element at a lining's end, relative to the size of an element in its middle.
 
 The layers of elements at the lining's two faces are thinner than those in its middle by the same
 ratio. The pressure p is singular at the end. With four times this size the error of p is a quarter

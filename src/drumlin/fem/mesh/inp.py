@@ -273,7 +273,7 @@ class _Assembled:
         named : function that returns the names of the groups of a body
         found : function that returns the members of a group of a body
         """
-        # The assembly is first, so that its groups are known before those of parts.
+        # The assembly is first, so that its groups are known before the groups of parts.
         groups: dict[str, list[Parsed]] = {}
         assembly = self.deck.bodies[-1]
         bodies = [body for body in self.bodies if body.part is not assembly.part]

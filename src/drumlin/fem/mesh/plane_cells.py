@@ -50,7 +50,7 @@ class PlaneCells:
     ----------
     cell : meshio's name of the kind
     cells : (m, k) nodes of each cell
-    points : (n, 2) coordinates of the nodes, those of the file first, then added ones
+    points : (n, 2) coordinates of the nodes: the nodes of the file first, then added nodes
     parent : for each type of cells in the file, two arrays with an entry for each cell of this
         type: the number of the first new cell made of it, and how many were made
     added : (n,) whether each node was added
@@ -210,7 +210,7 @@ class _GrowingNodes:
     points : (n, 2) coordinates of the nodes before nodes are added
     middles : number of the middle node of each edge that has one, by the edge's two corners, the
         smaller number first
-    added : coordinates (2,) of the added nodes, whose numbers follow those of `points`
+    added : coordinates (2,) of the added nodes, numbered on from the nodes in `points`
     """
 
     points: Floats

@@ -154,14 +154,14 @@ class CondensedBody:
     ----------
     L_cc : (2n, 2n) lower Cholesky factor of the stiffness on the contact nodes, without motion of
         the frame
-    L_fc : (3, 2n) matrix S_fc L_cc^-T; contact forces with the half flexibility Y need the forces
-        L_fc Y to keep the frame in its place
+    L_fc : (3, 2n) matrix S_fc L_cc^-T; contact forces G, with the half flexibility Y = L_cc^-1 G,
+        need the forces L_fc Y to keep the frame in its place
     load_on_contact, load_on_frame : (2n, l) and (3, l) the l unit loads, condensed to the contact
         nodes and to the frame
     load_work : (l, l) work of the unit loads on each other's displacements, without motion of
         contact nodes and frame
     inner : the eliminated unknowns, from which displacements inside the body are recovered
-    columns : the names of the l unit loads, as columns of the arrays above
+    columns : the names of the l unit loads, and the columns of the arrays above that each load has
     force_imbalance : estimate of the imbalance that round-off of the elimination causes, relative
         to the acting force; 0 if it is not known
     rigid_mode_error : (2n, 3) estimate of the contact displacement [m] that round-off adds to each
@@ -239,7 +239,7 @@ class CondensedBody:
         return self.inner.nodal_displacements_in_load_cases(nodal, frame, loads)
 
     def body_with_further_loads(self, loads: Mapping[str, Floats]) -> "CondensedBody":
-        """A copy of the body with further unit loads, in columns after those of its present loads.
+        """A copy of the body with more unit loads, in the columns after its present unit loads.
 
         The condensed stiffness stays. The inner unknowns are eliminated once more to condense the
         loads.

@@ -286,8 +286,8 @@ def weak_coupling_of_contact_line(
     r = np.ones(ds.shape) if directions is plane_normals_and_tangents else np.hypot(*x)
     weight = width * ds
 
-    # The five rows belong to M, to the two components of N and to the two components of T. Each row
-    # holds the integrals of psi_a psi_b over every edge.
+    # The five rows of `factors` belong to M, to the two components of N and to the two components
+    # of T. They are the weights in the integrals of psi_a psi_b over every edge.
     factors = weight * np.concatenate([np.ones((1, *ds.shape)), *directions(x)])
     products = (psi[:, None] * psi).reshape(len(psi) ** 2, -1)
     blocks = (factors @ products.T).reshape(len(factors), -1)

@@ -388,8 +388,8 @@ def _flat_positions_of_element_stiffness_block(
     swapped = ((r[..., 0] == 1) & (c[..., 0] == 0))[..., None]
     r, c = np.where(swapped, c, r), np.where(swapped, r, c)
     of, by = r[..., 0], c[..., 0]
-    # The entries have three parts: they couple two displacements in the section, then one in the
-    # section with one along z, then two displacements along z.
+    # The entries have three parts: they couple two displacements in the section, then a
+    # displacement in the section with a displacement along z, then two displacements along z.
     lengths = sizes * n * functions
     start = np.array([0, lengths[0] ** 2, lengths[0] ** 2 + lengths[0] * lengths[1]])[of + by]
     along_both = r[..., 1] * sizes[by] + c[..., 1]

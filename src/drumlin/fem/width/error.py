@@ -48,9 +48,9 @@ WIDTH_LEVEL = replace(
 )
 """Coarse level of hp elements on which the error of plane stress is estimated.
 
-Its degree and its other sizes are those of the rule of the levels for one level below the first
-level of a solve. By the rule the elements at corners and interfaces would be larger than the parts
-are thick. The sizes of these elements are set to the thickness here.
+The level is one step coarser than the first level of a solve, by the rule of the levels. By this
+rule the elements at corners and interfaces would be larger than the parts are thick. The sizes of
+these elements are therefore set to the thickness.
 """
 WIDTH_DEGREE = 2
 """Degree across the width of the answer with which plane stress is compared for its error."""

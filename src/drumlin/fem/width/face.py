@@ -1,6 +1,6 @@
 """The friction surface of a lining with a width: nodes on its arc times nodes across the width.
 
-The nodes on the arc are those of the contact line of the section. Pressure and displacement are
+The nodes on the arc are the nodes of the section's contact line. Pressure and displacement are
 products of the line's shape functions and piecewise polynomials of z, the distance from the
 mid-plane. So every matrix of the weak coupling is the matrix of a contact line of width 1, times
 m_kl = Int zeta_k zeta_l dz  over the width. The piecewise polynomial zeta_k is 1 at the node k

@@ -229,7 +229,7 @@ class ComparedSection(NamedTuple):
 class LevelClimb(NamedTuple):
     """The solved levels of a brake, from coarse to fine, and the answer with its stated errors.
 
-    The answer `response` is that of the last level.
+    `response` is the answer on the last level.
     """
 
     levels: list[SolvedLevel]
@@ -509,8 +509,8 @@ def hp_elements_to_compare_width_degrees(
 ) -> ComparedSection:
     """The hp elements of the shoes on which degrees across the width are compared.
 
-    If all parts of each shoe have one width, the elements are coarse. Otherwise they are those of
-    the first level of a solve, because coarse elements show too little of the error beside a web.
+    If all parts of each shoe have one width, the elements are coarse. Otherwise the elements of the
+    first level of a solve are taken, as coarse elements show too little of the error beside a web.
     This level is solved with degree WIDTH_DEGREE across the width, so that it has small elements at
     the ends of the contact with widths.
 

@@ -298,7 +298,7 @@ class WidthUnknowns:
     def _assembled_stiffness_of_element_column(
         self, column: _Column, held: Bools
     ) -> AssembledColumns:
-        """The assembled stiffness of one column, with held unknowns decoupled from the others.
+        """The assembled stiffness of one column, with held unknowns decoupled from free ones.
 
         The three blocks have no first axis, since they belong to a single column.
         """

@@ -327,7 +327,7 @@ def solve_brake_on_sequence_of_triangle_meshes(
 
 
 def _have_same_contact_arcs(a: Floats, b: Floats) -> bool:
-    """Whether two solutions have the same contact arcs (k, 2) [rad], within SETTLED_ENDS."""
+    """Whether the ends of the contact arcs (k, 2) [rad] of two solutions agree to SETTLED_ENDS."""
     return a.shape == b.shape and bool(
         (np.abs(a - b).max(axis=1) < SETTLED_ENDS * np.diff(b, axis=1)[:, 0]).all()
     )

@@ -1,6 +1,6 @@
 """Forces at places of a shoe's body and on its mass, as nodal forces on triangles.
 
-The rule by which a force is spread over the body is that of `drumlin.fem.preparation.load_places`.
+A force is spread over the body by the same rule as in `drumlin.fem.preparation.load_places`.
 The places along the body, its thickness and all integrals come from the outline and the triangles.
 """
 
