@@ -350,7 +350,7 @@ def assemble_sparse_stiffness(K: Any, nodes: Ints, N: int) -> Any:
 
     Parameters
     ----------
-    K : (e, a, 2, a, 2) or (e, 2 a, 2 a) stiffness of elements, both components of a node together
+    K : (e, a, 2, a, 2) or (e, 2 a, 2 a) stiffness of elements; x and y of a node are neighbours
     nodes : (e, a) nodes of the elements
     N : number of nodes
     """

@@ -69,7 +69,10 @@ class ContactLine:
         return len(self.pieces) - 1
 
     def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> "Coupling":
-        """The coupling matrices of this line with drum or plane; `width` [m] of the lining."""
+        """The matrices that couple this contact line with the drum or the plane.
+
+        `width` is the width of the lining [m], and `directions` gives the surface's unit vectors.
+        """
         return weak_coupling_of_contact_line(self, width, directions)
 
     @cached_property

@@ -218,8 +218,8 @@ class ComparedSection(NamedTuple):
     """The hp elements of a brake's shoes on which degrees across the width are compared.
 
     `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
-    shoe of each shape. `answers` are the answers on them that are known already, by the degree
-    across the width.
+    shoe of each shape. `answers` are the answers that are already computed on these elements, by
+    the degree across the width.
     """
 
     divisions: Mapping[int, ShoeDivision]

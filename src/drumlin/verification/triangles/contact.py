@@ -48,8 +48,9 @@ ACCEPTED_CONTACT_ERROR = 1e-13
 The error is the sum of the tensile forces and of the penetrations, scaled to forces. Errors below
 this limit come from round-off."""
 SETS_UNTIL_LATE_ERROR = 40
-"""Number of contact sets after which the limit ACCEPTED_LATE_CONTACT_ERROR takes the place of
-ACCEPTED_CONTACT_ERROR."""
+"""Number of contact sets that are tried before a larger error of the contact set is accepted.
+
+The limit of the error is then ACCEPTED_LATE_CONTACT_ERROR and no longer ACCEPTED_CONTACT_ERROR."""
 ACCEPTED_LATE_CONTACT_ERROR = 1e-9
 """Largest relative error of a contact set that is accepted if round-off keeps changing the set.
 

@@ -132,7 +132,7 @@ def gauss_points_lengths_and_shape_functions_on_curved_edges(
 
 
 def _nodal_forces_on_loaded_end(body: MeshedBody, force: Floats, point: Floats) -> Floats:
-    """Nodal forces (2N,) [N] on the loaded end of a shoe that equal a force through a point.
+    """Nodal forces (2N,) [N] on a shoe's loaded end that are equivalent to a force through a point.
 
     The force (2,) [N] is spread evenly over the loaded end. Tractions that grow linearly from the
     centre of the end add the couple that the force through the point (2,) [m] has about this

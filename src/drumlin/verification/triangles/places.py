@@ -82,7 +82,7 @@ def _force_density_of_force_at_body_point(
     """The force density (m, q, 2) [N/m^2] of a force at a point of the body.
 
     The density is a normal distribution along the body times a rigid-body displacement. The three
-    factors of this displacement are those that give the force and its moment.
+    factors of this displacement are chosen so that the density has the force and its moment.
 
     Parameters
     ----------
