@@ -317,7 +317,8 @@ def _solution_and_violated_conditions(
 ) -> tuple[_IncrementSolution, Bools]:
     """The solution of the increment in the given states (n,), and the conditions it violates.
 
-    The conditions are (2, n): each state has two, which a node violates by more than round-off.
+    The conditions are a mask (2, n): True where a node violates the first or the second condition
+    of its state by more than round-off.
     """
     equations = _StateEquations(system, state)
     point = equations.solve_increment_under_loads(system.q, system.h)

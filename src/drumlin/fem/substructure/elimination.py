@@ -137,9 +137,9 @@ def _positions_along_principal_axis(group: Ints, x: Floats) -> Floats:
 
 
 def _mean_of_values_in_each_group(group: Ints, values: Floats) -> Floats:
-    """For each of m members, the means (k, m) of the k rows of `values` (k, m) over its group.
+    """For each of m members, the means (k, m) of k quantities over the member's group.
 
-    `group` (m,) is the number of the group of each member.
+    `values` (k, m) are the quantities, and `group` (m,) is the number of each member's group.
     """
     size = np.maximum(np.bincount(group), 1)
     return np.array([(np.bincount(group, row) / size)[group] for row in values])

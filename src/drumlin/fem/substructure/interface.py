@@ -128,7 +128,7 @@ class ContactLine:
         return self.phi, p
 
     def pressure_distribution_over_arc_and_width(self, p: Floats) -> PressureOverWidth | None:
-        """The pressure over arc and width on the contact face of a solid; None on a line."""
+        """The pressure over arc and width of a solid's contact face; None for a contact line."""
         return None
 
 

@@ -188,7 +188,7 @@ class SolidErrors(NamedTuple):
     def sum_of_these_and_other_errors(self, other: "SolidErrors") -> "SolidErrors":
         """The sum of these errors and of `other` errors.
 
-        The error of a peak pressure is at most 1, which means that it is unknown.
+        The error of a peak pressure is limited to 1, which means that the error is unknown.
         """
         shoes = []
         for one, two in zip(self.shoes, other.shoes, strict=True):

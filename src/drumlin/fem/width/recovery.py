@@ -187,7 +187,7 @@ class WidthUnknowns:
         return np.asarray(nodes * self.unknowns_per_node + within)
 
     def _forces_on_contact_face(self, nodal: Floats) -> Floats:
-        """Forces (unknowns, m) on the unknowns, from forces (2n, m) on the contact face's nodes."""
+        """Forces (unknowns, m) on the shoe's unknowns, from forces (2n, m) on the face's nodes."""
         half = self.layers.halves[0]
         to_functions = matrix_from_node_values_to_function_factors(self.functions, half)
         values, count = np.linalg.inv(to_functions).T, len(to_functions)

@@ -243,7 +243,7 @@ def _are_forces_set_by_cam_or_strut(brake: Brake) -> bool:
 def _places_where_pressure_is_not_smooth(
     shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel
 ) -> SingularPlaces:
-    """Places on a lining's face where p is not smooth, and lengths of the triangles there.
+    """Places on a lining's face where the pressure is not smooth, and lengths of triangles there.
 
     These places are the kinks of the gap and the ends of the contact inside the lining. Shorter
     contacts get shorter triangles at their ends.
