@@ -53,9 +53,9 @@ An increment of a brake needs some five steps.
 MOST_STATE_CHANGES = 6
 """Largest number of changes between open, stick and slip, per contact node, in one increment.
 
-It bounds the changes on a path of solutions, which leads from a load that the first states balance
-to the true load of the increment, and the steps in which single nodes change. If more are needed,
-the increment is refused.
+The limit holds for the changes on a path of solutions, which leads from a load that the first
+states balance to the true load. It also holds for steps of Newton's method in which single nodes
+change. If more changes are needed, the increment is refused.
 """
 
 STATE_ROUND_OFF = 1e-10

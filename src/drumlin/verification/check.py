@@ -389,7 +389,7 @@ def _pressure_integral_along_lining(shoe: Shoe, curve: PressureTable) -> float:
     slots = shoe.lining.slots
     slices = _slices_of_angles_on_each_lining(shoe, curve.theta)
     for k, ((start, end), own) in enumerate(zip(shoe.lining.arcs, slices, strict=True)):
-        # Points beyond the outer ends of all linings help to interpolate the pressure there.
+        # Points beyond the outer ends of all linings help to interpolate the pressure at the ends.
         near = slice(own.start if k else 0, own.stop if k < len(slots) else None)
         at, p = curve.theta[near], curve.p[near]
         if len(at):

@@ -31,7 +31,7 @@ SQUARE_SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
 
 
 class _Slopes(NamedTuple):
-    """The gradient `grad` (2, elements, points) [1/m] of a shape function; scikit-fem's name."""
+    """The gradient of a shape function, `grad` (2, elements, points) [1/m]; scikit-fem's name."""
 
     grad: Floats
 
@@ -187,7 +187,7 @@ class NodalBasis:
         """
         dofs = self.element_dofs[:, elements]
         # In long double the slopes of all shape functions at a point add up to zero more exactly.
-        # Otherwise round-off would give the rigid motions of a soft shoe stresses that matter.
+        # Otherwise round-off would cause considerable stresses in rigid motions of a soft shoe.
         fine = at.astype(np.longdouble)
         local = np.array([self.elem.lbasis(fine, i)[1] for i in range(len(dofs))]).astype(float)
         J = np.einsum("caj,adq->cdjq", self.doflocs[:, dofs], local, optimize=True)

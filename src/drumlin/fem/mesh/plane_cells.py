@@ -232,7 +232,7 @@ class _GrowingNodes:
         return self.middles[key]
 
     def coordinates_of_node(self, number: int) -> Floats:
-        """The coordinates (2,) of a node of the file or of an added one."""
+        """The coordinates (2,) of a node of the file or of an added node."""
         count = len(self.points)
         return self.points[number] if number < count else self.added[number - count]
 

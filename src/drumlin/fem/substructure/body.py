@@ -534,7 +534,7 @@ def matrix_from_unknowns_to_displacements(
     rows, columns = [dofs], [np.arange(free)]
     values = [np.ones(free)]
     if rigid is not None and arm is not None:
-        # Each rigid node has four entries: its x by dx and by the rotation, and its y by dy and by
+        # A rigid node has four entries: its x depends on dx and the rotation, and its y on dy and
         # the rotation.
         ones = np.ones(len(rigid))
         rows += [rigid, rigid, rigid + 1, rigid + 1]

@@ -169,8 +169,8 @@ def _angles_where_ring_elements_meet(
     # out.
     if len(arcs) > 1:
         angles = angles[np.append(True, np.diff(angles) > 0.01 * step)]
-    # Wide gaps between these angles are divided into equal elements, each some 1.5 times as long as
-    # the elements under the linings.
+    # Wide gaps between the element ends found so far are divided into equal elements, each some
+    # 1.5 times as long as the elements under the linings.
     gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
     filled = []
     for angle, gap in zip(angles, gaps, strict=True):
@@ -363,9 +363,9 @@ def coupling_matrices_of_lining_and_ring(
 ) -> tuple[Floats, Floats]:
     """The coupling matrices N and T (n, 2 n_ring) [m^2] of a lining's pressure with the ring.
 
-    They are integrated over the overlaps of the edges of both contact lines, with the normal sign
-    e_r. The nodal forces on the ring are N^T p by a pressure p, and -mu s T^T p by friction with
-    the sense s of sliding.
+    They are integrated over the overlaps of the edges of both contact lines, with the unit normal
+    n = sign e_r. A pressure p exerts the nodal forces N^T p on the ring, and its friction the nodal
+    forces -mu s T^T p, with the sense s of sliding.
 
     Parameters
     ----------

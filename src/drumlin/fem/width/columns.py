@@ -627,8 +627,8 @@ def condense_mirror_symmetric_columns(
 def _sign_of_displacement_on_mirrored_side(unknown: WidthUnknown) -> float:
     """The sign of a displacement on a column's right side relative to its left side.
 
-    The displacements are symmetric about the column's middle: those around the drum have opposite
-    signs (-1) on the two sides, and all others have equal signs (+1).
+    Both sides belong to a displacement that is symmetric about the column's middle. Displacements
+    around the drum then have opposite signs (-1) on the two sides, all others equal signs (+1).
     """
     return -1.0 if unknown.z == 0 and unknown.along == 1 else 1.0
 
@@ -643,8 +643,8 @@ def _write_contact_stiffness_of_mirrored_columns(
     Parameters
     ----------
     halves : the stiffness (c, m, m) on the symmetric unknowns, and that on the antisymmetric ones;
-        both have the order [left side | half of the contact]
-    stack : the layers of the columns
+        halves : the stiffness (c, m, m) on the symmetric unknowns, and the stiffness on the
+            antisymmetric unknowns, both in the order [left side | half of the contact]
     mirror : (line,) sign of each displacement on the right side relative to the left side, in
         symmetric displacements
     whole : (c, n, n) stiffness of the columns, in the order [left side | contact | right side]; it

@@ -65,7 +65,7 @@ class _LineFactor(NamedTuple):
 class _Column(NamedTuple):
     """A column of elements: its nodes, and the numbers of its unknowns.
 
-    The numbers of unknowns are those among all unknowns of the shoe.
+    The numbers of unknowns count all unknowns of the shoe.
 
     Attributes
     ----------

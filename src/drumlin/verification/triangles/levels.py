@@ -47,7 +47,7 @@ MOST_HALVINGS_AT_CONTACT_ENDS = 13
 """Largest number of times that triangles are halved towards an end of the contact.
 
 The pressure p is small at an end of the contact, so that smaller triangles change nothing. The
-number also holds at a kink of the gap that does not point to the drum."""
+number is also the limit at a kink of the gap that does not point to the drum."""
 END_SLACK = 1e-9
 """Distance from an end of the lining, relative to the lining's length, within which a kink or an
 end of the contact counts as lying at the end of the lining."""
