@@ -555,7 +555,7 @@ def condense_columns_of_any_shape(
 def _order_of_column_unknowns_by_contact_nodes(
     stack: ColumnLayers, plan: ColumnPlan, sides: int
 ) -> Ints:
-    """The order (n,) of a column's unknowns in which x and y of a contact node are neighbours.
+    """A column's unknowns (n,), in an order in which x and y of a contact node are neighbours.
 
     The order is empty without contact. `sides` is 2 for all unknowns of a column, and 1 for its
     symmetric or antisymmetric unknowns, which have no right side.

@@ -229,9 +229,9 @@ def relative_distances_of_shoe_responses(
 ) -> dict[str, float]:
     """Relative distances of torque, pressure (L2) and reaction of a shoe without and with width.
 
-    The pressure is the mean over the width. `unit` is the change of the coordinate along the
-    friction surface per unit of phi: 1 on a drum, the length of the lining [m] on a plane (see
-    `ShoeFrame`).
+    The pressure is the mean over the width. `unit` says by how much the coordinate along the
+    friction surface grows per unit of phi. It is 1 on a drum, and the length of the lining [m] on a
+    plane (see `ShoeFrame`).
     """
     zone = length_of_uncompared_edge_zone(float(wide.theta[-1] - wide.theta[0]), unit)
     moved = math.dist(plane.hinge_reaction, wide.hinge_reaction)

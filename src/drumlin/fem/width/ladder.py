@@ -178,7 +178,7 @@ class SolidErrors(NamedTuple):
 
     @property
     def smallest_tolerance_that_errors_meet(self) -> Tolerance:
-        """The smallest tolerance that these errors meet: the largest pressure error, and torque."""
+        """The smallest tolerance that these errors meet: largest pressure error, torque error."""
         return Tolerance(self.largest_pressure_error, self.torque)
 
     def is_within_error_tolerance(self, tolerance: Tolerance) -> bool:
