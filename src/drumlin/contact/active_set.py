@@ -99,9 +99,9 @@ larger negative value changes between contact and separation.
 MOST_CANDIDATE_SETS = 2016
 """Largest number of sets of nodes among which a shoe's first points of contact are sought.
 
-A shoe with k rigid-body modes first touches at a set of k nodes. The number of sets limits the
-memory. All pairs of 64 nodes (2016), or all triples of 23 nodes (1771), fit into the limit. If a
-shoe has more nodes, only some of them, evenly spaced, are candidates.
+A shoe with k rigid-body modes first touches at a set of k nodes. The limit keeps the memory small.
+All pairs of 64 nodes (2016), or all triples of 23 nodes (1771), fit into the limit. If a shoe has
+more nodes, only some of them, evenly spaced, are candidates.
 """
 
 
@@ -384,7 +384,7 @@ class _PathSegment(NamedTuple):
     slope: Floats
 
     def pressures_and_gaps_at_path_parameter(self, s: float) -> Floats:
-        """Return the pressures of the contact set and the gaps of all other nodes (n,) at s."""
+        """Return pressures in contact and gaps of the other nodes (n,) at path parameter s."""
         return self.value + s * self.slope
 
 
@@ -419,7 +419,8 @@ def find_contact_set_and_step_count_by_closing_wide_gaps(
             lift[:n] = _added_gaps_that_open_other_nodes(system, equations, active)
         line = _pressures_and_gaps_as_linear_path_segment(system, equations, active, lift)
         # The pressure or gap of the node that has changed last is zero and must not become
-        # negative. The sign of its slope therefore tells whether s grows or falls.
+        # negative. The sign of its slope over the path parameter s therefore tells whether s
+        # grows or falls.
         if step > 0:
             direction = 1 if line.slope[last] > 0 else -1
         reach = _path_parameter_change_until_pressure_or_gap_vanishes(line, s, direction)
@@ -432,8 +433,8 @@ def find_contact_set_and_step_count_by_closing_wide_gaps(
         leaves = active[last]
         active[last] = not active[last]
         if leaves and not _can_contact_set_resist_rigid_body_modes(problem, active):
-            # Without the leaving node the shoe is free to move in a rigid-body mode. The node that
-            # stops this motion takes its place.
+            # Without the node that leaves the contact, the shoe is free to move in a rigid-body
+            # mode. The node that stops this motion takes the place of the leaving node.
             active[last] = True
             gaps = np.where(active, 0.0, line.pressures_and_gaps_at_path_parameter(s))
             touched = _find_node_that_closes_first(K, equations, gaps, last, active)
@@ -462,7 +463,7 @@ def _added_gaps_that_open_other_nodes(
 def _pressures_and_gaps_as_linear_path_segment(
     system: ScaledContactSystem, equations: ContactSetEquations, active: Bools, lift: Floats
 ) -> _PathSegment:
-    """Return pressures and gaps on a contact set (n,) as linear functions of s.
+    """Return pressures and gaps on a contact set (n,) as linear functions of the path parameter s.
 
     The path parameter s multiplies `lift` (n + k,): the scaled gaps that are added to the true
     gaps, and k zeros.
@@ -476,10 +477,10 @@ def _pressures_and_gaps_as_linear_path_segment(
 def _path_parameter_change_until_pressure_or_gap_vanishes(
     line: _PathSegment, s: float, direction: int
 ) -> Floats:
-    """Return for each node the change of s (n,) after which its pressure or gap is zero.
+    """Return for each node the change of the path parameter s that makes its pressure or gap zero.
 
-    The change is inf where the pressure or gap grows. `direction` is the sense, +1 or -1, in which
-    s changes.
+    The changes (n,) are inf where the pressure or gap grows. `direction` is the sense, +1 or -1, in
+    which s changes.
     """
     falls = direction * line.slope < 0
     reach = np.full(len(falls), np.inf)
@@ -583,7 +584,7 @@ def _can_contact_set_resist_rigid_body_modes(problem: ContactProblem, active: Bo
     if k < 2:
         return bool(touched.any()) or not B.size
     # In a mode without load, such as the slide of a shoe under a cam, the pressures balance each
-    # other. A single node cannot do so.
+    # other. The pressure of a single node would have no counterpart.
     unloaded = problem.h == 0
     if unloaded.any():
         bearing = np.count_nonzero(problem.C[unloaded][:, active], axis=1)
@@ -607,7 +608,7 @@ def _mask_of_nodes_that_touch_first(
     """Mark the nodes (n,) that touch first as the actuation moves the open shoes.
 
     A shoe with a single rigid-body mode touches at the node whose gap the mode closes first, or at
-    several nodes at once. With `one_node_per_mode` only one of these is marked. A shoe with k
+    several nodes at once. With `one_node_per_mode` only one of these nodes is marked. A shoe with k
     modes touches at k nodes.
     """
     _, q, B, C, h = problem

@@ -127,7 +127,7 @@ def scale_contact_problem(
 def _row_and_column_scale_factors_of_contact_problem(
     problem: ContactProblem,
 ) -> tuple[Floats, Floats]:
-    """Return the scale factors (n + k,) of the rows of K, and then those of its columns."""
+    """Return the scale factors (n + k,) of the rows of K, and the scale factors of its columns."""
     A, _, B, C, _ = problem
     k = B.shape[1]
     # With these factors A gets a unit diagonal. The largest entry of each column of B and of each
@@ -182,7 +182,7 @@ class ContactSetEquations:
 
     @property
     def determinant_sign(self) -> int:
-        """The sign of the determinant, +1 or -1."""
+        """The sign, +1 or -1, of the determinant of K in the rows and columns of free unknowns."""
         return _determinant_sign_from_lu_factors(self._factors)
 
     def _solve_for_unknowns_of_contact_set(self, right: Floats) -> Floats:
@@ -197,8 +197,8 @@ class BorderedEquations(ContactSetEquations):
     """The equations of a contact set that differs by a few nodes from a factorised `base`.
 
     A released node has left the contact set of the base, and an added node has joined it. The
-    bordered system has two kinds of unknowns beside those of the base: the weighted gaps of the
-    released nodes, whose pressures must vanish, and the pressures of the added nodes, whose
+    bordered system has two kinds of unknowns beside the unknowns of the base: the weighted gaps of
+    the released nodes, whose pressures must vanish, and the pressures of the added nodes, whose
     weighted gaps must vanish. Only the small Schur complement of the border is factorised.
     """
 
@@ -226,10 +226,10 @@ class BorderedEquations(ContactSetEquations):
 
     @property
     def determinant_sign(self) -> int:
-        """The sign of the determinant, +1 or -1.
+        """The sign, +1 or -1, of the determinant of K in the rows and columns of free unknowns.
 
-        It is the product of the signs of the base and of the Schur complement. By Jacobi's theorem
-        on complementary minors the product holds for released nodes too.
+        It is the sign for the base times the sign of the Schur complement's determinant. By
+        Jacobi's theorem on complementary minors the product holds for released nodes too.
         """
         return self._base_equations.determinant_sign * _determinant_sign_from_lu_factors(
             self._schur_factors
@@ -305,7 +305,7 @@ def _lu_factors_and_pivots_of_transposed_matrix(matrix: Floats) -> tuple[Floats,
 
 def _solve_with_lu_factors(factors: tuple[Floats, Ints], right: Floats) -> Floats:
     """Return the solution of a linear system, from LU factors and pivots of the transpose."""
-    # LAPACK is called directly, since scipy's checks take longer than these small systems.
+    # LAPACK is called directly, since the checks in scipy take longer than solving small systems.
     return dgetrs(*factors, right, trans=1)[0] if len(right) else right
 
 
@@ -328,5 +328,5 @@ def is_bordered_system_cheaper_than_new_factors(base: ContactSetEquations, free:
     """
     size = len(base._free_numbers)
     changed = np.count_nonzero(base.free ^ free)
-    # A bordered system costs less if at most one unknown in eight changes.
+    # A bordered system costs less if fewer than one unknown in eight changes.
     return size > BORDERED_ABOVE_UNKNOWNS and bool(8 * changed < size)

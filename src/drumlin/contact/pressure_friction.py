@@ -26,35 +26,36 @@ from drumlin.contact.equations import ContactProblem
 from drumlin.contact.self_locking import FrictionDependentProblem
 
 FRICTION_TOLERANCE = 1e-10
-"""Largest change of a pressure in the last step of Newton's method, relative to the largest.
+"""Largest change of a pressure in the last step of Newton's method, relative to the peak pressure.
 
 The error of the last step is about the square of its change. The value is the accuracy that is
 stated for friction that depends on the pressure.
 """
 
 MOST_STEPS_TO_FRICTION = 20
-"""Largest number of steps of Newton's method for a part of the friction's dependence on pressure.
+"""Largest number of steps of Newton's method before the change of the friction law is halved.
 
-Brakes need some five steps. If more are needed, the part is halved.
+The law goes from constant friction to friction that depends on the pressure. Brakes need some
+five steps for the whole change. If more are needed, only half of the change is tried.
 """
 
 SMALLEST_FRICTION_PART = 1 / 64
-"""Smallest part of the friction's dependence on pressure by which it is increased.
+"""Smallest part of the friction's dependence on pressure that is added at once (1: all of it).
 
-If the next part, which is half as large, would be smaller, the brake is refused. The value is a
-judgement; a smaller one makes a refusal slower.
+If a part fails, half of it is tried. If this half is smaller than the limit, the brake is refused.
+The value is a judgement; a smaller one makes a refusal slower.
 """
 
 
 class NodalFriction(NamedTuple):
-    """The friction coefficient (n,) at each node, and its slope (n,) over the node's pressure."""
+    """The friction coefficient (n,) of each node, and its derivative (n,) by the pressure."""
 
     coefficient: Floats
     slope: Floats
 
 
 FrictionAtPressures = Callable[[Floats], NodalFriction]
-"""A function from nodal pressures (n,) to the friction at the nodes."""
+"""A function that takes nodal pressures (n,) and returns the friction at the nodes."""
 
 
 def solve_contact_with_pressure_dependent_friction(
@@ -81,7 +82,7 @@ def solve_contact_with_pressure_dependent_friction(
         def friction_with_scaled_pressure_dependence(
             p: Floats, share: float = target
         ) -> NodalFriction:
-            """The friction with a part of its dependence on pressure."""
+            """The friction at pressures p, with a fraction `share` of its dependence on p."""
             whole = friction(p)
             return NodalFriction(base + share * (whole.coefficient - base), share * whole.slope)
 
@@ -103,7 +104,7 @@ def solve_contact_with_pressure_dependent_friction(
 def _stable_contact_by_newton_or_none(
     problem: FrictionDependentProblem, friction: FrictionAtPressures, start: Contact
 ) -> Contact | None:
-    """The stable solution that Newton's method finds from a first one; None if it finds none."""
+    """The stable solution that Newton's method reaches from `start`; None if it reaches none."""
     found = start
     for _ in range(MOST_STEPS_TO_FRICTION):
         try:
@@ -126,7 +127,7 @@ def _contact_problem_with_friction_tangent(
     """The contact problem in which tau(p) = mu(p) p is replaced by its tangent at pressures p."""
     A, q, B, C, h = problem.frictionless
     tangent = friction.coefficient + friction.slope * p
-    # The tangent at the pressure 0 differs from 0 by this stress, which acts whatever the pressure.
+    # At the pressure 0 the tangent has this stress. It acts as a constant load.
     constant = -friction.slope * p**2
     return ContactProblem(
         A + problem.A_per_friction * tangent,

@@ -49,8 +49,8 @@ LARGEST_FRICTION_STEP = 0.05
 The contact is solved after each step. Above mu = 1 the step is relative to mu. The step affects the
 computing time, not the result: a step over which the contact set changes is halved until the
 contact force grows by less than LARGEST_FORCE_GROWTH, and while the contact set stays, the
-determinant shows the limit. On 30 brakes a step of 0.025 takes 1.07 times as many factorisations as
-0.05, a step of 0.1 as many, and a step of 0.4 takes 1.1 times as many.
+determinant shows the limit. On 30 brakes the number of factorisations is 1.07 times as large with
+a step of 0.025, the same with a step of 0.1, and 1.1 times as large with a step of 0.4.
 """
 
 POLE_DISTANCE = 1e-8
@@ -87,7 +87,7 @@ apart; a smaller number costs time.
 """
 
 FRICTION_RESOLUTION = 1e-12
-"""Relative step of the friction coefficient mu below which the search for its limit ends.
+"""Relative step of the friction coefficient mu below which the search for the friction limit ends.
 
 The limit is then the mu at which the path of solutions over mu turns back.
 """
@@ -128,7 +128,7 @@ class FrictionLimit(NamedTuple):
 
     Attributes
     ----------
-    friction : mu_lock; inf if there is no limit up to LARGEST_SOUGHT_FRICTION
+    friction : mu_lock; inf if the search found no limit up to its largest friction
     pressure_stays_finite : whether the path of solutions turns back at finite pressure, at a change
         of the contact set; otherwise the pressure grows without bound as 1/(mu_lock - mu)
     last_contact : the solution at the friction coefficient `last_friction`, with the contact set of
@@ -216,7 +216,7 @@ def find_largest_friction_with_equilibrium(
 def stable_contact_continued_to_higher_friction_or_none(
     problem: FrictionDependentProblem, friction: float, before: Contact, areas: Floats
 ) -> Contact | None:
-    """The stable solution at a higher friction that continues a solution; None if none is found.
+    """The stable solution at a higher friction that continues the solution `before`, or None.
 
     Parameters
     ----------
@@ -240,8 +240,8 @@ def is_equilibrium_certain_up_to_friction(
     """Whether a contact certainly has an equilibrium from a smaller friction up to `friction`.
 
     The result is True if the solution at `friction` is stable and its contact force is larger by at
-    most LARGEST_FORCE_GROWTH. If it is False, the contact must be followed in steps of friction to
-    know.
+    most LARGEST_FORCE_GROWTH. If the result is False, only small steps of friction can tell whether
+    there is an equilibrium.
 
     Parameters
     ----------
@@ -262,7 +262,7 @@ def _does_solution_continue_at_higher_friction(
 ) -> bool:
     """Whether a solution continues the solution at the last, smaller friction coefficient.
 
-    It does if the same nodes touch, or if the contact force has grown by little.
+    It does if the same nodes touch, or if the contact force grows by at most LARGEST_FORCE_GROWTH.
     """
     return np.array_equal(after.active, before.active) or _is_growth_of_contact_force_small(
         after, before, areas
@@ -425,7 +425,7 @@ def _solve_contact_directly_at_friction(
     """Solve the contact at a friction coefficient directly, without steps of growing friction.
 
     The contact at half of the friction is solved too. If the contact force grows by little from
-    there on, the solution is certainly the one that growing friction reaches. `problem` is the
+    half of the friction on, growing friction certainly reaches the solution. `problem` is the
     problem at `friction`. The other parameters are those of
     `solve_contact_reached_from_zero_friction`.
     """
@@ -567,9 +567,9 @@ def next_friction_with_singular_contact_equations(
     G = np.linalg.solve(system.K[unknowns[:, None], unknowns], K1)[: len(nodes)]
     gamma = np.linalg.eigvals(G)
     gamma = gamma[gamma.imag == 0].real
-    # gamma are the eigenvalues of G. Each negative one gives a friction mu - 1/gamma above the
-    # present mu at which the equations are singular. An eigenvalue next to 0 stands for an infinite
-    # friction.
+    # gamma are the eigenvalues of K(mu)^-1 K1. Each negative gamma gives a friction mu - 1/gamma
+    # above the present mu at which the equations are singular. A gamma next to 0 stands for an
+    # infinite friction.
     falling = gamma[gamma < -1e-300]
     return float(friction - 1 / falling.min()) if len(falling) else np.inf
 
@@ -654,7 +654,7 @@ def smallest_friction_that_makes_any_contact_set_singular(
 def _find_stable_contact_or_none(
     problem: FrictionDependentProblem, friction: float, start: Bools, most_steps: int = 30
 ) -> Contact | None:
-    """Return the stable solution at a friction coefficient, or None if there is none.
+    """Return the stable solution at a friction coefficient, or None if the method finds none.
 
     The active-set method starts from the contact set `start` (n,) and takes at most `most_steps`
     steps.

@@ -53,9 +53,9 @@ An increment of a brake needs some five steps.
 MOST_STATE_CHANGES = 6
 """Largest number of changes between open, stick and slip, per contact node, in one increment.
 
-It bounds the changes on a path of solutions, which leads from a load that the first states balance
-to the true load of the increment, and the steps in which single nodes change. If more are needed,
-the increment is refused.
+The limit holds for the changes on a path of solutions, which leads from a load that the first
+states balance to the true load. It also holds for steps of Newton's method in which single nodes
+change. If more changes are needed, the increment is refused.
 """
 
 STATE_ROUND_OFF = 1e-10
@@ -161,7 +161,8 @@ def solve_stick_slip_load_increment(
         try:
             settled = method(system, start)
         except NoAnswer as error:
-            # The last method fails as the first one does, so that its error tells nothing new.
+            # If the last method fails, its error is like that of the first method and tells nothing
+            # new. The error of the method before the last is therefore raised.
             if method is not _find_stick_slip_states_by_slowed_newton:
                 reason = str(error)
             continue
@@ -266,7 +267,10 @@ class _StateEquations:
         self._factors = _scale_matrix_and_compute_lu_factors(matrix)
 
     def solve_increment_under_loads(self, q: Floats, h: Floats) -> _IncrementSolution:
-        """Return the solution for gaps and slips q (2n,) without z and y, and for loads h (k,)."""
+        """Return the solution of the increment under its constant terms q (2n,) and loads h (k,).
+
+        q holds the gaps and slips that are there without pressures, tractions and motions.
+        """
         right = np.concatenate([-q[self.unknown_numbers], h])
         solution = _solve_with_scaled_lu_factors(self._factors, right)
         basic, y = solution[: len(self.unknown_numbers)], solution[len(self.unknown_numbers) :]
@@ -301,7 +305,7 @@ class _StateEquations:
 NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
 """The next state of a contact node (4, 2), by its present state and the violated condition.
 
-Each state has two conditions. Their order is that of
+Each state has two conditions, which are in the order of
 `_StateEquations.distances_of_nodes_from_their_two_state_changes`. An open node that closes becomes
 FORWARD or BACKWARD by the sign of its slip. The table has FORWARD alone, and the code that uses the
 table corrects it.
@@ -313,7 +317,8 @@ def _solution_and_violated_conditions(
 ) -> tuple[_IncrementSolution, Bools]:
     """The solution of the increment in the given states (n,), and the conditions it violates.
 
-    The conditions are (2, n): each state has two, which a node violates by more than round-off.
+    The conditions are a mask (2, n): True where a node violates the first or the second condition
+    of its state by more than round-off.
     """
     equations = _StateEquations(system, state)
     point = equations.solve_increment_under_loads(system.q, system.h)
@@ -478,8 +483,8 @@ def _follow_stick_slip_states_to_true_load(
         system, equations, from_wide_gaps
     )
     for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
-        # In the present states the solution is point + r slope. The distances of the nodes from a
-        # change of state are value + r change.
+        # In the present states the solution is point + r slope, with the load parameter r. The
+        # distances of the nodes from a change of state are value + r change.
         point = equations.solve_increment_under_loads(system.q, system.h)
         slope = equations.solve_increment_under_loads(e, f)
         value = equations.distances_of_nodes_from_their_two_state_changes(point)
@@ -533,9 +538,10 @@ def _next_stick_slip_state_change_on_path(
 def _added_gaps_and_loads_that_make_stick_slip_states_valid(
     system: _FrictionalSystem, equations: _StateEquations, from_wide_gaps: bool
 ) -> tuple[Floats, Floats]:
-    """Return loads to add to q (2n,) and h (k,) under which the present states are a solution.
+    """Return terms to add to q (2n,) and h (k,) that make the present states a solution.
 
-    With `from_wide_gaps` the added loads also widen the gaps of all open nodes.
+    q are the gaps and slips without pressures, tractions and motions; h are the loads on the
+    rigid-body modes. With `from_wide_gaps` the added terms also widen the gaps of all open nodes.
     """
     point, state = equations.solve_increment_under_loads(system.q, system.h), equations.state
     margin = _distances_from_state_change_made_positive(system, equations, point, from_wide_gaps)
@@ -555,7 +561,7 @@ def _added_gaps_and_loads_that_make_stick_slip_states_valid(
     too_small = sticks & margin.enlarged.any(axis=0)
     p = np.where(slips, margin.distances[0], np.where(too_small, stick_p, p))
     t = np.where(slips, sense * system.mu * p, np.where(sticks, stick_t, t))
-    # The added loads are the residuals of the equations for the pressures, tractions, gaps and
+    # The added terms are the residuals of the equations for the pressures, tractions, gaps and
     # slips chosen above.
     z, v = np.concatenate([p, t]), np.concatenate([w, slip])
     of_q = v - (system.q + system.A @ z + system.B @ point.y)
@@ -639,8 +645,8 @@ def sticking_and_slipping_arcs_of_lining(
     """Return the arcs of a lining that stick and that slip, under the keys "stick" and "slip".
 
     Each arc is given by its start and its end [rad]. An arc covers neighbouring nodes in one state;
-    its ends lie half-way to the next nodes. `nodes` (n,) are the angles [rad] of the nodes, and
-    `state` (n,) are their states.
+    its ends lie half-way to the next nodes, or at an end of the lining. `nodes` (n,) are the angles
+    [rad] of the nodes, and `state` (n,) are their states.
     """
     edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
     return {
@@ -654,9 +660,9 @@ def sticking_and_slipping_arcs_of_lining(
 def _start_and_end_of_runs_of_true_values(
     edges: Floats, where: Bools
 ) -> tuple[tuple[float, float], ...]:
-    """Return the start and the end of each run of true values.
+    """Return the start and the end of each run of neighbouring true values in `where` (n,).
 
-    The value i lies between edges[i] and edges[i + 1].
+    Value i of `where` belongs to the interval from edges[i] to edges[i + 1].
     """
     padded = np.concatenate([[0], where.astype(int), [0]])
     change = np.flatnonzero(np.diff(padded))

@@ -23,7 +23,7 @@ class FacePressure(NamedTuple):
     ----------
     shoe : name of the shoe
     theta : (n,) growing angles of the nodes [rad], on a plane their places x [m]
-    z : (m,) growing distances from the mid-plane [m]
+    z : (m,) growing coordinates across the width, 0 at the mid-plane [m]
     pressure : (n, m) pressures [Pa]
     widths : (m,) width of the lining that each z stands for [m]
     peak : largest pressure [Pa] at the distances z, without the edge zones at the lining's ends

@@ -36,12 +36,12 @@ def sign_of_friction_moment_about_hinge(brake: Brake, shoe: Shoe) -> int:
     """The sign dD (double delta) of the friction's moment in the UWA notes, eq. 6: +1 or -1.
 
     The sign is +1 for an external shoe whose lining the drum drags away from the hinge, and for an
-    internal shoe whose lining the drum drags towards the hinge. Otherwise the sign is -1. On a
-    lining that lies more than half a turn from its hinge, the opposite sense of the actuation
-    moment presses, and dD has the opposite sign.
+    internal shoe whose lining the drum drags towards the hinge. Otherwise the sign is -1. A
+    lining that lies more than half a turn from its hinge is pressed by an actuation moment of the
+    opposite sense. Its dD then has the opposite sign, too.
     """
-    # A lining that reaches beyond half a turn from the hinge is pressed on either side of this
-    # angle. The sense of the actuation moment tells on which one.
+    # A lining that reaches beyond half a turn from the hinge is pressed either before or beyond
+    # this angle. The sense of the actuation moment tells which.
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
     beyond = shoe.arc[1] > math.pi and M * -shoe.sign * shoe.frame.sense < 0
     return shoe.sign * brake.sign_of_motion * shoe.frame.sense * (1 if beyond else -1)
@@ -61,13 +61,14 @@ def figures_of_merit_of_shoe_on_drum(
     """
     shoe = brake.shoes[index]
     R, b = brake.size, shoe.lining.width
-    # Moments about the hinge: of the actuation, of the normal pressure and of the friction.
+    # M, M_N and M_F are the moments of the loads, the normal pressure and the friction about the
+    # hinge.
     to_centre = -shoe.pin.xy
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
     M_N = float(planar_cross_product(to_centre, contact.normal))
     M_F = contact.moment + float(planar_cross_product(to_centre, contact.friction))
     N, T = float(np.linalg.norm(contact.normal)), response.torque
-    # The sign makes the vector point from the drum's centre to the lining, for internal and
+    # With the sign, `outwards` points from the drum's centre to the lining, for internal and for
     # external shoes.
     outwards = -shoe.sign * contact.normal
     angle = math.atan2(outwards[1], outwards[0])
@@ -111,16 +112,16 @@ def barecki_shoe_factor(
     psi : apparent friction radius, divided by the drum's radius R
     delta : distance of the hinge from the drum's centre, divided by R
     gamma : arm of the actuation force P about the hinge, divided by R
-    sense : +1 for a leading shoe of the paper, -1 for a trailing shoe, as
-        `sign_of_friction_moment_about_hinge`. On a leading external shoe the friction points from
-        the hinge to the loaded end.
+    sense : +1 for a leading shoe of the paper, -1 for a trailing shoe; it is the sign that
+        `sign_of_friction_moment_about_hinge` returns. On a leading external shoe the friction
+        points from the hinge to the loaded end.
     """
     resisting = delta * (np.sin(angle) / mu + sense * np.cos(angle))
     return np.asarray(gamma * psi / (resisting - sense * psi))
 
 
 def mean_friction_of_shoe(brake: Brake, shoe: Shoe, response: ShoeResponse) -> float:
-    """The friction coefficient of a shoe, as a mean weighted with the pressure if it varies."""
+    """The friction coefficient of a shoe; its mean weighted with the pressure if it varies."""
     if response.friction_stress is None:
         return brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
     values = (response.friction_stress, response.pressure)
@@ -140,7 +141,7 @@ def figures_of_merit_of_shoe_on_plane(
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
     friction = mean_friction_of_shoe(brake, shoe, response)
     force = friction * N
-    # The moment of the friction about the hinge, positive if it helps the actuation.
+    # `helping` is the moment of the friction about the hinge, positive if it helps the actuation.
     helping = -math.copysign(1, M) * friction * brake.sign_of_motion * shoe.pin.y * N
     return FlatMerit(
         braking_force=force,

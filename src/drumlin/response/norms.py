@@ -46,8 +46,8 @@ class PressureDifference:
         Parameters
         ----------
         a, b : the responses with the pressures p_a and p_b
-        zones : distances [rad] from the lining's ends at which pieces must end, for integrals
-            without these zones
+        zones : lengths [rad] of zones at the lining's ends. Pieces end at the borders of these
+            zones, so that integrals can leave a zone out.
         """
         start, end, inner = b.theta[0], b.theta[-1], np.array(zones)
         # The knots are the ends of all pieces. If two knots coincide, the piece between them has
@@ -95,14 +95,14 @@ class PressureDifference:
         return np.asarray(np.searchsorted(ends, starts, side="right") - 1)
 
     def relative_force_as_if_elements_had_random_signs(self) -> float:
-        """The relative force of p_a - p_b, as if the forces on the elements had random signs.
+        """The force of p_a - p_b relative to the force of p_b, as if its parts had random signs.
 
-        It is the root of the sum of squares of the integrals of p_a - p_b over each element of
-        response b, divided by the integral of p_b. Unlike the true force of p_a - p_b, it cannot
-        become small because forces cancel by accident.
+        The parts are the integrals of p_a - p_b over the elements of response b. The result is the
+        root of the sum of their squares, divided by the integral of p_b. Unlike the true force of
+        p_a - p_b, it cannot become small because parts cancel by accident.
         """
-        # The root mean square of a sum whose members have random signs is the root of the sum of
-        # their squares.
+        # The root mean square of a sum whose terms have random signs is the root of the sum of the
+        # terms' squares.
         forces = np.bincount(
             self.indices_of_elements_that_contain_pieces, (self.weight * self.off).sum(axis=1)
         )

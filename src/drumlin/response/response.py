@@ -40,8 +40,8 @@ outside the zones at the lining's ends.
 CURVE_SPACING = math.radians(0.2)
 """Longest step [rad] between two points of a pressure curve that is drawn or written to a file.
 
-With it a lining of 100 degrees has 500 points, as many as a picture has dots. The step does not
-change the answer of a model.
+With it a lining of 100 degrees has 500 points, about as many as a plot can show. The spacing does
+not change the answer of a model.
 """
 
 SMALLEST_CURVE_PIECE = 1e-9
@@ -53,10 +53,10 @@ out the pieces within this distance of the lining's ends. They bear 1e-5 of the 
 """
 
 NEITHER = 1e-9
-"""Ratio of friction work to normal-force work below which friction is not self-energising.
+"""Ratio of friction work to pressure work up to which friction is not self-energising.
 
-If the ratio is smaller than that, it is round-off: the friction neither helps nor opposes the
-actuation.
+Both works are done in the same rigid-body motion of the shoe. A ratio below the limit is round-off:
+the friction then neither helps nor opposes the actuation.
 """
 
 NO_FORCE = 1e-6
@@ -122,6 +122,7 @@ def reference_force_of_reaction_errors(reaction: Floats, normal_force: float) ->
     """The force [N] to which errors of a support reaction (2,) [N] are relative.
 
     It is the size of the reaction, and at least NO_FORCE times the normal force [N] on the lining.
+    If both are zero, it is 1 N.
     """
     return max(math.hypot(*reaction), NO_FORCE * normal_force) or 1.0
 
@@ -254,11 +255,11 @@ class ShoeResponse(EqualByArrays):
 
     @property
     def nodal_pressures_on_linings(self) -> Floats:
-        """The pressures [Pa] at the nodes on linings, without those in slots between linings."""
+        """The pressures [Pa] at nodes on linings, without the nodes in slots between linings."""
         return self.nodal_values_on_linings(self.pressure)
 
     def nodal_values_on_linings(self, values: Floats) -> Floats:
-        """The values at the nodes on linings, of `values` (n,) at all nodes."""
+        """The values at nodes on linings, selected from the values (n,) at all nodes."""
         on_lining = np.ones(len(self.theta), dtype=bool)
         for start, end in self.slots:
             on_lining &= (self.theta <= start) | (self.theta >= end)
@@ -716,9 +717,9 @@ def length_of_edge_zone_left_out_of_peak_search(shoe: Shoe, scale_factor: float)
 
 
 def angle_of_edge_zone_left_out_of_peak_search(shoe: Shoe, size: float) -> float:
-    """The length of the edge zone without peak, as an angle phi [rad] in the shoe's own frame.
+    """The length of the end zone without peak search, as an angle phi [rad] in the shoe's frame.
 
-    In the edge zone the peak pressure is not sought, see
+    In this zone at each end of the lining the peak pressure is not sought, see
     `length_of_edge_zone_left_out_of_peak_search`. `size` [m] is the size of the brake, on a drum
     its radius.
     """

@@ -30,7 +30,7 @@ vertex of the parabola through the largest value at these points and its two nei
 
 
 Slots = tuple[tuple[float, float], ...]
-"""Begin and end of each slot between two linings of a shoe, in the surface's coordinate."""
+"""Begin and end of each slot (gap) between two linings of a shoe, in the surface's coordinate."""
 
 JUMP = 1e-12
 """Length [rad, on a plane m] of the polynomial pieces on which the pressure falls to 0 at a slot.
@@ -162,7 +162,7 @@ def _integrals_of_shape_functions(order: int) -> Floats:
 def polynomial_nodes_on_linings_and_slots(
     parts: Sequence[Floats], order: int
 ) -> tuple[Floats, Bools]:
-    """The nodes of a piecewise polynomial on several linings, and which of them are on a lining.
+    """The nodes of a piecewise polynomial on several linings, and a mask of the nodes on linings.
 
     Between two linings there are three more pieces. On the first piece the polynomial falls to 0,
     on the second it is 0, and on the third it rises to its value on the next lining.
@@ -294,10 +294,10 @@ class LiningWithoutEndZones:
         half = 0.5 * (ends[1:] - ends[:-1])
         around_slots = [place for a, b in self.slots for place in (a - zone, b + zone)]
         limits = np.array([ends[0], ends[0] + zone, ends[-1] - zone, ends[-1], *around_slots])
-        # The limits of the two integrals in the coordinate [-1, 1] of each piece. A limit outside
-        # the piece becomes the nearer end of the piece.
+        # xi are the limits of the two integrals, in the coordinate [-1, 1] of each piece. A limit
+        # outside the piece becomes the nearer end of the piece.
         xi = np.minimum(np.maximum((limits[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)
-        # Integrals of the shape functions of each piece from the begin of the piece up to a limit.
+        # Each shape function is integrated from the beginning of its piece up to each limit.
         integrals = _legendre_coefficients_of_integrated_shapes(
             order
         ) @ _legendre_polynomial_values(order + 1, xi).swapaxes(0, 1)
@@ -338,7 +338,7 @@ class LiningWithoutEndZones:
             high = np.where(behind, high, np.minimum(high, slot_start - zone))
         pieces = (low < high).nonzero()[0]
         cut = ((low > start) | (high < end))[pieces].nonzero()[0]
-        # The points between low and high in the coordinate [-1, 1] of each cut piece.
+        # xi are the sample points between low and high, in the coordinate [-1, 1] of cut pieces.
         low, high = low[pieces[cut], None], high[pieces[cut], None]
         start, end = start[pieces[cut], None], end[pieces[cut], None]
         xi = (low + high - start - end + (high - low) * PEAK_SAMPLES) / (end - start)
@@ -422,11 +422,11 @@ def resultant_of_pressure_and_friction(
     drag: float,
     dragging: Floats | None = None,
 ) -> Resultant:
-    """The resultant on a lining of the pressure p and the friction.
+    """The resultant of the pressure p and the friction on a lining.
 
     The traction on the lining is -p n + drag p t. The normal n points out of the lining, and t
-    along the surface towards the growing coordinate. If `dragging` is given, it takes the place of
-    p in the friction.
+    along the surface towards the growing coordinate. If `dragging` is given, the friction is drag
+    times `dragging` in place of drag times p.
 
     Parameters
     ----------
@@ -437,8 +437,9 @@ def resultant_of_pressure_and_friction(
     size : size of the brake [m], on a drum its radius
     per_place : area of the lining per unit of the surface's coordinate [m^2/rad, on a plane m]
     sign : +1 for an internal lining, -1 for an external lining
-    drag : friction per pressure along the growing coordinate, mu or -mu
-    dragging : (n,) [Pa], nodal values that `drag` turns into friction; None for the pressures
+    drag : friction stress divided by pressure, positive towards the growing coordinate: mu or -mu
+    dragging : (n,) [Pa], nodal values that take the place of the pressures in the friction; None
+        for the pressures themselves
     """
     rule = polynomial_values_at_gauss_points(theta, pressure, order)
     load = rule.values * rule.weights * per_place

@@ -292,7 +292,7 @@ def compare_curves_with_reference(
 ) -> list[Verdict]:
     """Compare the pressure curve of each shoe with the reference values of a brake.
 
-    Raises BadInput if the reference values are those of another brake, or if a curve ends before it
+    Raises BadInput if the reference values belong to another brake, or if a curve ends before it
     reaches the edge zone at an end of its lining.
     """
     if [shoe.name for shoe in known.shoes] != [shoe.name for shoe in brake.shoes]:
@@ -381,15 +381,15 @@ def _slices_of_angles_on_each_lining(shoe: Shoe, theta: Floats) -> list[slice]:
 def _pressure_integral_along_lining(shoe: Shoe, curve: PressureTable) -> float:
     """The integral of p over theta along all linings [Pa rad], by the trapezoidal rule.
 
-    The rule's points are those of the curve inside each lining, and the two ends of the lining. At
-    a slot the pressure is that of the lining's nearest point, and a lining without a point has no
-    pressure.
+    The points of the rule are the curve's points inside each lining, and the two ends of the
+    lining. At a slot the pressure has its value at the lining's nearest point. A lining without a
+    point has no pressure.
     """
     total = 0.0
     slots = shoe.lining.slots
     slices = _slices_of_angles_on_each_lining(shoe, curve.theta)
     for k, ((start, end), own) in enumerate(zip(shoe.lining.arcs, slices, strict=True)):
-        # Points beyond the outer ends of all linings help to interpolate the pressure there.
+        # Points beyond the outer ends of all linings help to interpolate the pressure at the ends.
         near = slice(own.start if k else 0, own.stop if k < len(slots) else None)
         at, p = curve.theta[near], curve.p[near]
         if len(at):

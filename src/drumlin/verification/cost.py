@@ -85,7 +85,7 @@ class Cost(NamedTuple):
 
     @property
     def solve_ratio(self) -> float:
-        """Time of a solve / sum of the times of one assembly, factorisation and substitution."""
+        """Time of a solve, divided by the time of one assembly, factorisation and substitution."""
         return self.solve / (self.assembly + self.factorisation + self.substitution)
 
     @property

@@ -70,10 +70,10 @@ def element_kind_of_mesh(mesh: Any) -> MeshKind:
 
 
 def _move_nearest_element_ends_to_angles(angles: Floats, places: tuple[float, ...]) -> Floats:
-    """The angles [rad] of element ends, changed so that each of the `places` [rad] is one of them.
+    """The angles [rad] of element ends, changed so that elements end at each of the `places` [rad].
 
-    The inner angle nearest to a place is moved to this place. The place is added as a new angle if
-    that angle has been moved to another place already, or if there is no inner angle.
+    The inner angle nearest to a place is moved to this place. If it has been moved to another place
+    already, or if there is no inner angle, the place is added as a new angle.
     """
     inner = angles[1:-1]
     moved: list[int] = []
@@ -84,7 +84,7 @@ def _move_nearest_element_ends_to_angles(angles: Floats, places: tuple[float, ..
 
 
 FACE_SLACK = 1e-9
-"""Largest distance of an edge's middle from a face of the shoe at which the edge lies on the face.
+"""Largest distance from a face of the shoe at which the middle of an edge counts as on the face.
 
 The edge is an edge of an element. Distances in depth are relative to the drum's radius, and
 distances along the shoe are in rad. Distances of this size are round-off.

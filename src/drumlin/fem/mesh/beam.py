@@ -28,7 +28,7 @@ PARTS = ("lining", "backing", "shoe")
 The subdomain "backing" is the block between lining and beam.
 """
 BEAM_SLACK = 1e-9
-"""Largest distance of an edge's middle from a face of the shoe at which the edge lies on the face.
+"""Largest distance from a face of the shoe at which the middle of an edge counts as on the face.
 
 The edge is an edge of an element. Distances in depth are relative to the thickness of the layer,
 distances along the beam to the radius of the lining's back. Distances of this size are round-off.

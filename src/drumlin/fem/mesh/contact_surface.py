@@ -38,7 +38,7 @@ The mean rounding error of the 17 nodes is a quarter of the rounding error of on
 a lining is then seen even if its height is less than the rounding of coordinates.
 """
 SIGNIFICANT = 4.0
-"""Mean offset of some neighbouring nodes from the drum above which it shows the lining's shape.
+"""Mean offset of neighbouring nodes from the drum above which it counts as the lining's own shape.
 
 The mean is relative to its standard deviation by rounding errors alone. Rounding alone makes the
 mean exceed the limit at one of 16 000 nodes.

@@ -31,7 +31,7 @@ SQUARE_SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
 
 
 class _Slopes(NamedTuple):
-    """The gradient `grad` (2, elements, points) [1/m] of a shape function; scikit-fem's name."""
+    """The gradient of a shape function, `grad` (2, elements, points) [1/m]; scikit-fem's name."""
 
     grad: Floats
 
@@ -172,7 +172,7 @@ class NodalBasis:
         return int(self.doflocs.shape[1])
 
     def get_dofs(self, facets: Ints) -> Ints:
-        """The numbers of all nodes on some sides of elements."""
+        """The numbers of all nodes on the sides `facets` of elements; the name is scikit-fem's."""
         return np.unique(nodes_along_element_edges(self, facets))
 
     def shape_function_gradients_and_jacobian_determinants(
@@ -187,7 +187,7 @@ class NodalBasis:
         """
         dofs = self.element_dofs[:, elements]
         # In long double the slopes of all shape functions at a point add up to zero more exactly.
-        # Otherwise round-off would give the rigid motions of a soft shoe stresses that matter.
+        # Otherwise round-off would cause considerable stresses in rigid motions of a soft shoe.
         fine = at.astype(np.longdouble)
         local = np.array([self.elem.lbasis(fine, i)[1] for i in range(len(dofs))]).astype(float)
         J = np.einsum("caj,adq->cdjq", self.doflocs[:, dofs], local, optimize=True)
@@ -331,14 +331,14 @@ def node_displacements_that_follow_moved_sides(
 ) -> Floats:
     """The moves (2, N) [m] of all nodes if the nodes on some sides are moved.
 
-    The nodes inside the elements at these sides follow their side, so that the elements keep their
-    shape. The corners stay.
+    The nodes inside the elements at these sides follow the move of their side, so that the elements
+    keep their shape. The corners stay.
 
     Parameters
     ----------
     basis : the basis
     facets : (m,) numbers of the sides
-    moves : (2, degree + 1, m) moves of the nodes along the sides [m]; 0 at the corners
+    moves : (2, degree + 1, m) moves [m] of the nodes on each side, from end to end; 0 at corners
     """
     mesh, elem = basis.mesh, basis.elem
     change = np.zeros_like(basis.doflocs)

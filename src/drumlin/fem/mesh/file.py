@@ -489,8 +489,8 @@ def _element_edges_with_all_nodes_in_set(
 ) -> Ints:
     """The numbers of the mesh's edges whose nodes all belong to a set of nodes.
 
-    If the set has no middle nodes at all, only the corners of the edges must belong to it.
-    `inside` (n,) marks the nodes of the set; the other parameters are those of
+    If no middle node belongs to the set, only the corners of the edges must belong to it. `inside`
+    (n,) marks the nodes of the set; the other parameters are those of
     `_mesh_with_named_groups_of_file`.
     """
     corners = plane.number_of_corners_per_cell

@@ -13,7 +13,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 
 EDGE_SIZE = 1 / 32
-"""Size of the element at a lining's end relative to that of an element in the lining's middle.
+"""Size of the element at a lining's end, relative to the size of an element in its middle.
 
 The layers of elements at the lining's two faces are thinner than those in its middle by the same
 ratio. The pressure p is singular at the end. With four times this size the error of p is a quarter
@@ -148,7 +148,8 @@ def element_ends_beyond_lining(near: float, far: float, division: LiningDivision
     length, step = abs(far - near), division.step
     if length < 1e-9:
         return np.array([near])
-    # Equal elements, or elements whose lengths grow by a constant ratio if there were too many.
+    # The elements are equal. If they are too many, their number is limited, and their lengths grow
+    # by a constant ratio with the distance from the lining.
     count = max(1, round(length / step))
     parts = np.linspace(0, 1, min(count, MOST_OVERHANG_ELEMENTS) + 1)
     if count > MOST_OVERHANG_ELEMENTS:

@@ -254,7 +254,7 @@ class _Assembled:
         )
 
     def _is_chosen_instance(self, owner: str) -> bool:
-        """Whether the instance named `owner` is one of the chosen bodies, or no instance at all."""
+        """True if `owner` names one of the chosen bodies, or if it is "" and names no instance."""
         return owner == "" or any(body.name == owner for body in self.bodies)
 
     def _collect_members_by_group_name(
@@ -273,7 +273,7 @@ class _Assembled:
         named : function that returns the names of the groups of a body
         found : function that returns the members of a group of a body
         """
-        # The assembly is first, so that its groups are known before those of parts.
+        # The assembly is first, so that its groups are known before the groups of parts.
         groups: dict[str, list[Parsed]] = {}
         assembly = self.deck.bodies[-1]
         bodies = [body for body in self.bodies if body.part is not assembly.part]

@@ -293,7 +293,10 @@ SCOPES = {
 
 
 def _parse_label_in_element_line(word: str) -> int:
-    """Convert a word on a line of an *ELEMENT section to a label, a whole number, or ValueError."""
+    """Convert a word on a line of an *ELEMENT section to a label, which is a whole number.
+
+    Raises ValueError for another word.
+    """
     return parse_node_or_element_label(word, "*ELEMENT")
 
 

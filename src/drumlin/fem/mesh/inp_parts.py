@@ -174,7 +174,7 @@ def placement_of_nodes_after_system_section(rows: list[list[str]]) -> Placement:
     third = parse_numbers_of_data_line(rows[1], "*SYSTEM") if len(rows) == 2 else [0.0, 0.0, 1.0]
     if len(given) != 6 or len(rows) > 2 or len(third) not in (2, 3):
         raise ValueError("*SYSTEM needs an origin, a point on its x-axis and one in its x-y plane")
-    # The axes of the system are x, normal times x, and the normal of the x-y plane.
+    # The system's axes are x, the cross product of the normal and x, and the x-y plane's normal.
     beside = np.array([*third, 0.0][:3]) - origin
     x = along - origin
     normal = np.cross(x, beside) if len(rows) == 2 else np.array([0.0, 0.0, 1.0])

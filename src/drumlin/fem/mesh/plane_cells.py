@@ -50,7 +50,7 @@ class PlaneCells:
     ----------
     cell : meshio's name of the kind
     cells : (m, k) nodes of each cell
-    points : (n, 2) coordinates of the nodes, those of the file first, then added ones
+    points : (n, 2) coordinates of the nodes: the nodes of the file first, then added nodes
     parent : for each type of cells in the file, two arrays with an entry for each cell of this
         type: the number of the first new cell made of it, and how many were made
     added : (n,) whether each node was added
@@ -108,7 +108,8 @@ def convert_plane_cells_to_one_kind(
     for cells in kinds.values():
         if cells.min() < 0 or cells.max() >= len(points):
             raise BadInput(f"{fault}: has cells with nodes that the file does not define")
-    # Third order is converted to second order, and then mixed cells to triangles.
+    # Cells of third order become cells of second order. If the mesh then has triangles and
+    # quadrilaterals, all cells become triangles.
     own = len(points)
     notes: list[str] = []
     if set(kinds) & set(LOWER):
@@ -209,7 +210,7 @@ class _GrowingNodes:
     points : (n, 2) coordinates of the nodes before nodes are added
     middles : number of the middle node of each edge that has one, by the edge's two corners, the
         smaller number first
-    added : coordinates (2,) of the added nodes, whose numbers follow those of `points`
+    added : coordinates (2,) of the added nodes, numbered on from the nodes in `points`
     """
 
     points: Floats
@@ -231,7 +232,7 @@ class _GrowingNodes:
         return self.middles[key]
 
     def coordinates_of_node(self, number: int) -> Floats:
-        """The coordinates (2,) of a node of the file or of an added one."""
+        """The coordinates (2,) of a node of the file or of an added node."""
         count = len(self.points)
         return self.points[number] if number < count else self.added[number - count]
 

@@ -102,7 +102,8 @@ def _sides_on_outline_and_interfaces(mesh: Any) -> tuple[Ints, Ints]:
 
     Sides between the same two layers have the same number.
     """
-    # Beyond the outline scikit-fem gives the element -1, which picks the last entry: layer 0.
+    # Beyond the outline scikit-fem gives the element number -1. It selects the last entry of the
+    # layer numbers, which is 0.
     both = np.sort(_layer_number_of_each_element(mesh)[mesh.f2t], axis=0)
     facets = np.flatnonzero(both[0] != both[1])
     return facets, both[0, facets] * (len(mesh.subdomains) + 1) + both[1, facets]

@@ -26,7 +26,7 @@ The check of the file's size then takes no longer than reading the file.
 _HEADER_WIDTHS = {"UInt32": 4, "UInt64": 8}
 """Size [bytes] of an integer in the header of a compressed array, by the file's header type."""
 _RAW_APPENDED = re.compile(rb"<AppendedData[^>]*>")
-"""Pattern of the XML tag before the appended data of a .vtu file, which may be raw bytes."""
+"""Pattern of the XML tag in a .vtu file after which its appended data begin, raw or as text."""
 
 
 def check_decompressed_vtu_size_fits_memory(data: bytes) -> None:
@@ -58,7 +58,7 @@ def check_decompressed_vtu_size_fits_memory(data: bytes) -> None:
 
 
 def _split_vtu_into_xml_and_raw_bytes(data: bytes) -> tuple[bytes, bytes | None]:
-    """The XML of a .vtu file without its raw bytes, and the raw bytes; None if it has none."""
+    """Split a .vtu file into its XML and its raw bytes, which are None if it has no raw bytes."""
     found = _RAW_APPENDED.search(data)
     if found is None or b'encoding="raw"' not in found.group():
         return data, None

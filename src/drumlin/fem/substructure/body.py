@@ -85,7 +85,10 @@ class InnerSystem(NamedTuple):
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
     def body_system_with_further_loads(self, forces: Floats) -> "InnerSystem":
-        """A copy with nodal forces (2 nodes, k) as k further unit loads, in the last columns."""
+        """A copy of the system with k more unit loads, in the last columns of `loads`.
+
+        `forces` (2 nodes, k) are the nodal forces of these unit loads on all nodes.
+        """
         further = self.constraints.matrix.T @ forces
         return self._replace(loads=np.hstack([self.loads, further]))
 
@@ -94,8 +97,8 @@ class InnerSystem(NamedTuple):
     ) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m] in m load cases.
 
-        In each load case act forces `nodal` (2n, m) [N] on the n contact nodes and the unit loads
-        times `loads` (l, m), while the frame moves by `frame` (3, m).
+        In each load case, forces `nodal` (2n, m) [N] act on the n contact nodes, the unit loads act
+        with the factors `loads` (l, m), and the frame moves by `frame` (3, m).
         """
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
         # The nodal forces act on the contact nodes, the last unknowns before the frame.
@@ -107,34 +110,37 @@ class InnerSystem(NamedTuple):
 
 
 class InnerUnknowns(Protocol):
-    """The eliminated unknowns of a body: the interface that all kinds of bodies have."""
+    """The interface to the eliminated unknowns of a body, which bodies of all kinds have."""
 
     def nodal_displacements_in_load_cases(
         self, nodal: Floats, frame: Floats, loads: Floats
     ) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m] in m load cases.
 
-        In each load case act forces `nodal` (2n, m) [N] on the n contact nodes and the unit loads
-        times `loads` (l, m), while the frame moves by `frame` (3, m).
+        In each load case, forces `nodal` (2n, m) [N] act on the n contact nodes, the unit loads act
+        with the factors `loads` (l, m), and the frame moves by `frame` (3, m).
         """
 
 
 @runtime_checkable
 class InnerEquations(InnerUnknowns, Protocol):
-    """The eliminated unknowns of a body in plane stress: an interface with its equations and loads.
+    """The interface to the eliminated unknowns, equations and loads of a body in plane stress.
 
     An `InnerSystem` holds the whole stiffness. A body of hp elements assembles its stiffness only
     when a method needs it, see `hp.grid.GridUnknowns`.
     """
 
     def equations_of_body_before_condensation(self) -> InnerSystem:
-        """The equations of the body on all its nodes, before condensation."""
+        """The equations of the body before its inner unknowns are eliminated."""
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The stiffness and the unit loads of the body, condensed to contact nodes and frame."""
 
     def body_system_with_further_loads(self, forces: Floats) -> "InnerEquations":
-        """A copy with nodal forces (2 nodes, k) as k further unit loads, in the last columns."""
+        """A copy of the body with k more unit loads, in the columns after its present unit loads.
+
+        `forces` (2 nodes, k) are the nodal forces of these unit loads on all nodes.
+        """
 
 
 @dataclass(frozen=True)
@@ -148,14 +154,14 @@ class CondensedBody:
     ----------
     L_cc : (2n, 2n) lower Cholesky factor of the stiffness on the contact nodes, without motion of
         the frame
-    L_fc : (3, 2n) matrix S_fc L_cc^-T; contact forces with the half flexibility Y need the forces
-        L_fc Y to keep the frame in its place
+    L_fc : (3, 2n) matrix S_fc L_cc^-T; contact forces G, with the half flexibility Y = L_cc^-1 G,
+        need the forces L_fc Y to keep the frame in its place
     load_on_contact, load_on_frame : (2n, l) and (3, l) the l unit loads, condensed to the contact
         nodes and to the frame
     load_work : (l, l) work of the unit loads on each other's displacements, without motion of
         contact nodes and frame
     inner : the eliminated unknowns, from which displacements inside the body are recovered
-    columns : the names of the l unit loads, as columns of the arrays above
+    columns : the names of the l unit loads, and the columns of the arrays above that each load has
     force_imbalance : estimate of the imbalance that round-off of the elimination causes, relative
         to the acting force; 0 if it is not known
     rigid_mode_error : (2n, 3) estimate of the contact displacement [m] that round-off adds to each
@@ -175,7 +181,8 @@ class CondensedBody:
     @property
     def inner_equations(self) -> InnerEquations:
         """The eliminated unknowns with their equations."""
-        # Shoes with widths have displacements only, and the callers of this property refuse them.
+        # The unknowns of shoes with widths recover displacements only and have no equations. The
+        # callers of this property refuse such shoes.
         assert isinstance(self.inner, InnerEquations)
         return self.inner
 
@@ -232,7 +239,7 @@ class CondensedBody:
         return self.inner.nodal_displacements_in_load_cases(nodal, frame, loads)
 
     def body_with_further_loads(self, loads: Mapping[str, Floats]) -> "CondensedBody":
-        """A copy of the body with further unit loads, in columns after those of its present loads.
+        """A copy of the body with more unit loads, in the columns after its present unit loads.
 
         The condensed stiffness stays. The inner unknowns are eliminated once more to condense the
         loads.
@@ -279,7 +286,7 @@ def sparse_stiffness_of_body(
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
-    with the width b and the shape functions psi, and orthotropic layers add the terms of
+    where b is the width and psi are the shape functions. Orthotropic layers add the terms of
     `hp.element.plane_stress_stiffness_of_elements`. One batched matrix product for each element
     multiplies the gradients of all shape functions. skfem would evaluate the form once for each
     pair of shape functions.
@@ -288,11 +295,11 @@ def sparse_stiffness_of_body(
     ----------
     basis : scalar basis of a mesh, or a grid of hp elements, which computes its own stiffness
     layers : elastic layers by subdomain
-    precise : whether to compute in long double, from the coordinates of the nodes on
+    precise : whether everything is computed in long double, beginning with the node coordinates
     """
     if hasattr(basis, "stiffness"):
-        # The stiffness of a grid's skeleton exists in double precision only, so that it has no
-        # option `precise`.
+        # A grid of hp elements also has a skeleton, its nodes on the boundaries of elements. The
+        # skeleton's stiffness exists in double precision only and has no option `precise`.
         return basis.stiffness(layers, precise=True) if precise else basis.stiffness(layers)
     if precise:
         gradients, dx = _shape_gradients_and_quadrature_areas_in_long_double(basis)
@@ -328,7 +335,8 @@ def _isotropic_element_stiffness(
         lame[:, members] = np.array([matrix[0, 1], matrix[-1, -1]])[:, None]
     lam, mu = lame[:, :, None, None, None, None]
 
-    # H is the integral of psi_a,i psi_b,j over each element.
+    # G holds the derivatives psi_a,i at the points of each element, and H the integrals of
+    # psi_a,i psi_b,j over each element.
     G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, 2 * a, points)
     H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, 2, a, 2)
     K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
@@ -342,7 +350,7 @@ def assemble_sparse_stiffness(K: Any, nodes: Ints, N: int) -> Any:
 
     Parameters
     ----------
-    K : (e, a, 2, a, 2) or (e, 2 a, 2 a) stiffness of elements, both components of a node together
+    K : (e, a, 2, a, 2) or (e, 2 a, 2 a) stiffness of elements; x and y of a node are neighbours
     nodes : (e, a) nodes of the elements
     N : number of nodes
     """
@@ -424,7 +432,11 @@ def _orthotropic_part_of_element_stiffness(
     along = layer.directions(points)
 
     def integrals_of_products_of_strains_in_direction(direction: Any) -> Any:
-        """The integrals (e, d a, d a) of products of two unknowns' strains in a direction."""
+        """The integrals (e, d a, d a) over e elements of products of two normal strains.
+
+        Both strains are in the direction `direction` (2, e, q), due to unit displacements of the a
+        nodes in d components.
+        """
         grown = np.einsum("ceq,aceq->aeq", direction, gradients)
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
@@ -455,9 +467,9 @@ def _shape_gradients_and_quadrature_areas_in_long_double(basis: Any) -> tuple[An
 
 
 def rigid_body_displacements_of_nodes(xy: Floats, pin: Floats) -> Floats:
-    """The rigid-body displacements (2n, 3) of nodes xy (2, n).
+    """The displacements (2n, 3) of nodes in three rigid-body modes; `xy` (2, n) are the nodes.
 
-    The modes are dx, dy and the rotation about the pin.
+    The columns belong to unit motions dx and dy, and to a unit rotation about the point `pin` (2,).
     """
     modes = np.zeros((xy.shape[1], 2, FRAME))
     modes[:, 0, 0] = modes[:, 1, 1] = 1.0
@@ -489,7 +501,8 @@ def multi_point_constraints_of_body(
     region = np.repeat(order.region[is_inner], 2)
     dofs = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
 
-    # A body without rigid nodes has three displacements in the place of the frame, put last.
+    # In a body without rigid nodes, three displacements take the place of the frame. They are the
+    # last of the unknowns.
     if alone is not None:
         others = ~np.isin(dofs, alone)
         free = np.concatenate([dofs[others], alone])
@@ -521,7 +534,7 @@ def matrix_from_unknowns_to_displacements(
     rows, columns = [dofs], [np.arange(free)]
     values = [np.ones(free)]
     if rigid is not None and arm is not None:
-        # Each rigid node has four entries: its x by dx and by the rotation, and its y by dy and by
+        # A rigid node has four entries: its x depends on dx and the rotation, and its y on dy and
         # the rotation.
         ones = np.ones(len(rigid))
         rows += [rigid, rigid, rigid + 1, rigid + 1]

@@ -98,7 +98,8 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
         rank[order] = np.arange(count) - (np.cumsum(size) - size)[path[order]]
         path = 2 * path + (rank >= (size[path] + 1) // 2)
 
-    # The region of a node is the common beginning of the paths of its elements.
+    # The bits of an element's path tell which halves contain the element. A region is given by the
+    # beginning of a path: the first bits that the paths of all elements at a node have in common.
     first = np.full(xy.shape[1], 1 << depth)
     last = np.full(xy.shape[1], -1)
     for nodes in elements:
@@ -109,8 +110,8 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
     omitted = round(np.log2(LEAF_NODES * count / xy.shape[1]))
     height = np.maximum(differing_bits, np.clip(omitted, 0, depth))
 
-    # A region is a range of paths. Regions are eliminated in the order in which these ranges end;
-    # of two regions with the same end the smaller region comes first.
+    # The paths that begin like a region are a range of whole numbers. Regions are eliminated in the
+    # order in which these ranges end. Of two ranges with the same end the shorter one comes first.
     end = (first >> height << height) + (1 << height)
     nodes = np.lexsort((height, end))
     other_end = np.diff(end[nodes], prepend=-1).astype(bool)
@@ -139,9 +140,9 @@ def _positions_along_principal_axis(group: Ints, x: Floats) -> Floats:
 
 
 def _mean_of_values_in_each_group(group: Ints, values: Floats) -> Floats:
-    """For each of m members, the means (k, m) of the k rows of `values` (k, m) over its group.
+    """For each of m members, the means (k, m) of k quantities over the member's group.
 
-    `group` (m,) is the number of the group of each member.
+    `values` (k, m) are the quantities, and `group` (m,) is the number of each member's group.
     """
     size = np.maximum(np.bincount(group), 1)
     return np.array([(np.bincount(group, row) / size)[group] for row in values])
@@ -168,7 +169,7 @@ def eliminate_inner_unknowns(A: Any, region: Ints, loads: Floats) -> CondensedSy
     work = np.zeros((f.shape[1], f.shape[1]))
     for front in _factorise_front_of_each_region(lower, region, complements):
         if f.shape[1]:
-            # One step of the forward substitution condenses the loads of this front.
+            # Forward substitution with the factor of this front condenses the loads.
             y = dtrsm(1.0, front.L, f[front.own], lower=1)
             f[front.later] -= front.below @ y
             work += y.T @ y
@@ -320,8 +321,8 @@ def _add_schur_complements_to_front(
 ) -> None:
     """Add the Schur complements of earlier fronts to the lower triangle of a region's front.
 
-    `F` (n, n) is the front of the region number `region`. `position` holds the row of the front for
-    each of the front's unknowns, by the number of the unknown in the whole matrix.
+    `F` (n, n) is the front of the region number `region`. For the number of an unknown in the whole
+    matrix, `position` gives the row that this unknown has in the front.
     """
     for unknowns, complement in complements[region]:
         own = position[unknowns]

@@ -69,7 +69,10 @@ class ContactLine:
         return len(self.pieces) - 1
 
     def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> "Coupling":
-        """The coupling matrices of this line with drum or plane; `width` [m] of the lining."""
+        """The matrices that couple this contact line with the drum or the plane.
+
+        `width` is the width of the lining [m], and `directions` gives the surface's unit vectors.
+        """
         return weak_coupling_of_contact_line(self, width, directions)
 
     @cached_property
@@ -89,7 +92,7 @@ class ContactLine:
 
     @cached_property
     def node_angles_with_mask_of_linings(self) -> tuple[Floats, Bools]:
-        """Angles (m,) [rad] of nodes on all linings and in the slots, and which are on linings.
+        """Angles (m,) [rad] of nodes on linings and in slots, and a mask (m,): True on linings.
 
         The nodes on linings are the nodes of `angles_and_mean_pressures`. Nodes are added in the
         slots between linings, so that a piecewise polynomial spans them, see
@@ -103,12 +106,18 @@ class ContactLine:
 
     @property
     def node_distances_from_mid_plane(self) -> Floats:
-        """Distances (m,) [m] from the mid-plane of the nodes across the width: here one, at 0."""
+        """Distances (m,) [m] of the nodes across the width from the mid-plane.
+
+        In plane stress there is one such node, at the distance 0.
+        """
         return np.zeros(1)
 
     @property
     def width_fraction_of_each_node_across_width(self) -> Floats:
-        """The fraction (m,) of the width that each node across the width stands for: here 1."""
+        """The fraction (m,) of the width that each node across the width stands for.
+
+        In plane stress there is one such node, and its fraction is 1.
+        """
         return np.ones(1)
 
     def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
@@ -119,7 +128,7 @@ class ContactLine:
         return self.phi, p
 
     def pressure_distribution_over_arc_and_width(self, p: Floats) -> PressureOverWidth | None:
-        """The pressure over arc and width on the contact face of a solid; None on a line."""
+        """The pressure over arc and width of a solid's contact face; None for a contact line."""
         return None
 
 
@@ -280,8 +289,8 @@ def weak_coupling_of_contact_line(
     r = np.ones(ds.shape) if directions is plane_normals_and_tangents else np.hypot(*x)
     weight = width * ds
 
-    # The five rows belong to M, to the two components of N and to the two components of T. Each row
-    # holds the integrals of psi_a psi_b over every edge.
+    # The five rows of `factors` belong to M, to the two components of N and to the two components
+    # of T. They are the weights in the integrals of psi_a psi_b over every edge.
     factors = weight * np.concatenate([np.ones((1, *ds.shape)), *directions(x)])
     products = (psi[:, None] * psi).reshape(len(psi) ** 2, -1)
     blocks = (factors @ products.T).reshape(len(factors), -1)
@@ -297,5 +306,5 @@ def weak_coupling_of_contact_line(
 
 
 def _sum_values_with_equal_position(at: Ints, values: Floats, count: int) -> Floats:
-    """Sums (count,) of `values` over all entries that have the same position `at`."""
+    """Sums (count,): entry k is the sum of all `values` whose entry in `at` is k."""
     return np.bincount(at, values.ravel(), count).astype(float, copy=False)

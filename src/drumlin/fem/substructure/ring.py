@@ -78,10 +78,10 @@ class RingSubstructure:
     mesh, basis : mesh and scalar basis; for a ring of hp elements both are its grid
     line : contact line of the ring
     condensed : the ring, condensed to its contact nodes
-    normal_half_flexibilities, friction_half_flexibilities : for each shoe i the half flexibility
-        (m, n_i) of the ring under the nodal forces N^T of the pressure, and -T^T of the friction.
-        Called Y_i and Z_i, they open the weighted gap of shoe i under the pressure p_j of shoe j by
-        Y_i^T (Y_j + drag Z_j) p_j.
+    normal_half_flexibilities, friction_half_flexibilities : for each shoe i the half flexibilities
+        Y_i and Z_i (m, n_i) of the ring, under the nodal forces N^T of the pressure and -T^T of the
+        friction. The pressure p_j of shoe j, with its friction, opens the weighted gap of shoe i by
+        Y_i^T (Y_j + drag Z_j) p_j, where drag is mu_j times the sense of sliding, +1 or -1.
     coupling_matrices : N and T (n_i, 2n) of each shoe
     held : nodes of the far edge (opposite to the friction surface) that are fixed; empty for a free
         ring
@@ -181,8 +181,8 @@ def _angles_where_ring_elements_meet(
     # out.
     if len(arcs) > 1:
         angles = angles[np.append(True, np.diff(angles) > 0.01 * step)]
-    # Wide gaps between these angles are divided into equal elements, each some 1.5 times as long as
-    # the elements under the linings.
+    # Wide gaps between the element ends found so far are divided into equal elements, each some
+    # 1.5 times as long as the elements under the linings.
     gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
     filled = []
     for angle, gap in zip(angles, gaps, strict=True):
@@ -343,7 +343,10 @@ def couple_ring_with_linings(
 
 
 def _ring_facets_under_arcs(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
-    """Facets of the ring's friction surface that lie at least partly under any arc [rad]."""
+    """Numbers of the element edges (facets) of the friction surface under any of the `arcs` [rad].
+
+    An edge on the ring's friction surface counts if it lies at least partly under an arc.
+    """
     facets = mesh.boundaries["contact"]
     x, y = mesh.p[:, mesh.facets[:, facets]]
     first, second = np.arctan2(y, x)
@@ -415,9 +418,9 @@ def coupling_matrices_of_lining_and_ring(
 ) -> tuple[Floats, Floats]:
     """The coupling matrices N and T (n, 2 n_ring) [m^2] of a lining's pressure with the ring.
 
-    They are integrated over the overlaps of the edges of both contact lines, with the normal sign
-    e_r. The nodal forces on the ring are N^T p by a pressure p, and -mu s T^T p by friction with
-    the sense s of sliding.
+    They are integrated over the overlaps of the edges of both contact lines, with the unit normal
+    n = sign e_r. A pressure p exerts the nodal forces N^T p on the ring, and its friction the nodal
+    forces -mu s T^T p, with the sense s of sliding.
 
     Parameters
     ----------

@@ -9,10 +9,10 @@ displacements are sums of products of the section's shape functions psi_a and fu
 All polynomials of z up to a degree q give the model of degree q. The model of degree q = 0 with the
 elastic constants of plane stress is plane stress itself. Models of a higher degree follow from a
 shoe that is divided into hp elements. The package computes the substructures of the shoe, which
-enter contact, equilibrium and response like those of plane stress. It also estimates the error of
-plane stress, and corrects answers of plane stress for the widths of the shoes (hierarchic plate
-models: Szabo & Babuska, Introduction to Finite Element Analysis, ch. 13; Duester, Broeker & Rank
-2001).
+enter contact, equilibrium and response like substructures of plane stress. It also estimates the
+error of plane stress, and corrects answers of plane stress for the widths of the shoes (hierarchic
+plate models: Szabo & Babuska, Introduction to Finite Element Analysis, ch. 13; Duester, Broeker &
+Rank 2001).
 
 Each row of nodes has all functions of z of its part. Fewer functions in rows far from bonds and
 free sides would save few unknowns. On the second level with degree 3, 14 to 19 % of the unknowns on

@@ -209,7 +209,7 @@ def column_layers_of_shoe(
 
 
 UnknownRun = tuple[slice, slice]
-"""Two slices of the same unknowns: in an element's stiffness, and in its column's stiffness.
+"""Where a run of unknowns stands: a slice in an element's stiffness, and one in its column's.
 
 The unknowns inside the element are already eliminated from its stiffness.
 """
@@ -224,7 +224,7 @@ class LayerPlan(NamedTuple):
         `_flat_stiffness_entries_of_each_element`: boundary by boundary unknowns, inner by boundary
         unknowns, and inner by inner unknowns
     kept, rest : runs of the boundary unknowns that the column keeps, and of the boundary unknowns
-        that it eliminates
+        that it eliminates; each run is a pair of slices, see `UnknownRun`
     """
 
     outer: Ints
@@ -279,7 +279,7 @@ def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnP
 
 
 class ColumnUnknownNames(NamedTuple):
-    """The unknowns of a column, by what its condensation does with them.
+    """The unknowns of a column, sorted by their role in its condensation.
 
     Attributes
     ----------
@@ -298,7 +298,7 @@ class ColumnUnknownNames(NamedTuple):
 def unknowns_of_element_column_by_role_in_condensation(
     stack: ColumnLayers, along: AlongRow
 ) -> ColumnUnknownNames:
-    """The unknowns of a column, sorted by what its condensation does with them.
+    """The unknowns of a column, sorted by their role in its condensation.
 
     `stack` are the layers of the column. `along` has the numbers of the unknowns along a row of
     nodes; they are the same for all rows.
@@ -310,7 +310,7 @@ def unknowns_of_element_column_by_role_in_condensation(
         *stack.unknowns_on_left_or_right_side_of_column(along.right),
     ]
     # The column keeps the unknowns on its two sides and on its contact. It eliminates the other
-    # nodes on the edges between its layers.
+    # unknowns on the edges of its layers.
     edges = [
         stack.unknowns_of_node_row_besides_contact(k * p, along.inside) for k in range(last + 1)
     ]
@@ -319,8 +319,8 @@ def unknowns_of_element_column_by_role_in_condensation(
         rows = range(k * p, (k + 1) * p + 1)
         outer = (*kept, *edges[k], *edges[k + 1])
         boundary.append([u for u in outer if _is_unknown_of_layer(u, rows, counts)])
-        # The unknowns inside an element are eliminated before its stiffness is added to that of the
-        # column of elements.
+        # The unknowns inside an element are eliminated before its stiffness is added to the
+        # stiffness of the column of elements.
         inside = []
         for row in rows[1:-1]:
             own = stack.unknowns_of_node_row_besides_contact(row, along.inside)
@@ -388,8 +388,8 @@ def _flat_positions_of_element_stiffness_block(
     swapped = ((r[..., 0] == 1) & (c[..., 0] == 0))[..., None]
     r, c = np.where(swapped, c, r), np.where(swapped, r, c)
     of, by = r[..., 0], c[..., 0]
-    # The entries have three parts: they couple two displacements in the section, then one in the
-    # section with one along z, then two displacements along z.
+    # The entries have three parts: they couple two displacements in the section, then a
+    # displacement in the section with a displacement along z, then two displacements along z.
     lengths = sizes * n * functions
     start = np.array([0, lengths[0] ** 2, lengths[0] ** 2 + lengths[0] * lengths[1]])[of + by]
     along_both = r[..., 1] * sizes[by] + c[..., 1]
@@ -405,8 +405,9 @@ def _flat_stiffness_entries_of_each_element(
     """The entries of the stiffness of c elements, as a flat row for each element (c, entries).
 
     The entries that couple two of u_x and u_y come first, then the entries that couple u_x or u_y
-    with u_z, then the entries of u_z alone. Each of the three parts is flattened from the axes
-    (along, along, row, row, function, function).
+    with u_z, then the entries of u_z alone. Each entry belongs to two unknowns. Each of the three
+    parts is flattened from the axes (along, along, row, row, function, function): the positions of
+    both unknowns along their rows, then their rows, then their functions of z.
 
     Parameters
     ----------
@@ -431,8 +432,9 @@ def _flat_stiffness_entries_of_each_element(
 def _sum_of_section_times_width_integrals(section: list[Floats], width: list[Floats]) -> Floats:
     """The sum of two products, each of an integral over the section and one over the width.
 
-    `section` and `width` hold two integrals each, of the shapes (c, A, B, n, n) and (k, l). The
-    result (c A B n n, k l) has the products of all their entries.
+    `section` and `width` hold two integrals each, of the shapes (c, A, B, n, n) and (k, l). In the
+    result (c A B n n, k l), a row belongs to an entry of the section's integrals, and a column to
+    an entry of the width's integrals.
     """
     if width[0].size == 0:
         return np.zeros((len(section[0]), 0))
@@ -553,7 +555,7 @@ def condense_columns_of_any_shape(
 def _order_of_column_unknowns_by_contact_nodes(
     stack: ColumnLayers, plan: ColumnPlan, sides: int
 ) -> Ints:
-    """The order (n,) of a column's unknowns in which x and y of a contact node are neighbours.
+    """A column's unknowns (n,), in an order in which x and y of a contact node are neighbours.
 
     The order is empty without contact. `sides` is 2 for all unknowns of a column, and 1 for its
     symmetric or antisymmetric unknowns, which have no right side.
@@ -625,8 +627,8 @@ def condense_mirror_symmetric_columns(
 def _sign_of_displacement_on_mirrored_side(unknown: WidthUnknown) -> float:
     """The sign of a displacement on a column's right side relative to its left side.
 
-    The displacements are symmetric about the column's middle: those around the drum have opposite
-    signs (-1) on the two sides, and all others have equal signs (+1).
+    Both sides belong to a displacement that is symmetric about the column's middle. Displacements
+    around the drum then have opposite signs (-1) on the two sides, all others equal signs (+1).
     """
     return -1.0 if unknown.z == 0 and unknown.along == 1 else 1.0
 
@@ -641,8 +643,8 @@ def _write_contact_stiffness_of_mirrored_columns(
     Parameters
     ----------
     halves : the stiffness (c, m, m) on the symmetric unknowns, and that on the antisymmetric ones;
-        both have the order [left side | half of the contact]
-    stack : the layers of the columns
+        halves : the stiffness (c, m, m) on the symmetric unknowns, and the stiffness on the
+            antisymmetric unknowns, both in the order [left side | half of the contact]
     mirror : (line,) sign of each displacement on the right side relative to the left side, in
         symmetric displacements
     whole : (c, n, n) stiffness of the columns, in the order [left side | contact | right side]; it

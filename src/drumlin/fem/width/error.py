@@ -48,9 +48,9 @@ WIDTH_LEVEL = replace(
 )
 """Coarse level of hp elements on which the error of plane stress is estimated.
 
-Its degree and its other sizes are those of the rule of the levels for one level below the first
-level of a solve. By the rule the elements at corners and interfaces would be larger than the parts
-are thick. The sizes of these elements are set to the thickness here.
+The level is one step coarser than the first level of a solve, by the rule of the levels. By this
+rule the elements at corners and interfaces would be larger than the parts are thick. The sizes of
+these elements are therefore set to the thickness.
 """
 WIDTH_DEGREE = 2
 """Degree across the width of the answer with which plane stress is compared for its error."""
@@ -229,9 +229,9 @@ def relative_distances_of_shoe_responses(
 ) -> dict[str, float]:
     """Relative distances of torque, pressure (L2) and reaction of a shoe without and with width.
 
-    The pressure is the mean over the width. `unit` is the change of the coordinate along the
-    friction surface per unit of phi: 1 on a drum, the length of the lining [m] on a plane (see
-    `ShoeFrame`).
+    The pressure is the mean over the width. `unit` says by how much the coordinate along the
+    friction surface grows per unit of phi. It is 1 on a drum, and the length of the lining [m] on a
+    plane (see `ShoeFrame`).
     """
     zone = length_of_uncompared_edge_zone(float(wide.theta[-1] - wide.theta[0]), unit)
     moved = math.dist(plane.hinge_reaction, wide.hinge_reaction)

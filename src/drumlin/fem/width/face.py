@@ -1,6 +1,6 @@
 """The friction surface of a lining with a width: nodes on its arc times nodes across the width.
 
-The nodes on the arc are those of the contact line of the section. Pressure and displacement are
+The nodes on the arc are the nodes of the section's contact line. Pressure and displacement are
 products of the line's shape functions and piecewise polynomials of z, the distance from the
 mid-plane. So every matrix of the weak coupling is the matrix of a contact line of width 1, times
 m_kl = Int zeta_k zeta_l dz  over the width. The piecewise polynomial zeta_k is 1 at the node k
@@ -130,16 +130,16 @@ class WidthFace(ContactLine):
 
     @cached_property
     def _half_width_integration_weights_of_written_pressures(self) -> Floats:
-        """The weights (k,) [m] of pressures at these distances in the integral over half the width.
+        """The weights (k,) [m] by which pressures are integrated over half the width.
 
-        The distances are `_mid_plane_distances_of_written_pressures`.
+        The pressures are those at the distances `_mid_plane_distances_of_written_pressures`.
         """
         values = self._values_of_node_polynomials(self._mid_plane_distances_of_written_pressures)
         half_widths = 0.5 * self.tributary_widths_of_nodes_across_width
         return np.asarray(np.linalg.lstsq(values, half_widths)[0], dtype=float)
 
     def _values_of_node_polynomials(self, z: Floats) -> Floats:
-        """Values (m, k) at distances z (k,) [m] of m polynomials, each 1 at one of the m nodes."""
+        """Values (m, k) at distances z (k,) [m] of m polynomials; each is 1 at one of m nodes."""
         own = self.functions.even_functions_across_width[
             : self.functions.counts_of_even_and_odd_functions_on_part(self.half)[0]
         ]
@@ -148,10 +148,10 @@ class WidthFace(ContactLine):
         return np.asarray(to_functions.T @ values)
 
     def pressure_at_distances_from_mid_plane(self, p: Floats, z: Floats) -> Floats:
-        """The pressure (n, k) [Pa] at the angles of nodes and at distances z (k,) [m].
+        """The pressure (n, k) [Pa] at the n angles of the face's nodes and at k distances z [m].
 
         `p` (n m,) [Pa] are the pressures at the nodes of the face, at n angles and m distances from
-        the mid-plane. The distances z are also from the mid-plane.
+        the mid-plane. `z` (k,) are distances from the mid-plane, too.
         """
         by_line_node = p.reshape(-1, len(self.node_distances_from_mid_plane))
         return np.asarray(by_line_node @ self._values_of_node_polynomials(z))

@@ -230,8 +230,8 @@ def integrals_of_function_products_over_width(
 def matrix_from_node_values_to_function_factors(functions: WidthFunctions, half: float) -> Floats:
     """The matrix (functions, nodes) that turns values at nodes into factors of even functions.
 
-    The nodes are those across a part of half width `half` [m], and the even functions are those of
-    this part.
+    The nodes lie across a part of half width `half` [m], and the even functions are the functions
+    that this part has.
     """
     own = functions.even_functions_across_width[
         : functions.counts_of_even_and_odd_functions_on_part(half)[0]

@@ -154,9 +154,9 @@ def angular_factors_of_section_integrals(
     gradient[:, :, 1] = normal[:, :, None] * functions.values
     value = functions.values * np.sqrt(functions.weights * size)[:, None]  # (c, n, q)
 
-    # Strains and displacements due to unit displacements of the nodes along a radius (x) and square
-    # to it (y). For the nodes on the two sides it is the radius of the side, and for all other
-    # nodes the radius of the column's middle.
+    # `strain` and `moved` are the strains and displacements due to unit displacements of the nodes,
+    # along a radius (x) and square to it (y). The radius is the radius of the side for nodes on
+    # the two sides, and the radius of the column's middle for all other nodes.
     turn = np.zeros((count, n))
     turn[:, ::p] = 0.0 if flat else angles[:, ::p]
     c, s = np.cos(turn)[:, :, None], np.sin(turn)[:, :, None]
@@ -171,8 +171,8 @@ def angular_factors_of_section_integrals(
     moved[:, :, 0, 0], moved[:, :, 0, 1] = c * value, s * value
     moved[:, :, 1, 0], moved[:, :, 1, 1] = -s * value, c * value
 
-    # The values due to displacements of mirrored nodes are combined to values due to the unknowns
-    # of this symmetry.
+    # In displacements of one symmetry, both nodes of a mirrored pair belong to one unknown. The
+    # values due to the two nodes are combined to the value due to this unknown.
     fold, across = functions.fold[symmetry], symmetry_matrix_of_forces_along_z(p, symmetry)
     A, B = len(fold), len(across)
     strain = (fold @ strain.reshape(count, 2, 2 * n, -1)).reshape(count, 2 * A, 3, -1)

@@ -113,10 +113,10 @@ across the width the third level then has 101 000 unknowns, and the process take
 larger limit solves take more memory, with a smaller limit the error of short contacts stays larger.
 """
 MOST_DEGREE = 5
-"""Largest degree across the width if parts have several widths and an error may exceed its limit.
+"""Largest degree across the width for parts of several widths, if a tolerance may be missed.
 
-Where a tolerance must be reached, LARGEST_STATED_DEGREE is the limit. With degree 7 the brake named
-at MOST_SECTION_LEVELS takes 2 GB on the first level.
+If the tolerance must be met, LARGEST_STATED_DEGREE is the limit. With degree 7 the brake "built"
+3201 of `drumlin_studies.solid_error` takes 2 GB on the first level.
 """
 SECTION_SHARE = 0.5
 """Fraction of the tolerance for the error of the section's hp elements.
@@ -195,7 +195,7 @@ class SolidErrors(NamedTuple):
 
     @property
     def smallest_tolerance_that_errors_meet(self) -> Tolerance:
-        """The smallest tolerance that these errors meet: the largest pressure error, and torque."""
+        """The smallest tolerance that these errors meet: largest pressure error, torque error."""
         return Tolerance(self.largest_pressure_error, self.torque)
 
     def is_within_error_tolerance(self, tolerance: Tolerance) -> bool:
@@ -205,7 +205,7 @@ class SolidErrors(NamedTuple):
     def sum_of_these_and_other_errors(self, other: "SolidErrors") -> "SolidErrors":
         """The sum of these errors and of `other` errors.
 
-        The error of a peak pressure is at most 1, which means that it is unknown.
+        The error of a peak pressure is limited to 1, which means that the error is unknown.
         """
         shoes = []
         for one, two in zip(self.shoes, other.shoes, strict=True):
@@ -235,8 +235,8 @@ class ComparedSection(NamedTuple):
     """The hp elements of a brake's shoes on which degrees across the width are compared.
 
     `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
-    shoe of each shape. `answers` are the answers on them that are known already, by the degree
-    across the width.
+    shoe of each shape. `answers` are the answers that are already computed on these elements, by
+    the degree across the width.
     """
 
     divisions: Mapping[int, ShoeDivision]
@@ -246,7 +246,7 @@ class ComparedSection(NamedTuple):
 class LevelClimb(NamedTuple):
     """The solved levels of a brake, from coarse to fine, and the answer with its stated errors.
 
-    The answer `response` is that of the last level.
+    `response` is the answer on the last level.
     """
 
     levels: list[SolvedLevel]
@@ -543,8 +543,8 @@ def hp_elements_to_compare_width_degrees(
 ) -> ComparedSection:
     """The hp elements of the shoes on which degrees across the width are compared.
 
-    If all parts of each shoe have one width, the elements are coarse. Otherwise they are those of
-    the first level of a solve, because coarse elements show too little of the error beside a web.
+    If all parts of each shoe have one width, the elements are coarse. Otherwise the elements of the
+    first level of a solve are taken, as coarse elements show too little of the error beside a web.
     This level is solved with degree WIDTH_DEGREE across the width, so that it has small elements at
     the ends of the contact with widths.
 

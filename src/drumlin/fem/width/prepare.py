@@ -66,8 +66,8 @@ MakeFunctions = Callable[[Shoe], WidthFunctions]
 class NodesOverWidth(NamedTuple):
     """The number of displacements of a body with functions across its width, `unknowns`.
 
-    It stands where a body in plane stress has its mesh nodes. Of a body with widths only this
-    number is needed.
+    It takes the place of the basis on a mesh that a body in plane stress has. Only this number is
+    needed of a body with widths.
     """
 
     unknowns: int

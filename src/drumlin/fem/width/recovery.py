@@ -1,11 +1,11 @@
 """The displacements of all nodes of a shoe with a width, recovered from the forces on the shoe.
 
-Condensation has eliminated all displacements except those of the contact. If a picture or a file
-needs the others, the columns of elements are condensed once more, to the nodes on their two sides:
-a left and a right line, without the contact. Lines are eliminated from the hinge to the far end of
-the shoe. From the far end back to the hinge, the displacements of the lines are computed one after
-another, and the displacements between the lines follow. All displacements are in the axes of the
-shoe's frame.
+Condensation has eliminated all displacements except the displacements of the contact. If a picture
+or a file needs the others, the columns of elements are condensed once more, to the nodes on their
+two sides: a left and a right line, without the contact. Lines are eliminated from the hinge to the
+far end of the shoe. From the far end back to the hinge, the displacements of the lines are computed
+one after another, and the displacements between the lines follow. All displacements are in the axes
+of the shoe's frame.
 """
 
 from dataclasses import dataclass
@@ -65,7 +65,7 @@ class _LineFactor(NamedTuple):
 class _Column(NamedTuple):
     """A column of elements: its nodes, and the numbers of its unknowns.
 
-    The numbers of unknowns are those among all unknowns of the shoe.
+    The numbers of unknowns count all unknowns of the shoe.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ class WidthUnknowns:
         return np.asarray(nodes * self.unknowns_per_node + within)
 
     def _forces_on_contact_face(self, nodal: Floats) -> Floats:
-        """Forces (unknowns, m) on the unknowns, from forces (2n, m) on the contact face's nodes."""
+        """Forces (unknowns, m) on the shoe's unknowns, from forces (2n, m) on the face's nodes."""
         half = self.layers.halves[0]
         to_functions = matrix_from_node_values_to_function_factors(self.functions, half)
         values, count = np.linalg.inv(to_functions).T, len(to_functions)
@@ -240,7 +240,8 @@ class WidthUnknowns:
             [self._element_columns_of_one_block(under, 0)],
         )
         if beyond and len(div.before) > 1:
-            # The nodes of this block go from the lining to the hinge.
+            # The nodes of this block go from the lining to the hinge, so that they are put into
+            # reverse order.
             columns.insert(0, self._element_columns_of_one_block(beyond.pop(0)[:, ::-1], first))
         if beyond:
             columns.append(self._element_columns_of_one_block(beyond.pop(0), first))
@@ -297,7 +298,7 @@ class WidthUnknowns:
     def _assembled_stiffness_of_element_column(
         self, column: _Column, held: Bools
     ) -> AssembledColumns:
-        """The assembled stiffness of one column, with held unknowns decoupled from the others.
+        """The assembled stiffness of one column, with held unknowns decoupled from free ones.
 
         The three blocks have no first axis, since they belong to a single column.
         """
@@ -326,8 +327,8 @@ class WidthUnknowns:
             rest = line.forces - line.below.T @ u[line.later]
             u[line.own] = dtrsm(1.0, line.L, rest, lower=1, trans_a=1)
         for column in columns:
-            # The displacements of both sides give those of the other edges of elements, and these
-            # give the displacements inside the elements.
+            # The displacements of both sides give the displacements of the other edges of elements,
+            # and all of these give the displacements inside the elements.
             made = self._assembled_stiffness_of_element_column(column, held)
             right = forces[column.rest] - made.coupling @ u[column.kept]
             u[column.rest] = np.linalg.solve(made.rest, right)
@@ -343,7 +344,7 @@ class WidthUnknowns:
     def _cholesky_factors_of_node_lines(
         self, columns: list[_Column], held: Bools, forces: Floats
     ) -> list[_LineFactor]:
-        """The Cholesky factors of all lines of nodes between columns, from the hinge on.
+        """The Cholesky factors of all lines of nodes between element columns, from the hinge on.
 
         Parameters
         ----------

@@ -196,7 +196,7 @@ def layers_with_width_functions(
         # `prepare.reason_why_width_model_does_not_apply` refuses brakes with orthotropic materials.
         assert isinstance(material, Material)
         E, nu = material.E, material.nu
-        # With degree 0 lambda is that of plane stress, with all other degrees that of a solid.
+        # With degree 0, lambda has its value for plane stress, otherwise its value for a solid.
         free = E * nu / (1 - nu**2)
         solid = E * nu / ((1 + nu) * (1 - 2 * nu)) if functions.degree > 0 else free
         lame[name] = LameConstants(solid, E / (2 * (1 + nu)))
@@ -272,7 +272,10 @@ def _function_that_makes_columns_and_kind_of_each_column(
     def condense_columns_of_any_cell_shape(
         kinds: Ints, first: int, stack: ColumnLayers
     ) -> list[ColumnSubstructure]:
-        """Condensed columns of elements of any shape, for example under a straight beam."""
+        """Condensed columns of elements of any shape, for example under a straight beam.
+
+        `ColumnsFrom` explains the parameters.
+        """
         xy = node_coordinates_of_layers_and_columns(
             function_from_depth_and_angle_to_point(shoe, radius),
             div.depths[first:],
@@ -424,7 +427,7 @@ class _FaceAxes(NamedTuple):
 
     Attributes
     ----------
-    angles : (n functions,) angles by which axes are turned from the columns' to the frame's [rad]
+    angles : (n functions,) angles [rad] from the axes of the columns to the axes of the frame
     inverse : matrix (functions, nodes) that turns values at the nodes across the width into factors
         of the functions
     """

@@ -48,8 +48,9 @@ ACCEPTED_CONTACT_ERROR = 1e-13
 The error is the sum of the tensile forces and of the penetrations, scaled to forces. Errors below
 this limit come from round-off."""
 SETS_UNTIL_LATE_ERROR = 40
-"""Number of contact sets after which the limit ACCEPTED_LATE_CONTACT_ERROR takes the place of
-ACCEPTED_CONTACT_ERROR."""
+"""Number of contact sets that are tried before a larger error of the contact set is accepted.
+
+The limit of the error is then ACCEPTED_LATE_CONTACT_ERROR and no longer ACCEPTED_CONTACT_ERROR."""
 ACCEPTED_LATE_CONTACT_ERROR = 1e-9
 """Largest relative error of a contact set that is accepted if round-off keeps changing the set.
 
@@ -93,8 +94,8 @@ class ContactForces(NamedTuple):
     Attributes
     ----------
     force : (n,) nodal contact forces along the normals [N], 0 at open nodes
-    motions : (k,) generalised coordinates of the rigid-body modes of the shoes; before a solution
-        is split by shoes, followed by the forces [N] of the supports that bear
+    motions : (k,) generalised coordinates of the rigid-body modes of the shoes. Before a solution
+        is split by shoes, the forces [N] of the supports that bear follow these coordinates.
     active : (n,) whether a node is in contact
     supports : forces of the one-sided supports of one shoe
     """
@@ -207,8 +208,8 @@ def contact_forces_of_shoes_in_one_system(
         bearing supports holds shoes on anchors.
     """
     failure: NoAnswer | None = None
-    # Each combination of the senses of friction at the abutments is tried in turn, until all feet
-    # are held as it assumes.
+    # Each combination of the senses of friction at the abutments is tried in turn, until the
+    # abutments hold all feet as the combination assumes.
     for chosen in (
         product(*(shoe.senses_of_abutment_friction_to_try for shoe in shoes))
         if senses is None
@@ -232,8 +233,8 @@ def _is_abutment_friction_sense_confirmed(
 ) -> bool:
     """Whether a solution agrees with the sense of friction assumed at a shoe's abutment.
 
-    The abutment must push the foot of the shoe, and the friction on the foot must oppose its slide
-    or be large enough to hold it.
+    The abutment must push the foot of the shoe. The friction on the foot must oppose the foot's
+    slide or be large enough to hold the foot.
     """
     drum = forces_of_drum_on_lining_nodes(brake, shoe, one, found.force)
     reaction = -drum.sum(axis=0) - shoe.sum_of_forces_of_all_loads

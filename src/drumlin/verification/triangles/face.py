@@ -63,16 +63,16 @@ class CondensedFace:
     mass : (n, n) integrals over the face of products of two shape functions, times the lining's
         width [m^2]
     compliance : (2n, 2n) displacements of the nodes under unit forces on them [m/N]
-    loaded : (2n,) displacements of the nodes under the actuation [m]
-    elastic_actuation_work : work [N m] of the actuation on the elastic displacement that the
-        actuation alone causes
+    loaded : (2n,) displacements of the nodes under the actuation and other loads, without heat [m]
+    elastic_actuation_work : work [N m] of these loads on the elastic displacements that they cause
+        by themselves
     pushed : (2n, m) displacements of the nodes under a push of 1 N by each of the m one-sided
         supports of the shoe [m/N]
     push_travel : (m,) displacement [m] of the shoe at the point of each of these pushes, along the
         push, under actuation, other loads and heat, without contact forces
     push_compliance : (m, m) displacements at the point of each push, along the push, under a push
         of 1 N by each support [m/N]
-    gap : (n,) gap between lining and drum before loading [m], with the growth of a heated shoe
+    gap : (n,) gap between lining and drum before loading [m], less the growth of a heated shoe
     degree : polynomial degree of the triangles
     unknowns : number of unknowns of the shoe before its condensation
     friction : (n, n) friction forces on the nodes, positive towards growing theta, per unit normal
@@ -135,7 +135,7 @@ def gauss_points_lengths_and_shape_functions_on_curved_edges(
 
 
 def _nodal_forces_on_loaded_end(body: MeshedBody, force: Floats, point: Floats) -> Floats:
-    """Nodal forces (2N,) [N] on the loaded end of a shoe that equal a force through a point.
+    """Nodal forces (2N,) [N] on a shoe's loaded end that are equivalent to a force through a point.
 
     The force (2,) [N] is spread evenly over the loaded end. Tractions that grow linearly from the
     centre of the end add the couple that the force through the point (2,) [m] has about this

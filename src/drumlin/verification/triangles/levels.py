@@ -47,7 +47,7 @@ MOST_HALVINGS_AT_CONTACT_ENDS = 13
 """Largest number of times that triangles are halved towards an end of the contact.
 
 The pressure p is small at an end of the contact, so that smaller triangles change nothing. The
-number also holds at a kink of the gap that does not point to the drum."""
+number is also the limit at a kink of the gap that does not point to the drum."""
 END_SLACK = 1e-9
 """Distance from an end of the lining, relative to the lining's length, within which a kink or an
 end of the contact counts as lying at the end of the lining."""
@@ -248,7 +248,7 @@ def _are_forces_set_by_cam_or_strut(brake: Brake) -> bool:
 def _places_where_pressure_is_not_smooth(
     shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel
 ) -> SingularPlaces:
-    """Places on a lining's face where p is not smooth, and lengths of the triangles there.
+    """Places on a lining's face where the pressure is not smooth, and lengths of triangles there.
 
     These places are the kinks of the gap and the ends of the contact inside the lining. Shorter
     contacts get shorter triangles at their ends.
@@ -258,7 +258,8 @@ def _places_where_pressure_is_not_smooth(
         {angle for angle, _ in clearance.gap_kinks_that_point_to_drum(shoe.lining)},
     )
     most = min(MOST_HALVINGS_AT_CONTACT_ENDS, level.halvings)
-    # At a kink of the gap that points to the drum p grows without bound, and triangles are smaller.
+    # At a kink of the gap that points to the drum the pressure grows without bound. Therefore the
+    # triangles there are smaller than at other kinks.
     beyond = 0.5 ** (level.halvings - most)
     places = [
         (angle, shape.triangle_length_before_first_halving * (beyond if angle in tips else 1.0))
@@ -331,7 +332,7 @@ def solve_brake_on_sequence_of_triangle_meshes(
 
 
 def _have_same_contact_arcs(a: Floats, b: Floats) -> bool:
-    """Whether two solutions have the same contact arcs (k, 2) [rad], within SETTLED_ENDS."""
+    """Whether the ends of the contact arcs (k, 2) [rad] of two solutions agree to SETTLED_ENDS."""
     return a.shape == b.shape and bool(
         (np.abs(a - b).max(axis=1) < SETTLED_ENDS * np.diff(b, axis=1)[:, 0]).all()
     )

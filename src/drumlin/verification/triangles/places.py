@@ -1,6 +1,6 @@
 """Forces at places of a shoe's body and on its mass, as nodal forces on triangles.
 
-The rule by which a force is spread over the body is that of `drumlin.fem.preparation.load_places`.
+A force is spread over the body by the same rule as in `drumlin.fem.preparation.load_places`.
 The places along the body, its thickness and all integrals come from the outline and the triangles.
 """
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from drumlin.verification.triangles.face import MeshedBody
 
 SPREAD_OVER_THICKNESS = 0.5
-"""Standard deviation of the length over which a force is spread, over the body's thickness.
+"""Standard deviation of the length over which a force is spread, divided by the body's thickness.
 
-It is that of the finite elements that are verified, `load_places.SPREAD`. Another value would load
-another shoe.
+The finite elements that are verified spread forces over the same length, see `load_places.SPREAD`.
+With another value the triangles would solve a different load.
 """
 
 
@@ -82,7 +82,7 @@ def _force_density_of_force_at_body_point(
     """The force density (m, q, 2) [N/m^2] of a force at a point of the body.
 
     The density is a normal distribution along the body times a rigid-body displacement. The three
-    factors of this displacement are those that give the force and its moment.
+    factors of this displacement are chosen so that the density has the force and its moment.
 
     Parameters
     ----------

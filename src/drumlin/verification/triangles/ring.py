@@ -66,7 +66,7 @@ class _LiningOnRing(NamedTuple):
 def mesh_drum_ring_and_refine_shoe_meshes_to_match(
     brake: Brake, drafts: list[DraftShoeMesh], level: TriangleLevel
 ) -> tuple[list[Triangles], MeshedBody]:
-    """Mesh the drum ring, and refine the shoes' meshes so that nodes of both lie opposite.
+    """Mesh the drum ring, and refine the shoes' meshes until their nodes lie opposite ring nodes.
 
     Returns the refined meshes of the shoes, and the meshed ring. Raises BadInput for a ring without
     a section and for shoes on both sides of the ring.
@@ -106,10 +106,10 @@ def _ring_outline_and_mesh_graded_to_linings(
     linings: list[_LiningOnRing],
     level: TriangleLevel,
 ) -> tuple[Outline, Triangles]:
-    """The outline of the ring, and its mesh graded to the points where p is not smooth.
+    """The outline of the ring, and its mesh graded to the points where the pressure is not smooth.
 
-    These points are opposite the linings' ends and opposite the places on the linings' faces where
-    p is not smooth.
+    These points are opposite the linings' ends, and opposite the places on the linings' faces where
+    the pressure is not smooth.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def _ring_outline_and_mesh_graded_to_linings(
 
 
 def _ring_angles_of_lining_ends(lining: _LiningOnRing, draft: DraftShoeMesh) -> Floats:
-    """Angles [rad] on the ring of the ends of a shoe's linings, those at slots included."""
+    """Angles [rad] on the ring of the ends of a shoe's linings, also of the ends at slots."""
     face = draft.shape.layers[0]
     return lining.ring_angles_at_face_coordinates(
         np.concatenate([[face.start, face.end], np.ravel(face.slots)])
@@ -288,8 +288,9 @@ def condense_ring_to_lining_nodes(
     held[right] = held[left, 1] = True
     found = lagrange.condense_body_to_kept_nodes(ring.K, nodes, held.ravel(), chosen, loads)
     own = rigid[(2 * chosen[:, None] + np.arange(2)).ravel()]
-    # Tractions -loads l on the rim balance contact forces f, with l = (rigid^T loads)^-1 own^T f.
-    # Then the mean motion of the rim is subtracted from the displacements.
+    # Tractions on the rim balance the contact forces f. They are the columns of `loads` with the
+    # factors -l, where l = (rigid^T loads)^-1 own^T f. Then the mean motion of the rim is
+    # subtracted from the displacements.
     share = np.linalg.solve(rigid.T @ loads, own.T)
     moved = found.of - found.loaded @ share
     mean = found.loaded.T - found.work @ share

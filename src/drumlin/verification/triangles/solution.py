@@ -65,7 +65,7 @@ class ShoeSolution:
         return np.array(weights)
 
     def pressure_at(self, theta: Floats) -> Floats:
-        """Pressure [Pa] at the angles `theta` [rad], with their shape; 0 beyond the lining."""
+        """Pressure [Pa] at angles `theta` [rad] of any array shape; 0 beyond the lining."""
         # `nodes` are the nodes of the piece of p in which each angle lies, and `off` the distances
         # of the angle from these nodes.
         at = np.asarray(theta, dtype=float)
