@@ -185,7 +185,7 @@ class Column(NamedTuple):
 
     Attributes
     ----------
-    title : name of the column in a sentence
+    title : name of the column for use in a sentence
     head : heading, of one line or more
     cells : text of each row, of one line or more
     left : whether the texts are aligned to the left
@@ -258,7 +258,8 @@ def print_table_of_compared_models(
     not printed.
     """
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else PIPE_WIDTH
-    # Turn each column that has values into texts.
+    # Turn the values of each column into texts. Columns that are empty or never printed are left
+    # out.
     columns = {}
     for column in shown:
         is_empty = all(row.get(column.key) is None for row in table)
