@@ -67,7 +67,7 @@ def install_hint_if_missing(name: str) -> str | None:
 
 
 if not TYPE_CHECKING:
-    # Programs of users may still import these functions by the names that they had.
+    # Programs of users may still import functions of this module by their former names.
     __getattr__ = make_getattr_function_for_renamed_functions(
         __name__,
         {
