@@ -99,8 +99,8 @@ def require_options_of_wear_model(
     Parameters
     ----------
     model : name of the model
-    on_mesh : given options that only finite elements have
-    on_springs : given options that only the foundation model has
+    on_mesh : options of the user, by name, that only finite elements have
+    on_springs : options of the user, by name, that only the foundation model has
     """
     if model not in WEARING_MODELS:
         allowed = ", ".join(WEARING_MODELS)

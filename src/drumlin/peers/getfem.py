@@ -334,7 +334,7 @@ def _find_cam_forces_and_return_shoe_results(
             # If each displacement is proportional to its force, both are equal at this fraction.
             part = part * b / (part * b + (1 - part) * a)
             continue
-        # The secant method finds the next fraction. It goes at most half of the way to 0 and to 1, so
+        # The secant method finds the next fraction. It goes at most half of the way to 0 or 1, so
         # that both shoes stay pressed.
         (x, f), (y, g) = tried[-2:]
         part = min(max(y - g * (y - x) / (g - f), 0.5 * y), 0.5 * (1 + y))
