@@ -38,7 +38,7 @@ from drumlin.sweeps.certificate import (
 from drumlin.sweeps.workers import SayLine, message_on_waiting_for_workers
 
 Row = dict[str, Any]
-"""The results of a case by name, such as "torque"; "status" says that it is solved, or failed."""
+"""The results of a case by name, such as "torque"; "status" is "solved" or says why it failed."""
 
 SECONDS_BEFORE_WAITING_MESSAGE = 20.0
 """Seconds without a result after which a message says that the sweep waits for workers.
@@ -93,8 +93,9 @@ class SweepCase(NamedTuple):
     changes : new values of the brake, by key of the brake file
     model : name of the model
     options : options of the model
-    certify : None if the model states the errors of each case by itself; otherwise the case belongs
-        to a sample, or takes its errors from the certificate of a sample
+    certify : SampleMember if the case belongs to the sample that certifies the sweep; Certificate
+    if
+        it takes its errors from this sample; None if it states its own errors
     """
 
     brake: Brake
@@ -111,7 +112,7 @@ class CaseAnswer(NamedTuple):
     ----------
     row : results of the case, or the reason of its failure
     lasting : whether a further attempt would give the same row; only then the journal keeps it
-    again : whether the case is tried again, because the reason of its failure may pass
+    again : whether the case is tried again, because a further attempt may succeed
     """
 
     row: Row
@@ -199,8 +200,8 @@ def _answer_of_failed_case(case: SweepCase, error: Exception) -> CaseAnswer:
 
 def _is_failure_of_memory_or_system(error: BaseException | None) -> bool:
     """Whether a lack of memory, or the operating system, caused an error, and not the case."""
-    # A model may turn an error of the system into a refusal, so that the causes of the error are
-    # looked at, too.
+    # A model may turn an error of the system into a refusal. The errors that caused the given error
+    # are therefore looked at, too.
     while error is not None:
         if isinstance(error, MemoryError | OSError):
             return True
@@ -284,8 +285,8 @@ def solve_all_cases_of_sweep(
 ) -> list[Row]:
     """Solve the cases of a sweep; returns the row of results of each case, in the same order.
 
-    A case that fails for a reason that may pass (no memory, a dead worker) is tried twice more,
-    alone. If it still fails, its row says why, and the journal does not keep this row.
+    A failure because of missing memory or a dead worker may not occur again. Such a case is tried
+    twice more, alone. If it still fails, its row says why, and the journal does not keep this row.
 
     Parameters
     ----------
@@ -309,11 +310,11 @@ def solve_all_cases_of_sweep(
     missing = _positions_of_unsolved_cases(cases, keys, journal)
     finished = len(cases) - len(missing)
     done(finished, len(cases))
-    # Rows of cases whose failure may pass, by the journal key of the case; the journal does not
-    # keep these rows.
+    # `passing` has the rows of cases that failed but may succeed later, by the journal's key of the
+    # case. The journal does not keep these rows.
     passing: dict[str, Row] = {}
-    # The first round solves all missing cases. The later rounds try again the cases that failed for
-    # a reason that may pass.
+    # The first round solves all missing cases. Later rounds try again the cases that failed because
+    # memory was short or a worker died.
     for further in reversed(range(FURTHER_ATTEMPTS + 1)):
         again = []
         if executor is None:
@@ -411,7 +412,7 @@ def paths_of_mesh_files(brake: Brake, changes: Mapping[str, Any]) -> list[Path]:
 
 
 def key_of_cases_with_equal_shoe_stiffness(case: SweepCase) -> str:
-    """A text that is equal for cases whose shoes have the same stiffness.
+    """A text that is equal only for cases whose shoes have the same stiffness.
 
     It holds the options of the model, and all changed values except those of
     KEYS_WITHOUT_EFFECT_ON_STIFFNESS.
@@ -522,8 +523,8 @@ class _ChunkDispatcher:
         self._waiting = _WaitingCases(cases, missing)
         self._size = 1
         self._max_size = 1 if alone else MAX_CASES_PER_CHUNK
-        # At most two chunks for each worker (one in work, one that waits) and one more are sent at
-        # a time.
+        # Each worker has at most two chunks: one that it solves, and one that waits. One more chunk
+        # may wait for any worker.
         self._max_sent = 1 if alone else 2 * workers + 1
 
     @property
@@ -543,7 +544,7 @@ class _ChunkDispatcher:
     ) -> Iterator[tuple[int, CaseAnswer]]:
         """Yield the position and answer of each case of a chunk that a worker has finished.
 
-        If the worker died, the cases of its chunk count as failed for a reason that may pass.
+        If the worker died, the cases of its chunk count as failed, and are tried again.
         Raises BadInput if the worker runs another version of drumlin or its libraries.
         """
         positions = self.sent.pop(future)
@@ -579,7 +580,7 @@ class _WaitingCases:
 
     def __init__(self, cases: Sequence[SweepCase], missing: Sequence[int]) -> None:
         groups = groupby(missing, lambda i: key_of_cases_with_equal_shoe_stiffness(cases[i]))
-        # The groups stand in reverse order, since removing the last item of a list is fast.
+        # The list of groups is reversed: the next group is the last item, which is removed fast.
         self._groups = [list(group) for _, group in groups][::-1]
 
     @property

@@ -1,8 +1,9 @@
 """Certificates of a sweep: what the cases of its sample tell about its other cases.
 
-The finite elements state the errors of an answer from the difference of two levels. If a sweep is
-certified by sample, some of its cases are solved on all levels, as they would be without a sample.
-The other cases are solved on the first level only and take their errors from the sample.
+The finite elements solve a case on two or more levels, divisions into finer and finer elements, and
+state its errors from the differences between the levels. If a sweep is certified by sample, some of
+its cases are solved on all levels, as they would be without a sample. The other cases are solved on
+the first level only and take their errors from the sample.
 """
 
 import hashlib
@@ -29,7 +30,7 @@ It is "itself" for the levels of the case, and "sample" for the levels of the sa
 """
 
 SMALLEST_SAMPLE = 3
-"""Smallest number of cases whose first levels may certify other cases.
+"""Smallest number of solved cases of a sample that may certify other cases.
 
 The largest error of fewer cases says little about other cases. The limit is a judgement.
 """
@@ -42,7 +43,10 @@ The table of the sweep does not show it.
 
 
 class SampleMember(NamedTuple):
-    """The mark of a case in the sample: it is solved on all levels and tells about its first."""
+    """The mark of a case in the sample: it is solved on all levels.
+
+    The difference between its first and last level gives the errors of the first level.
+    """
 
     def text_that_identifies_cases_in_journal(self) -> str:
         """The text by which the journal recognises cases with this mark."""
@@ -50,13 +54,13 @@ class SampleMember(NamedTuple):
 
 
 class Certificate(NamedTuple):
-    """What the sample tells about the first level of the cases that are not in the sample.
+    """What the sample tells about the cases that are solved on the first level only.
 
     Attributes
     ----------
-    kinds : kinds of cases in the sample, see `_text_that_identifies_kind_of_case`; without kinds
-    every case is solved
-        on all levels
+    kinds : kinds of cases in the sample, see `_text_that_identifies_kind_of_case`; a case of
+    another
+        kind is solved on all levels
     errors : largest relative errors of the first level in the sample, by the names of QUANTITIES
     """
 
@@ -149,8 +153,8 @@ def _text_that_identifies_kind_of_case(
 ) -> str:
     """A text that is equal for cases of one kind: same changed words and tables, same contact.
 
-    Changed words are values such as "clockwise". Changed tables are such as a clearance over the
-    angle; unlike numbers they have no extreme values that the sample could contain.
+    A changed word is a value such as "clockwise", and a changed table is, for example, a clearance
+    over the angle. Unlike numbers they have no extreme values that the sample could contain.
     """
     others = {key: value for key, value in changes.items() if not is_varied_value_a_number(value)}
     return json.dumps(

@@ -29,7 +29,7 @@ of all cases.
 """
 
 Written = TypeVar("Written")
-"""The type of what the function returns that writes the table of a sweep."""
+"""The type of the value that the function returns which writes the table of a sweep."""
 
 
 def solve_sweep_in_memory(
@@ -51,7 +51,7 @@ def solve_sweep_in_memory(
     Raises
     ------
     BadInput
-        if `jobs` is out of range, or if other processes would have to know a law of the user
+        if `jobs` is out of range, or is not 1 although a case needs a law of the user
     NoAnswer
         if no worker can be started, or all are lost
     """

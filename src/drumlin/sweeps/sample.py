@@ -1,10 +1,12 @@
 """The sample of a sweep: the cases that are solved on all levels, and what follows for the others.
 
+A level is a division of the shoes into finite elements; each level is finer than the level before.
 The sample has a case of each N successive cases, drawn at random, and the cases with the smallest
 and the largest value of each varied number. A fixed step of N cases would always take the same
 value of a key that has N values. The first level is often worst at one of the extreme values: on
-eight sweeps of 30 to 45 cases its errors were up to 9.3 times the largest distance of a sample of
-every 10th case without the extreme values, and up to 1.9 times the distance with them.
+eight sweeps of 30 to 45 cases its errors were up to 9.3 times the largest difference between first
+and last level in a sample of every 10th case without the extreme values. With the extreme values
+they were up to 1.9 times this difference.
 """
 
 import random
@@ -57,7 +59,7 @@ def positions_of_sample_cases(
     Raises
     ------
     BadInput
-        if `certify` is none of these, or if the sweep has no errors that a sample could state
+        if `certify` has another value, or if a sample cannot state the errors of the sweep
     """
     if certify == EVERY_CASE:
         return ()
@@ -78,13 +80,13 @@ def _number_of_cases_to_draw(certify: str | int, count: int, shown: str) -> int:
     allowed = 'allowed: "every case", "every 10th" or another number, or a number of cases'
     drawn = certify
     if isinstance(certify, str):
-        # The pattern allows so few digits, and only those from 0 to 9, that they are a number.
+        # The pattern allows at most six digits from 0 to 9, so that `int` can read them.
         is_step = re.fullmatch(EVERY_NTH, certify) is not None
         step = int("".join(filter(str.isdigit, certify))) if is_step else 0
         if step < 2:
             raise BadInput(f"{shown}: {allowed}")
         drawn = -(-count // step)
-    # A sweep with fewer cases has no sample at all.
+    # A sweep with fewer than SMALLEST_SAMPLE cases cannot have a sample.
     allowed_numbers = f"{SMALLEST_SAMPLE} to {count}" if count >= SMALLEST_SAMPLE else "none"
     if not SMALLEST_SAMPLE <= int(drawn) <= count:
         raise BadInput(
@@ -113,7 +115,11 @@ def _require_levels_that_sample_can_certify(
 
 
 def _positions_of_extreme_values(cases: Sequence[SweepCase], own: Sequence[int]) -> set[int]:
-    """The first positions with the smallest and with the largest value of each varied number."""
+    """The positions of the cases with the smallest and the largest value of each varied number.
+
+    Of several cases with this value the first one counts. Only the cases at the positions `own`,
+    the cases by finite elements, are looked at.
+    """
     found = set()
     for key in cases[own[0]].changes:
         values: list[tuple[Any, int]] = []

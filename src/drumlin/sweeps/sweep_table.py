@@ -18,7 +18,7 @@ from drumlin.sweeps.cases import Row
 from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
 
 SHOWN_UNITS = {"Pa": ("MPa", 1e-6), "rad": ("deg", 180 / math.pi), "m": ("mm", 1e3)}
-"""For each SI unit that people do not read, the unit that is shown, and its factor."""
+"""For some SI units, the unit that is shown in their place, and the factor that converts to it."""
 
 MOST_SHOWN_ROWS = 10
 """Number of cases that are shown of a table. All of them would fill the screen."""
@@ -86,7 +86,7 @@ class ShownColumn(NamedTuple):
         return cls(f"{words} [{shown}]" if shown else words, factor)
 
     def text(self, value: Any, digits: int) -> str:
-        """A value of the column as text; numbers have so many significant digits."""
+        """A value of the column as text; numbers have `digits` significant digits."""
         if value is None or (isinstance(value, float) and math.isnan(value)):
             return "–"
         # Adding 0.0 turns a negative zero into a zero without sign.
@@ -263,7 +263,7 @@ class SweepTable(Sequence[Row]):
         return pandas.DataFrame(self.rows, columns=self.headings)
 
     def plot(self, x: str, y: str = "", axes: Any = None) -> Any:
-        """Draw the column `y` over the column `x` for each model, with a point a solved case.
+        """Draw column `y` over column `x`: for each model, a point for each solved case.
 
         Parameters
         ----------
@@ -312,7 +312,7 @@ class SweepTable(Sequence[Row]):
         columns = {heading: ShownColumn.column_with_heading(heading) for heading in headings}
         rows = [tuple(column.heading for column in columns.values())]
         for row in self.rows[:MOST_SHOWN_ROWS]:
-            # The reasons of failures are shown above the table.
+            # The cell says only that a case failed. The reasons are printed above the table.
             cells = {**row, "status": str(row["status"]).partition(":")[0]}
             rows.append(tuple(column.text(cells.get(key), 6) for key, column in columns.items()))
         return rows
