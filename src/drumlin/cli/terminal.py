@@ -211,8 +211,8 @@ def print_table_fitted_to_terminal(
 
     Parameters
     ----------
-    columns : the columns by a key
-    least : keys of the columns that may be left out, the least important first
+    columns : the columns, each by a short name such as "effect"
+    least : short names of the columns that may be left out, the least important first
     width : largest number of characters of a line; None: the width of the terminal
     """
     width = width or shutil.get_terminal_size().columns

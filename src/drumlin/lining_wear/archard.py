@@ -274,7 +274,7 @@ def wear_linings_over_sliding_distance(
 
     Parameters
     ----------
-    forward : groups of linings, which do not influence each other
+    forward : groups of linings; the groups do not influence each other
     law : the wear law
     backward : the same groups of linings with the drum turning the other way
     reverse : distance [m] between reversals of the drum. At a reversal the list has two states, one
@@ -776,7 +776,7 @@ class _WearStepper:
 
     Parameters
     ----------
-    interfaces : groups of linings, which do not influence each other
+    interfaces : groups of linings; the groups do not influence each other
     law : the wear law
     torque : torque of all linings [N m] that the actuation is adjusted to keep; None for a constant
         actuation
@@ -1077,7 +1077,7 @@ def wear_linings_by_explicit_euler(
 
     Parameters
     ----------
-    interfaces : groups of linings, which do not influence each other
+    interfaces : groups of linings; the groups do not influence each other
     law : the wear law
     ds : length of a step [m]
     steps : number of steps

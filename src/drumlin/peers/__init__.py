@@ -12,7 +12,7 @@ from drumlin.peers.peer import Peer, PeerMissing
 from drumlin.response.merit import response_with_figures_of_merit
 
 PEERS = {"calculix": "CalculiX", "getfem": "GetFEM"}
-"""The peers: for each name in options and files, the name that the program gives itself."""
+"""The finite-element programs that solve a brake: their names in options, and their own names."""
 
 __all__ = [
     "PEERS",

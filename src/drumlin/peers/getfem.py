@@ -59,7 +59,7 @@ FORMULATIONS = ("full slip", "coulomb")
 """The two formulations of contact with friction, which getfem_brake.py describes."""
 
 FURTHER_LOAD_FRICTION = 0.9
-"""Friction coefficient of the further load case whose time is measured, relative to the brake's."""
+"""Friction of the further load case whose time is measured, relative to the brake's friction."""
 
 LEAST_SLIPPING_RATIO = 0.99
 """Ratio of the shear force on a lining to its full friction, below which the lining sticks.

@@ -122,7 +122,7 @@ def mesh_of_half_solid_shoe(
 
     Parameters
     ----------
-    shoe : a parametric shoe
+    shoe : a shoe without a mesh file
     radius : radius of the drum [m]
     elements : number of elements along the lining, or its division
     across : number of elements over half the lining's width
@@ -219,7 +219,7 @@ def nodes_over_width_of_boundary(solid: Solid, boundary: str, part: str) -> Ints
     """The nodes (n, m) of a solid on a boundary of its section, over the width of a part.
 
     There is a row for each of the n nodes of the boundary in the section, and a column for each of
-    the m coordinates `solid.z` within the half width of the subdomain `part`.
+    the m coordinates z of the solid within the half width of the subdomain `part`.
     """
     line = np.unique(nodes_along_element_edges(solid.plane, solid.section.boundaries[boundary]))
     return solid.node[line, : solid.number_of_z_coordinates_in_half_width_of_subdomain(part)]

@@ -141,10 +141,14 @@ class LoadedShoe:
 
     @property
     def work_of_loads_on_rigid_shoe_holder(self) -> Floats:
-        """Work (k,) that the loads on the shoe's rigid holder do on the test modes."""
+        """Work (k,) of the loads on the shoe's rigid holder on the test modes.
+
+        The rigid holder is the part of the shoe that the support guides.
+        """
         if self.does_actuation_act_on_body_end:
             return np.zeros_like(self.work)
-        # Forces that act at points of the body do not act on the holder. Their work is subtracted.
+        # Springs, weight and other forces at points of the body do not act on the holder, so that
+        # their work is subtracted.
         return self.work - self.tests @ self.resultant_about_pin_of_loads_at_places
 
     @property

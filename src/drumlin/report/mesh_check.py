@@ -64,7 +64,8 @@ class _ContactOffsets(NamedTuple):
     ----------
     at : (n,) places of the nodes along the lining, in the surface's coordinate [rad; on a plane m]
     in_file : (n,) distances of the nodes from the drum or the plane in the mesh file [m]
-    solved : (n,) the same distances after drumlin has put nodes on the surface, as it solves [m]
+    solved : (n,) the same distances in the mesh that drumlin solves, in which nodes close to the
+        surface have been put on it [m]
     """
 
     at: Floats

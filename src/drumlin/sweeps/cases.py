@@ -54,7 +54,7 @@ between the processes.
 """
 
 MAX_CASES_PER_CHUNK = 64
-"""Largest number of cases in a chunk, however fast the cases are solved."""
+"""Largest number of cases that a worker gets in one message, however fast they are solved."""
 
 FURTHER_ATTEMPTS = 2
 """Number of further attempts at a case that failed because memory was short or its worker died."""
@@ -162,9 +162,9 @@ def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> C
 
 
 def _solve_case_and_return_results(case: SweepCase, cache: Cache | None) -> Row:
-    """The results of a case by name; the column CERTIFIED says whose levels state its errors."""
-    # A case with a certificate is solved on the first level, and on all levels if it is of a kind
-    # that the sample has not.
+    """The results of a case by name; CERTIFIED says whether its errors come from a sample."""
+    # A case with a certificate is solved on the first level. If the sample has no case of its kind,
+    # it is solved on all levels.
     if isinstance(case.certify, Certificate):
         brake = _brake_of_case(case)
         by_sample = response_certified_by_sample(
@@ -436,7 +436,7 @@ def _solve_cases_in_this_process(
 
 
 class _ChunkAnswer(NamedTuple):
-    """The answer of a worker to a chunk of cases.
+    """The answer of a worker to a chunk, the cases that it got in one message.
 
     Attributes
     ----------
@@ -455,7 +455,7 @@ _worker_bodies = threading.local()
 
 
 def solve_chunk_of_cases(cases: Sequence[SweepCase]) -> _ChunkAnswer:
-    """Solve a chunk of cases; a worker runs this function."""
+    """Solve the cases that a worker gets in one message; the worker runs this function."""
     if not hasattr(_worker_bodies, "cache"):
         _worker_bodies.cache = Cache()
     start = time.perf_counter()
@@ -496,9 +496,10 @@ def _solve_cases_by_workers(
 
 
 class _ChunkDispatcher:
-    """The distribution of cases to the workers of an executor, in chunks.
+    """The distribution of cases to the workers of an executor.
 
-    Chunks grow until each takes CHUNK_SECONDS. Cases that are tried again are sent one at a time:
+    A worker gets several cases, a chunk, in one message. Chunks grow until each takes
+    CHUNK_SECONDS. Cases that are tried again are sent one at a time:
     if a case kills its worker, no other case is lost.
 
     Parameters
@@ -575,7 +576,7 @@ class _ChunkDispatcher:
 class _WaitingCases:
     """The cases that still wait for a worker, in groups whose shoes have the same stiffness.
 
-    A worker gets a part of one large group, or several small groups, in one chunk.
+    In one message a worker gets a part of a large group, or several small groups.
     """
 
     def __init__(self, cases: Sequence[SweepCase], missing: Sequence[int]) -> None:
@@ -594,9 +595,9 @@ class _WaitingCases:
         while self._groups and len(taken) < size:
             group = self._groups.pop()
             room = max(size - len(taken), 1)
-            # If a group is at most twice as large as the rest of the chunk, the whole group is
-            # taken, so that only one worker computes the stiffness of its shoes. Of a larger group
-            # a part is taken.
+            # `room` is the number of cases that are still wanted. A group of up to twice this
+            # number is taken as a whole, so that only one worker computes the stiffness of its
+            # shoes. Of a larger group only a part is taken.
             if len(group) > 2 * room:
                 self._groups.append(group[room:])
                 group = group[:room]

@@ -24,9 +24,10 @@ from drumlin.fem.solve import solve_brake_on_first_level_without_error_estimate
 from drumlin.response.response import Response
 
 CERTIFIED = "certified"
-"""The name of the column that says whose levels state the errors of a case.
+"""The name of the column that says where the stated errors of a case come from.
 
-It is "itself" for the levels of the case, and "sample" for the levels of the sample.
+Its value is "itself" if the case was solved on all levels, and "sample" if its errors were taken
+from the sample.
 """
 
 SMALLEST_SAMPLE = 3
@@ -74,9 +75,10 @@ class Certificate(NamedTuple):
 
 
 def certificate_of_sample(rows: Iterable[Mapping[str, Any]]) -> Certificate:
-    """The certificate that the rows of the solved cases in a sample give.
+    """The certificate of a sample, from the rows of its solved cases.
 
-    It certifies no case if fewer than SMALLEST_SAMPLE rows have errors of a first level.
+    It has no kinds of cases, and so certifies no case, if fewer than SMALLEST_SAMPLE rows have
+    errors of a first level.
     """
     members = [row[FIRST_LEVEL] for row in rows if FIRST_LEVEL in row]
     if len(members) < SMALLEST_SAMPLE:

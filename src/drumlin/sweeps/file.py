@@ -221,7 +221,7 @@ def sweep_from_file_data(
     specs: dict[str, _KeySpec] = {}
     for name, given in file.vary.items():
         specs |= _values_of_keys_in_vary_line(brake, name, given, base)
-    # Combine the values of all keys to cases, and check that brakes can have these values.
+    # Form the cases from the values of all keys, and check that the brake can have these values.
     plan = _plan_of_listed_and_drawn_keys(file, specs)
     changes = _new_values_of_each_case(file, specs, plan, len(models))
     _require_brake_that_allows_each_value(brake, file.combine, specs, plan, changes, done)

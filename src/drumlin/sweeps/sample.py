@@ -36,7 +36,8 @@ EVERY_CASE = "every case"
 """The value of the key `certify` with which each case states its own errors."""
 
 EVERY_NTH = "every [0-9]{1,6}(st|[nr]d|th)"
-"""The pattern of the value of the key `certify` that draws a case of each N, such as N = 10."""
+"""The pattern of a value of the key `certify` such as "every 10th", with which 1 case of 10 is drawn.
+"""
 
 OPTIONS_WITH_SAMPLE = {"penalty", "model_error"}
 """Options of the finite elements that a sweep certified by sample may have.
@@ -48,7 +49,9 @@ All other options choose the elements, or correct the answer of the last level.
 def positions_of_sample_cases(
     cases: Sequence[SweepCase], certify: str | int, seed: int
 ) -> tuple[int, ...]:
-    """The positions of the cases in the sample, in growing order; none if each case is certified.
+    """The positions of the cases in the sample, in growing order.
+
+    There are none if each case states its own errors.
 
     Parameters
     ----------
@@ -99,9 +102,10 @@ def _number_of_cases_to_draw(certify: str | int, count: int, shown: str) -> int:
 def _require_levels_that_sample_can_certify(
     cases: Sequence[SweepCase], own: Sequence[int], shown: str
 ) -> None:
-    """Raise BadInput if the cases have no first level, or must be solved on more levels.
+    """Raise BadInput if a sample cannot state the errors of the cases by finite elements.
 
-    `own` are the positions of the cases by finite elements, `shown` is the key in the message.
+    It cannot for a mesh from a file and for other options than OPTIONS_WITH_SAMPLE. `own` are the
+    positions of the cases by finite elements, and `shown` is the key in the error message.
     """
     if not own:
         raise BadInput(f"{shown}: is for [model.fem], which this sweep does not have")
@@ -134,7 +138,10 @@ def _positions_of_extreme_values(cases: Sequence[SweepCase], own: Sequence[int])
 
 
 class SolvedSweep(NamedTuple):
-    """The rows of results of a sweep, and its cases with the certificates that they were given."""
+    """A solved sweep: the row of results of each case, and the cases as they were solved.
+
+    The attribute `certify` of a case tells whether its errors come from the sample.
+    """
 
     rows: list[Row]
     cases: list[SweepCase]
@@ -197,7 +204,7 @@ def solve_sample_cases_and_then_all_others(
 def _reason_why_sample_must_not_certify_cases(
     cases: Sequence[SweepCase], sample: Sequence[int], rows_of_sample: Sequence[Row]
 ) -> str:
-    """Why a solved sample must not certify other cases; "" if it may.
+    """Why other cases must not take their errors from a solved sample; "" if they may.
 
     Without the errors of a case with an extreme value, or of enough cases, the largest error of
     the sample may be too small for the other cases.

@@ -358,7 +358,7 @@ def function_that_prints_progress() -> Callable[[int, int], None]:
     shown = [""]
 
     def print_progress(finished: int, of: int) -> None:
-        """Print the number of finished cases, of all cases, if the percentage has changed."""
+        """Print how many of all cases are finished, if the percentage has changed."""
         share = f"{100 * finished // max(of, 1)} %"
         if share != shown[0]:
             shown[0] = share
