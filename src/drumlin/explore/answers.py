@@ -177,9 +177,9 @@ class Explorer:
         self._stated = LatestValueCache()
 
     def fem_and_law_answer_at_slider_setting(self, setting: KnobSetting) -> ExploredAnswer:
-        """The answer for a setting of the sliders; it holds the reason where a model has none."""
+        """The answer for a setting of the sliders; where a model fails, it holds the reason."""
         answer = ExploredAnswer(setting, law_name=setting.law)
-        # The answer is completed step by step. The steps before a failure stay in it.
+        # The answer is completed step by step. After a failure it keeps what it has so far.
         try:
             brake = brake_at_slider_setting(self.brake, self.knobs, setting)
             answer = replace(answer, brake=brake)
@@ -310,7 +310,7 @@ class Explorer:
                 finer = MODELS[model].solve(brake, **options)
             except DrumlinError:
                 return None
-            # The shoe with the largest difference in pressure counts.
+            # The stated error of the pressure is the largest difference of all shoes.
             apart = max(map(relative_distance_of_pressures, found.shoes, finer.shoes))
             return StatedError(
                 abs(relative_error_of_number(found.effect, finer.effect)),

@@ -143,7 +143,7 @@ def _thickness_slider(name: str, label: str, given: dict[str, float]) -> Knob | 
     """The slider of a thickness [mm], from half to twice the thickness in the brake file.
 
     `given` holds the thicknesses [m] in the file by their keys; without any the result is None.
-    Where they differ, the slider shows the largest one, and the others change in proportion.
+    Where they differ, the slider shows the largest thickness, and all change in proportion.
     """
     if not given:
         return None

@@ -414,7 +414,7 @@ def _youngs_modulus_slider(
     unit : unit of the slider's values
     factor : this unit in Pa
     """
-    # The dictionary holds the modulus of each shoe that has one, by the position of the shoe.
+    # The dictionary holds the moduli [Pa] that the file gives, by the position of the shoe.
     moduli: dict[int, float] = {}
     for i, shoe in enumerate(brake.shoes):
         modulus = _modulus_shown_by_slider(shoe, part)

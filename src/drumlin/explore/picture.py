@@ -515,8 +515,8 @@ def half_side_length_of_picture(brake: Brake) -> float:
     R = (1 + RADIUS_REACH) * brake.size
     room = []
     for shoe in brake.shoes:
-        # Pressure curves of internal shoes are drawn outside the drum, those of external shoes
-        # inside.
+        # Pressure curves of internal shoes are drawn outside the drum, and pressure curves of
+        # external shoes inside it.
         room.append(
             1.12 * (1 + PRESSURE_SCALE_DISTANCE) * R if shoe.sign > 0 else 1.05 * R + shoe.depth
         )

@@ -74,7 +74,7 @@ MAX_WEAR_STEPS = 20_000
 The example brakes take some 40 steps."""
 
 MAX_STEP_GROWTH = 4.0
-"""Largest ratio of a wear step's length to that of the step before.
+"""Largest ratio of the length of a wear step to the length of the step before.
 
 A larger ratio risks a step with too large an error, which has to be repeated."""
 
@@ -840,8 +840,8 @@ class _WearStepper:
                 continue
             # `settle` searches under the force of the brake file. If the run keeps a given torque,
             # the brake may lock itself under this force and still have an equilibrium at the
-            # torque. The search then fails, and the contact of the stage before, if any, stays the
-            # first guess.
+            # torque. The search then fails. The first guess is then the contact of the stage
+            # before, if there was a stage.
             with suppress(NoAnswer) if self.held is not None else nullcontext():
                 self.footing[i], self.sets[i] = interface.settle(depth[part])
         return self._solve_contact_of_all_linings(depth, 0.0).p

@@ -1,4 +1,4 @@
-"""Run a brake in: wear turns the pressure of the elastic brake into that of the rigid-shoe law.
+"""Run a brake in: wear turns the elastic brake's pressure into the pressure of the rigid-shoe law.
 
 Whatever the elasticity of the brake, wear ends when every point of the lining wears as fast as the
 rigid-body motion of the shoe brings the point nearer to the drum. The pressure at a point is then
@@ -374,7 +374,7 @@ def require_linings_not_worn_through(setup: WearSetup, states: Sequence[WearStat
 
 
 class LiningLife(NamedTuple):
-    """The life of a brake's linings, and how much of it passes before they are worn in.
+    """The life of a brake's linings, and the fraction of this life until they are worn in.
 
     Attributes
     ----------
@@ -398,7 +398,7 @@ def compute_life_of_linings(
     within: float = 0.01,
     part: float = WORN_OUT_FRACTION,
 ) -> LiningLife:
-    """The life of the linings in a wear run, and how much of it passes before they are worn in.
+    """The life of the linings in a wear run, and the fraction of this life until they are worn in.
 
     After the last state the linings are assumed to wear at the rate of the final pressure. The wear
     run keeps the stiffness of a lining although it becomes thinner.

@@ -137,8 +137,8 @@ def make_wear_setups_of_brake(
     brake : the brake
     model : name of the model, "fem", "solid" or "foundation"
     both_ways : whether a setup is also made for the drum turning the other way
-    options : for "fem" and "solid" the options of `prepared_model_for_analysis`, for "foundation"
-        those of `wear_setup_by_foundation_model`
+    options : options of `prepared_model_for_analysis` for "fem" and "solid", and options of
+        `wear_setup_by_foundation_model` for "foundation"
 
     Raises
     ------

@@ -484,7 +484,7 @@ def angles_of_drum_nodes(loaded: LoadedShoe) -> Floats:
     """The angles theta [rad] of the nodes of the drum's arc in a CalculiX deck.
 
     The drum has nodes at the same angles as the lining, so that no gap is left between the curved
-    edges of both, and a few more nodes beyond the lining's ends.
+    edges of drum and lining. It has a few more nodes beyond the lining's ends.
     """
     theta = np.sort(loaded.shoe.frame.theta(loaded.parts.line.phi))
     # The drum's arc must not close to a full circle.

@@ -8,7 +8,8 @@ divided by the drum's radius, stresses by Young's modulus of the lining, and for
 the lining, this modulus and the drum's radius. There are two formulations of full slip:
 
     "full slip"  the drum drags the lining by mu p wherever it touches: a weak form written by
-                 hand, with the pressure p as multiplier and the law  p = max(0, p + r (u.n - g))
+                 hand, with the pressure p as multiplier and the law  p = max(0, p + r (u.n - g));
+                 u is the displacement, n the normal towards the drum, g the gap, r a constant
     "coulomb"    GetFEM's own contact with friction on a rigid obstacle, the drum; the obstacle
                  slides so far that the lining slips everywhere
 

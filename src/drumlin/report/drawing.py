@@ -545,8 +545,8 @@ def _draw_force_arrows_with_labels(
 def _add_or_merge_force_label(labels: list[_ForceLabel], new: _ForceLabel, reach: float) -> None:
     """Add a new label to the list of labels.
 
-    If the list has a label with the same text nearer than `reach` [mm], one label with the word
-    "each", at the middle between both, replaces both.
+    If the list has a label with the same text nearer than `reach` [mm], a single label with the
+    word "each" replaces the two labels. It stands at the middle between them.
     """
     for k, label in enumerate(labels):
         if label.text == new.text and math.dist(label.place, new.place) < reach:

@@ -255,7 +255,7 @@ def draw_pressure_along_lining_of_each_shoe(
 
 
 def _upper_end_of_pressure_axis(panels: Sequence[Panel]) -> float:
-    """The upper end [MPa] of the pressure axis: 1.12 times the largest peak, or 1 if it is 0."""
+    """The upper end [MPa] of the pressure axis: 1.12 times the largest peak, 1 without pressure."""
     peaks: list[float] = []
     for _, responses in panels:
         peaks += [shoe.peak_pressure for shoe in responses.values()]
@@ -297,7 +297,7 @@ def _draw_pressure_panel(
 
 
 def _label_only_lowest_panel(column: Sequence[Axes]) -> None:
-    """Remove the labels of the horizontal axis from all panels of a column but the lowest one.
+    """Remove the labels of the horizontal axis from all panels of a column except the lowest.
 
     If the panels show different ranges of this axis, no label is removed.
     """

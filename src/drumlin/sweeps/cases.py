@@ -352,7 +352,7 @@ def _positions_of_unsolved_cases(
     distinct = {json.dumps(keys[i]): i for i in unsolved}
 
     def sort_key_of_case_at_position(i: int) -> tuple[str, str, int]:
-        """The sort key of the case at position i: model, data of the shoes' stiffness, position."""
+        """The key that sorts the case at position i: model, data of the shoes' stiffness, i."""
         return cases[i].model, key_of_cases_with_equal_shoe_stiffness(cases[i]), i
 
     return sorted(distinct.values(), key=sort_key_of_case_at_position)
@@ -414,7 +414,7 @@ def paths_of_mesh_files(brake: Brake, changes: Mapping[str, Any]) -> list[Path]:
 def key_of_cases_with_equal_shoe_stiffness(case: SweepCase) -> str:
     """A text that is equal only for cases whose shoes have the same stiffness.
 
-    It holds the options of the model, and all changed values except those of
+    It holds the options of the model, and all changed values except the values of the keys in
     KEYS_WITHOUT_EFFECT_ON_STIFFNESS.
     """
     changes_of_bodies = {}

@@ -166,7 +166,7 @@ def _say_why_journal_stays_or_delete_it(
     say : called with a line on why the journal stays
     """
     keys = list(journal_keys_of_cases(cases))
-    # A case whose failure may pass is not in the journal.
+    # The journal lacks the cases that failed but may succeed in a later attempt.
     lost = sum(key not in journal for key in keys)
     if lost:
         say(

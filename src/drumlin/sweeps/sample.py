@@ -36,8 +36,7 @@ EVERY_CASE = "every case"
 """The value of the key `certify` with which each case states its own errors."""
 
 EVERY_NTH = "every [0-9]{1,6}(st|[nr]d|th)"
-"""The pattern of a value of the key `certify` such as "every 10th", with which 1 case of 10 is drawn.
-"""
+"""The pattern of values of the key `certify` such as "every 10th": a case of each 10 is drawn."""
 
 OPTIONS_WITH_SAMPLE = {"penalty", "model_error"}
 """Options of the finite elements that a sweep certified by sample may have.
@@ -55,7 +54,7 @@ def positions_of_sample_cases(
 
     Parameters
     ----------
-    cases : all cases of the sweep; those of other models than "fem" are not in the sample
+    cases : all cases of the sweep; cases of other models than "fem" are not in the sample
     certify : "every case", "every 10th" or another number, or the number of cases to draw
     seed : seed of the draw
 
@@ -156,7 +155,7 @@ def solve_sample_cases_and_then_all_others(
     say: Callable[[str], None] = lambda line: None,
     **options: Any,
 ) -> SolvedSweep:
-    """Solve the cases of a sweep, first those of the sample and then the others.
+    """Solve the cases of a sweep, first the cases of the sample and then all other cases.
 
     Returns the rows of results and the cases, both in the order of `cases`. Without a sample all
     cases are solved at once.

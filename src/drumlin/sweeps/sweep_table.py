@@ -28,7 +28,7 @@ MOST_SHOWN_REASONS = 3
 
 
 class Statistics(NamedTuple):
-    """Statistics of one column of a sweep's table, over the solved cases that have a number there.
+    """Statistics of one column of a sweep's table, over the solved cases with a number in it.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Statistics(NamedTuple):
     def texts(self) -> tuple[str, ...]:
         """The cells of a row of the shown table; stresses in MPa, angles in degrees, lengths in mm.
 
-        The order is that of STATISTICS_HEADINGS, without the column of the model.
+        The cells have the order of STATISTICS_HEADINGS. The name of the model is not among them.
         """
         shown = ShownColumn.column_with_heading(self.column)
         return (shown.heading, *(shown.text(value, 4) for value in self[3:]))
@@ -208,7 +208,7 @@ class SweepTable(Sequence[Row]):
         return [row for row in self.rows if row["model"] == model and row["status"] == "solved"]
 
     def _headings_of_main_results(self) -> list[str]:
-        """The headings of the results of which statistics are shown."""
+        """The headings of the columns whose statistics are shown."""
         main = {"torque", "braking_force", "brake_factor", "peak_pressure"}
         found = []
         for heading in self.headings:

@@ -495,7 +495,8 @@ class _DaskPool(Executor):
         while not self._end.wait(min(1.0, ANSWER_SECONDS / 4)):
             try:
                 workers = _workers_of_dask_scheduler(self._client, self._address)
-                # A worker is alive if the time at which the scheduler last heard of it has changed.
+                # A worker is alive if it has sent the scheduler a sign of life since the last
+                # question.
                 seen = {name: worker.get("last_seen") for name, worker in workers.items()}
                 if any(last_seen.get(name) != moment for name, moment in seen.items()):
                     last_sign = time.monotonic()
