@@ -78,9 +78,9 @@ def _lining_arc_slider(brake: Brake) -> Knob:
     """The slider that lengthens the lining of each shoe by the same angle [deg] at both ends."""
 
     def new_lining_end_angles_at_slider_value(value: float) -> Changes:
-        """New end angles of the linings of all shoes, longer by `value` [deg] at both ends.
+        """New end angles of all shoes' linings, which become longer by `value` [deg] at both ends.
 
-        Where a shoe has several linings, the gaps between them stay.
+        Where a shoe has several linings, only the outermost ends move: the gaps between them stay.
         """
         made: Changes = {}
         for i, shoe in enumerate(brake.shoes):

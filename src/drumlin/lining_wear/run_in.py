@@ -681,7 +681,7 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
 def _table_line_of_wear_state(
     setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw
 ) -> str:
-    """The line of text for one state in the table of a wear run; `goal` is the end of wear."""
+    """The line for one state in the printed table of a wear run; `goal` has the final values."""
     off = relative_differences_from_end_of_wear(setup, state, goal)
     force = state.force * setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     peak = peak_nodal_pressure_of_wear_state(setup, state) * 1e-6

@@ -247,7 +247,7 @@ def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedSh
 
 
 def _draw_legend_of_groups(axes: Axes, mesh: Any) -> None:
-    """Draw the legend of the groups with their numbers of elements or sides."""
+    """Draw the legend of a mesh's groups, with the number of elements or sides in each."""
     handles: list[Any] = [
         Patch(
             facecolor=GROUP_COLORS[name], edgecolor="#40505f", label=f"{name}: {len(of)} elements"

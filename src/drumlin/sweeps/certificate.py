@@ -31,7 +31,7 @@ from the sample.
 """
 
 SMALLEST_SAMPLE = 3
-"""Smallest number of solved cases of a sample that may certify other cases.
+"""Smallest number of solved cases of a sample whose errors may be used for other cases.
 
 The largest error of fewer cases says little about other cases. The limit is a judgement.
 """

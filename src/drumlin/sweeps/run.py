@@ -143,7 +143,7 @@ def solve_sweep_with_journal(
                     say=say,
                 )
             written = write_table(solved.rows)
-        # However the sweep is stopped, the message says where the finished cases are.
+        # Each message about a stopped sweep says in which file the finished cases are.
         except NoAnswer as error:
             raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
         except (KeyboardInterrupt, Stopped) as stop:

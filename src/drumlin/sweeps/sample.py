@@ -78,7 +78,7 @@ def positions_of_sample_cases(
 
 
 def _number_of_cases_to_draw(certify: str | int, count: int, shown: str) -> int:
-    """The number of cases to draw of `count` cases; `shown` is the key in an error message."""
+    """How many of `count` cases to draw; `shown` is the key as an error message shows it."""
     allowed = 'allowed: "every case", "every 10th" or another number, or a number of cases'
     drawn = certify
     if isinstance(certify, str):
