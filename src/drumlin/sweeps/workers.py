@@ -187,7 +187,7 @@ class _ProcessPool(Executor):
             outcome = process.call_function_in_process(work)
         except Exception as error:
             process.kill()
-            # Without a process, this thread starts a new one for its next work.
+            # The process is lost: this thread starts a new process for its next work.
             self._of_thread.process = None
             raise BrokenExecutor(f"its process died ({type(error).__name__})") from error
         if not outcome.returned:
@@ -206,7 +206,7 @@ class _ProcessPool(Executor):
                 self._all.append(process)
                 process.call_function_in_process((os.getpid, (), {}), ANSWER_SECONDS)
                 return process
-            # A process that does not answer in time raises TimeoutError, which is an OSError.
+            # If the process does not answer in time, TimeoutError is raised, which is an OSError.
             except (EOFError, OSError, MemoryError, RuntimeError) as error:
                 reason = " ".join(f"{type(error).__name__}: {error}".split())
         raise NoAnswer(
