@@ -281,7 +281,8 @@ def _print_lines_of_verbose_answer(response: "Response", notes: list[str]) -> No
 def _figures_of_merit_as_line(merit: "Merit | FlatMerit") -> str:
     """The figures of merit of one shoe as a line of text; unknown figures are left out.
 
-    The names are those of the JSON file. The angle of the resultant force is in degrees.
+    The figures have the same names as in the JSON file. The angle of the resultant force is in
+    degrees.
     """
     values = {key: value for key, value in merit._asdict().items() if value is not None}
     angle = values.pop("resultant_angle", None)

@@ -160,8 +160,8 @@ def _exclude_current_folder_from_imports() -> None:
     os.environ["MPLBACKEND"] = "agg"
     if not sys.flags.safe_path and _is_current_folder_searched_first(sys.path[:1]):
         del sys.path[0]
-        # A drumlin that runs in its source folder was found by the path deleted above. Its source
-        # folder is added at the end of the search path, so that further modules are found.
+        # If Python found drumlin in the current folder, it would no longer find drumlin's further
+        # modules. The folder is therefore added again, at the end of the search path.
         root = str(Path(__file__).parents[2])
         if root not in sys.path:
             sys.path.append(root)
@@ -170,10 +170,11 @@ def _exclude_current_folder_from_imports() -> None:
 def _is_current_folder_searched_first(first: Sequence[str]) -> bool:
     """Whether the first folder of Python's search path is the current folder.
 
-    With `python -m` and `python -c` it is. `first` holds the first folder, or is empty.
+    With `python -m` and `python -c` it is. `first` is a list with the first folder of the search
+    path, or an empty list.
     """
     try:
         return list(first) in ([""], [str(Path.cwd())])
     except OSError:
-        # The current folder has been removed, so that Python imports nothing from there.
+        # The current folder does not exist any more, so that Python imports nothing from it.
         return False

@@ -187,7 +187,7 @@ class Column(NamedTuple):
 
     Attributes
     ----------
-    title : name of the column in a sentence
+    title : name of the column for use in a sentence
     head : heading, of one line or more
     cells : text of each row, of one line or more
     left : whether the texts are aligned to the left
@@ -213,8 +213,8 @@ def print_table_fitted_to_terminal(
 
     Parameters
     ----------
-    columns : the columns by a key
-    least : keys of the columns that may be left out, the least important first
+    columns : the columns, each by a short name such as "effect"
+    least : short names of the columns that may be left out, the least important first
     width : largest number of characters of a line; None: the width of the terminal, and no limit
         in a file or a pipe
     """
@@ -262,7 +262,8 @@ def print_table_of_compared_models(
     not printed.
     """
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else PIPE_WIDTH
-    # Turn each column that has values into texts.
+    # Turn the values of each column into texts. Columns that are empty or never printed are left
+    # out.
     columns = {}
     for column in shown:
         is_empty = all(row.get(column.key) is None for row in table)

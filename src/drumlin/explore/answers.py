@@ -131,7 +131,7 @@ class StatedError(NamedTuple):
     pressure : relative difference of the pressure (L2) on the shoe where it is largest
     own : estimated errors that `drumlin.solve` states for its accurate answer; None if it states
         none
-    plane_stress : estimated errors of plane stress itself; None for solid shoes
+    plane_stress : estimated errors by the assumption of plane stress; None for solid shoes
     """
 
     torque: float
@@ -177,9 +177,9 @@ class Explorer:
         self._stated = LatestValueCache()
 
     def fem_and_law_answer_at_slider_setting(self, setting: KnobSetting) -> ExploredAnswer:
-        """The answer for a setting of the sliders; it holds the reason where a model has none."""
+        """The answer for a setting of the sliders; where a model fails, it holds the reason."""
         answer = ExploredAnswer(setting, law_name=setting.law)
-        # The answer is completed step by step. The steps before a failure stay in it.
+        # The answer is completed step by step. After a failure it keeps what it has so far.
         try:
             brake = brake_at_slider_setting(self.brake, self.knobs, setting)
             answer = replace(answer, brake=brake)
@@ -208,7 +208,10 @@ class Explorer:
         """
 
         def prepare_model_with_friction() -> PreparedModel:
-            """Prepare the model with a friction coefficient of 1; it serves friction 0, too."""
+            """Prepare the model with a friction coefficient of 1, so that it serves any friction.
+
+            A model that is prepared without friction serves no other friction.
+            """
             rough = vary(brake, {"friction": 1.0})
             if model == "solid":
                 return prepare_model_with_shoe_widths(
@@ -218,7 +221,8 @@ class Explorer:
                 return make_prepared_model(rough)
             return make_prepared_model(rough, EXPLORE_LEVEL)
 
-        # Brakes that differ only in loads or friction share one key in the cache.
+        # Brakes that differ only in loads, clearances or friction need the same prepared model, so
+        # that they share one key in the cache.
         with_friction = {"friction_as_written": 1.0}
         key = brake_without_loads_and_clearances(brake).model_copy(update=with_friction)
         return self._scene.get((key, model), prepare_model_with_friction)
@@ -250,12 +254,16 @@ class Explorer:
     ) -> LockingFriction:
         """The friction coefficient at which each group of shoes locks itself, by finite elements.
 
-        Shoes that do not lock up to HIGHEST_FRICTION have no entry. The result is empty where no
+        The keys are the positions of the shoes that lock together. Shoes that do not lock up to
+        HIGHEST_FRICTION have no entry. The result is empty where no
         shoe touches the drum. `model` is "fem" for plane stress and "solid" for solid shoes.
         """
 
         def find_self_locking_friction_with_unit_friction() -> LockingFriction:
-            """Find the limits of self-locking, with a friction coefficient of 1 in the brake."""
+            """Find the friction at which groups of shoes lock.
+
+            The brake's own friction does not matter and is set to 1.
+            """
             rough = brake.brake_with_new_friction_coefficient(1.0)
             try:
                 found = self_locking_friction_of_shoe_groups(
@@ -273,9 +281,10 @@ class Explorer:
     def self_locking_friction_if_already_computed(
         self, brake: Brake, model: str = "fem"
     ) -> LockingFriction | None:
-        """The known result of `cached_self_locking_friction_of_shoe_groups`; else None.
+        """The friction at which each group of shoes locks itself, if it is known; else None.
 
-        The computation takes 30 to 100 ms.
+        Nothing is computed here. `cached_self_locking_friction_of_shoe_groups` computes these
+        values in 30 to 100 ms.
         """
         known: LockingFriction | None = self._limits.cached_value_for_key_or_none(
             (_brake_with_unit_friction(brake), model)
@@ -301,7 +310,7 @@ class Explorer:
                 finer = MODELS[model].solve(brake, **options)
             except DrumlinError:
                 return None
-            # The shoe with the largest difference in pressure counts.
+            # The stated error of the pressure is the largest difference of all shoes.
             apart = max(map(relative_distance_of_pressures, found.shoes, finer.shoes))
             return StatedError(
                 abs(relative_error_of_number(found.effect, finer.effect)),

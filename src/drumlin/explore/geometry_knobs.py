@@ -1,6 +1,7 @@
 """The sliders of the page for the shape of a brake on a drum: radius, arc, hinges, thicknesses.
 
-Each slider starts at the file's brake. Where the shoes differ, its value is added to all of them.
+Each slider starts at the brake of the file. The sliders of arc and hinges change all shoes by the
+same angle or length. The sliders of thicknesses change all shoes in proportion.
 """
 
 import math
@@ -19,12 +20,16 @@ from drumlin.explore.knob import (
 )
 
 ARC_REACH = 10.0
-"""Largest change [deg] of a lining's end by its slider; the axis of the page has room for it."""
+"""Largest angle [deg] by which a slider moves each end of a lining.
+
+The horizontal axis of the pressure curves on the page has room for linings that are longer by this
+angle.
+"""
 
 RADIUS_REACH = 0.1
 """Largest change of the drum's radius by its slider, relative to the radius of the file.
 
-The picture of the brake keeps its scale, and has room for a drum that is larger by this part.
+The picture of the brake keeps its scale, and has room for a drum that is larger by this fraction.
 """
 
 
@@ -70,12 +75,12 @@ def _drum_radius_slider(brake: Brake) -> Knob:
 
 
 def _lining_arc_slider(brake: Brake) -> Knob:
-    """The slider that moves both ends of each shoe's lining outwards, in degrees."""
+    """The slider that lengthens the lining of each shoe by the same angle [deg] at both ends."""
 
     def new_lining_end_angles_at_slider_value(value: float) -> Changes:
-        """New angles of the outer ends of all linings, moved outwards by the value [deg].
+        """New end angles of all shoes' linings, which become longer by `value` [deg] at both ends.
 
-        Linings side by side keep the gaps between them.
+        Where a shoe has several linings, only the outermost ends move: the gaps between them stay.
         """
         made: Changes = {}
         for i, shoe in enumerate(brake.shoes):
@@ -115,7 +120,7 @@ def _hinge_radius_slider(brake: Brake) -> Knob | None:
     reach = nearest_1_2_or_5_times_power_of_ten(brake.size * 1e3 / 5)
 
     def new_hinge_points_at_slider_value(value: float) -> Changes:
-        """New places of all hinges, moved by the value [mm] along their radius."""
+        """New points of all hinges, moved away from the drum's centre by `value` [mm]."""
         made: Changes = {}
         for key, xy in hinges.items():
             x, y = xy * (1 + value * 1e-3 / np.linalg.norm(xy))
@@ -135,10 +140,10 @@ def _hinge_radius_slider(brake: Brake) -> Knob | None:
 
 
 def _thickness_slider(name: str, label: str, given: dict[str, float]) -> Knob | None:
-    """The slider of a thickness [mm], from half to twice that of the file; None if none is given.
+    """The slider of a thickness [mm], from half to twice the thickness in the brake file.
 
-    `given` are the thicknesses [m] of the file by their keys. Where they differ, the slider shows
-    the largest one, and the others change in proportion.
+    `given` holds the thicknesses [m] in the file by their keys; without any the result is None.
+    Where they differ, the slider shows the largest thickness, and all change in proportion.
     """
     if not given:
         return None

@@ -32,7 +32,7 @@ def value_with_all_numbers_rounded(value: Any) -> Any:
 
 
 def rounded_brake_file_text_of_angle(angle: float) -> str:
-    """An angle [rad] as the rounded text of a brake file, such as "10 deg"."""
+    """An angle [rad] as a brake file writes it, in rounded degrees such as "10 deg"."""
     return f"{math.degrees(angle):.{SAVED_DIGITS}g} deg"
 
 

@@ -1,4 +1,4 @@
-"""The sliders of the page for loads, fit, wear and moduli, and the positions of all sliders.
+"""The sliders of the page for friction, loads, clearance, misfit, wear and moduli.
 
 The positions of all sliders, called a setting, are turned into a changed brake and into a link.
 """
@@ -32,10 +32,11 @@ from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT
 from drumlin.models import applicable_models
 
 LARGEST_WEAR = 50.0
-"""Least upper end of the slider of wear: a sliding distance in units 1/(k K) of the file's brake.
+"""Sliding distance that the slider of wear reaches at least, as a multiple of 1/(k K).
 
-k is the wear coefficient and K = E/t the stiffness of the lining. The pressure of a stiff brake no
-longer changes after some 46 of these units. The slider ends at the next round number of kilometres.
+k is the wear coefficient, and K = E/t the stiffness of the lining in the brake file. After some 46
+times 1/(k K) the pressure of a stiff brake no longer changes. The slider ends at the next round
+number of kilometres.
 """
 
 FRICTION_STEP_OF_KNOB = 0.005
@@ -59,7 +60,10 @@ CYLINDER_AND_CAM_KNOBS = {
     "torque": _DriveKnob("torque of the cam", "N m", 1.0),
     "chamber.pressure": _DriveKnob("pressure in the chamber", "bar", 1e5),
 }
-"""Label and unit of the slider of a cylinder or cam, by the key that the brake file gives."""
+"""Label and unit of the slider of a cylinder or cam.
+
+They are found by the key under which the brake file gives the actuation, such as "pressure".
+"""
 
 
 @dataclass(frozen=True)
@@ -128,7 +132,7 @@ def sliders_for_brake(brake: Brake) -> tuple[Knob, ...]:
     added to all of them.
     """
     R = brake.size * 1e3  # mm
-    # The smallest steps of lengths are relative to the drum's radius.
+    # Clearance and misfit change in steps of about 1e-5 of the drum's radius.
     fine = nearest_1_2_or_5_times_power_of_ten(R * 1e-5)
     is_flat = brake.surface.is_plane_and_not_drum
     knobs = [
@@ -293,7 +297,7 @@ def _line_of_action_angle_slider(brake: Brake) -> Knob:
 
 
 def _new_directions_of_turned_forces(brake: Brake, by: float) -> Changes:
-    """New directions of all forces, turned by `by` [rad]; on mirrored shoes the other way round."""
+    """New directions of all forces, turned by `by` [rad], on mirrored shoes the other way round."""
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
         direction = shoe.actuation.direction + shoe.frame.sense * by
@@ -410,7 +414,7 @@ def _youngs_modulus_slider(
     unit : unit of the slider's values
     factor : this unit in Pa
     """
-    # The dictionary holds the modulus of each shoe that has one, by the position of the shoe.
+    # The dictionary holds the moduli [Pa] that the file gives, by the position of the shoe.
     moduli: dict[int, float] = {}
     for i, shoe in enumerate(brake.shoes):
         modulus = _modulus_shown_by_slider(shoe, part)
@@ -492,9 +496,10 @@ def _scaled_part_moduli_by_brake_key(shoe: Shoe, i: int, part: str, times: float
 
 
 def brake_at_slider_setting(brake: Brake, knobs: Sequence[Knob], setting: KnobSetting) -> Brake:
-    """The brake with the values of a setting, without wear.
+    """The brake of the file, changed by the sliders and the sense of motion of a setting.
 
-    Raises BadInput where the parts of the changed brake do not fit together.
+    The slider of wear changes nothing here. Raises BadInput where the parts of the changed brake do
+    not fit together.
     """
     changes: Changes = {}
     if setting.sense != brake.direction:

@@ -132,7 +132,7 @@ def path_and_query_of_address(address: str) -> tuple[str, dict[str, str]]:
 
 
 def _reply_with_html_page(request: _Request) -> Reply:
-    """The HTML page with its sliders and with the drawing of the brake, which no slider changes."""
+    """The HTML page with its sliders and with the drawing of the brake as the file gives it."""
     setting, brake = request.setting, request.explorer.brake
     low, high = lowest_and_highest_angle_or_position_of_linings(brake)
     is_flat, size = brake.surface.is_plane_and_not_drum, brake.size * 1e3
@@ -268,7 +268,7 @@ def _drawing_of_changed_shape(request: _Request, brake: Brake | None) -> dict[st
 
 
 def _reply_with_self_locking_limit_and_errors(request: _Request) -> Reply:
-    """The data that take long to compute, the limit of self-locking and errors, and the link.
+    """The limit of self-locking and the errors, which take long to compute, and the page's link.
 
     The page asks for these data when its sliders rest.
     """
@@ -337,7 +337,7 @@ def _part_with_rounded_points(part: Part) -> Part:
         )
 
     def round_points_of_value(value: Any) -> Any:
-        """The value of a field, with rounded points in its parts."""
+        """The value of a part's field, in which all points have rounded coordinates."""
         if isinstance(value, Part):
             return _part_with_rounded_points(value)
         return tuple(map(round_points_of_value, value)) if isinstance(value, tuple) else value
@@ -376,4 +376,4 @@ PAGE_PATHS: Mapping[str, Callable[[_Request], Reply]] = {
     "/locking": _reply_with_self_locking_limit_and_errors,
     "/brake.toml": _reply_with_brake_file,
 }
-"""The function that makes the reply, by the path of the address."""
+"""For each path of the page's addresses, the function that makes the reply."""

@@ -55,7 +55,10 @@ SMALLEST_SHOWN_ERROR = 1e-6
 """Relative error below which the page writes "less than 0.0001 %" in place of the number."""
 
 PLACE_STEP = 1e-3
-"""Resolution [deg or mm] of the places of a pressure curve, which are sent as whole numbers."""
+"""Resolution [deg, on a plane mm] of the places of a pressure curve.
+
+The places are sent to the page as whole numbers, in units of this step.
+"""
 
 PRESSURE_STEP = 1e-4
 """Resolution of pressures, which are sent to the page as whole numbers.
@@ -283,8 +286,9 @@ def torque_and_refusals_as_html(picture: Picture, refused: Sequence[str] = ()) -
 
 
 def self_locking_as_html(answer: ExploredAnswer, locking: LockingFriction | None) -> str:
-    """A line of HTML with the friction at which the brake locks, and its distance from the limit.
+    """A line of HTML with the friction at which the brake locks itself.
 
+    The line also gives the difference between this friction and the friction of the brake.
     `locking` holds the friction coefficient at which each group of shoes locks, by finite elements;
     None where it is not known yet.
     """
@@ -308,8 +312,9 @@ def error_of_finite_elements_as_html(
 ) -> str:
     """Lines of HTML on the errors of the finite elements and of plane stress.
 
-    `stated` is the difference from the accurate answer of `drumlin.solve`. `asked` is whether the
-    page has waited for this answer; if not, the line says that the error follows.
+    `stated` is the difference from the accurate answer of `drumlin.solve`; None if it is not known.
+    `asked` is whether the accurate answer has been asked for. Without `stated` the text is then
+    empty; otherwise it says that the error follows.
     """
     if answer.found is None or answer.brake is None or (asked and stated is None):
         return ""
@@ -451,7 +456,7 @@ def svg_path_of_lines(lines: Lines) -> str:
 
 
 def _angles_or_positions_of_lining_ends(brake: Brake) -> Floats:
-    """The ends of all linings (2 * shoes,): angles [rad] on the drum, on a plane lengths [m]."""
+    """The ends (2 * shoes,) of all shoes' linings: angles [rad], on a plane coordinates x [m]."""
     ends = [(shoe.lining.start, shoe.lining.end) for shoe in brake.shoes]
     return np.ravel(ends)
 
@@ -510,8 +515,8 @@ def half_side_length_of_picture(brake: Brake) -> float:
     R = (1 + RADIUS_REACH) * brake.size
     room = []
     for shoe in brake.shoes:
-        # Pressure curves of internal shoes are drawn outside the drum, those of external shoes
-        # inside.
+        # Pressure curves of internal shoes are drawn outside the drum, and pressure curves of
+        # external shoes inside it.
         room.append(
             1.12 * (1 + PRESSURE_SCALE_DISTANCE) * R if shoe.sign > 0 else 1.05 * R + shoe.depth
         )

@@ -21,7 +21,7 @@ does not grow where p is zero.
 
 The foot of a shoe may rest on a rough abutment. The friction there either opposes the slide of the
 foot in one of two directions, or holds the foot. Each of these three cases has a contact problem of
-its own, which is called a `AbutmentFrictionCase`. A stage of a step first tries the case of the
+its own, which is called an `AbutmentFrictionCase`. A stage of a step first tries the case of the
 stage before. If the solution contradicts this case, the stage tries the other cases.
 
 After a long sliding distance wear becomes steady: the pressure no longer changes. Every point of
@@ -74,7 +74,7 @@ MAX_WEAR_STEPS = 20_000
 The example brakes take some 40 steps."""
 
 MAX_STEP_GROWTH = 4.0
-"""Largest ratio of a wear step's length to that of the step before.
+"""Largest ratio of the length of a wear step to the length of the step before.
 
 A larger ratio risks a step with too large an error, which has to be repeated."""
 
@@ -95,9 +95,10 @@ MAX_NEWTON_STEPS = 60
 A judgement."""
 
 SHORTEST_STEP = 1e-13
-"""Length of a wear step below which the run is refused, relative to the sliding distance so far.
+"""Smallest length of a wear step, relative to the sliding distance so far.
 
-A shorter step would change the distance by little more than round-off."""
+A run that needs a shorter step is refused: such a step would change the distance by little more
+than round-off."""
 
 STEADY_MOTION_RATIO = 1e9
 """Assumed ratio of a shoe's motion by steady wear to its elastic motion under load.
@@ -107,21 +108,22 @@ which way friction acts there. Wear that goes on for ever makes the ratio infini
 elastic motion influences the direction as little as round-off does."""
 
 SOFTEST_COMPLIANCE = 1e3
-"""Compliance added to the linings where the search for the nodes in contact begins.
+"""Compliance added to the linings at the start of the search for the nodes in contact.
 
-It is relative to the largest nodal compliance of the brake. Under soft linings the contact is easy
-to find. It is then followed as the linings become stiffer. A larger value only costs time."""
+It is relative to the largest nodal compliance of the brake. With soft linings the contact is easy
+to find. The search then follows the contact as the linings become stiffer. A larger value only
+costs time."""
 
 RATIO_OF_SOFT_LININGS = 4.0
 """Factor by which the compliance added to soft linings falls from one problem to the next.
 
 The search for the nodes in contact solves a sequence of contact problems, from soft linings to the
-real ones. A smaller factor only costs time."""
+real linings. A smaller factor needs more problems for the same range, which only costs time."""
 
 NUMBER_OF_SOFT_LININGS = 20
-"""Number of contact problems with soft linings that are solved before that of the real linings.
+"""Number of contact problems with soft linings that are solved before the real linings.
 
-The last of them adds 4e-9 of the brake's largest nodal compliance to the linings. When this rest is
+The last problem adds 4e-9 of the brake's largest nodal compliance to the linings. When this rest is
 removed, hardly a node changes between contact and gap."""
 
 
@@ -145,14 +147,14 @@ class AbutmentFrictionCase(NamedTuple):
 
 
 class WearInterface(NamedTuple):
-    """The linings of a group of shoes that are coupled, as one contact problem for wear.
+    """The contact problem of the linings of a group of coupled shoes, prepared for wear.
 
     The problem has n contact unknowns x, which are nodal pressures or nodal forces.
 
     Attributes
     ----------
     problem : contact problem of the unworn linings
-    loaded : (n,), weighted gap that the actuation opens; it is a part of the vector q of `problem`
+    loaded : (n,), part of the vector q of `problem`: the weighted gap that the actuation opens
     weight : G (n, n), weighted gap per worn depth
     pressure : (n,), pressure [Pa] per unit of each contact unknown, the diagonal of the matrix D
     area : (n,) [m^2], worn volume per worn depth at each unknown; also normal force per pressure
@@ -272,7 +274,7 @@ def wear_linings_over_sliding_distance(
 
     Parameters
     ----------
-    forward : groups of linings, which do not influence each other
+    forward : groups of linings; the groups do not influence each other
     law : the wear law
     backward : the same groups of linings with the drum turning the other way
     reverse : distance [m] between reversals of the drum. At a reversal the list has two states, one
@@ -347,15 +349,15 @@ class _WearRunInProgress:
         distance: float,
         tolerance: float,
     ) -> None:
-        # True: solver of the steps with the drum turning forward; False: turning backward.
+        # The solvers of wear steps, by whether the drum turns forward.
         self._steppers = {True: forward, False: backward}
         self._reverse, self._distance, self._tolerance = reverse, distance, tolerance
         self._forward = True
         self._next_turn = reverse
         self.states = [forward.wear_state_of_unworn_linings()]
         self._step = forward.length_of_first_wear_step(self.last_wear_state, tolerance)
-        # The pressure changes fast at the start and after a reversal. The length that was right for
-        # the first step there is kept, as the length of the first step after the next reversal.
+        # The pressure changes fast at the start and after a reversal. The first step after each
+        # reversal therefore gets the length that suited the last step of this kind.
         self._opening_step = self._step
         self._just_turned = True
 
@@ -382,7 +384,7 @@ class _WearRunInProgress:
             self.last_wear_state, size
         )
         # The error is the difference from a first-order method, and so grows with the square of the
-        # step's length. The factor for the next length is therefore a root.
+        # step's length. The factor for the next length is therefore a square root.
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
         factor = min(max(growth, 0.2), MAX_STEP_GROWTH)
         if error > self._tolerance:
@@ -392,8 +394,8 @@ class _WearRunInProgress:
         self.states.append(replace(after, s=end) if at_end else after)
         if self._just_turned:
             self._opening_step, self._just_turned = size * factor, False
-        # If this step was only short to end at a reversal or at the end of the run, the next step
-        # may have the length that was planned.
+        # If this step was shortened only to end at a reversal or at the end of the run, the next
+        # step gets the length that was planned for this one.
         cut_short = at_end and size < self._step
         self._step = max(self._step, size) if cut_short else size * factor
         if at_end and end == self._next_turn and not self.has_reached_sliding_distance:
@@ -402,9 +404,9 @@ class _WearRunInProgress:
     def _length_of_next_wear_step(self, left: float) -> float:
         """The length [m] of the next step; `left` [m] is the distance to the end or next reversal.
 
-        If one to two steps remain, both get half of the remaining distance, so that the last step
-        is not tiny. Raises NoAnswer if the length is infinite, because wear no longer changes the
-        pressure.
+        If between one and two planned steps remain, two steps of half the remaining distance are
+        made, so that the last step is not tiny. Raises NoAnswer if the length is infinite, because
+        wear no longer changes the pressure.
         """
         size = left if self._step > 0.999 * left else min(self._step, left / 2)
         if math.isinf(size):
@@ -576,9 +578,9 @@ def _solve_steady_wear_for_abutment_friction(
 ) -> Contact:
     """Solve the steady wear of linings under the friction case `footing` at the abutments.
 
-    For the exponent 1, steady wear is the solution of one contact problem, in which wear depth
-    divided by pressure takes the place of the elastic compliance. For other exponents this solution
-    is the first guess. Raises NoAnswer if there is no equilibrium.
+    For the exponent 1 of the wear law, steady wear is the solution of one contact problem. In this
+    problem the wear depth per pressure takes the place of the elastic compliance. For other
+    exponents this solution is the first guess. Raises NoAnswer if there is no equilibrium.
     """
     _, q, B, C, h = footing.problem
     compliance = interface.weight * interface.pressure
@@ -613,14 +615,15 @@ def _solve_steady_power_law_wear(
     """
     q, B, C, h = problem.q, problem.B, problem.C, problem.h
     no_equilibria = np.zeros((len(q), 0)), np.zeros((0, len(q))), np.zeros(0)
-    # The rates below are relative to the rate at the largest pressure, so that they are about 1.
+    # Wear rates below are divided by the rate at the largest pressure, so that they are about 1.
     top = float((interface.pressure * linear.p).max())
     motions = linear.y / top
 
     def contact_with_wear_rates_as_pressures(y: Floats) -> Contact:
-        """The contact solution if the shoe moves by y per sliding distance; its p are wear rates.
+        """The contact solution if the shoe moves by y per sliding distance.
 
-        The shoe cannot penetrate the drum, so that the lining must wear as fast as it approaches.
+        Its field p holds wear rates: since the lining cannot penetrate the drum, it wears as fast
+        as the shoe moves it towards the drum.
         """
         return active_set.solve_contact_problem(
             ContactProblem(interface.weight, B @ y, *no_equilibria), linear.active
@@ -715,7 +718,7 @@ def contact_problem_at_given_torque(
 Tangent = Callable[[Floats], Floats]
 """A linear function from a change (n,) of the weighted gap to the change (n,) of contact unknowns.
 
-It holds as long as the same unknowns stay in contact."""
+It is valid as long as the same unknowns stay in contact."""
 
 
 class _WearIntegrals(NamedTuple):
@@ -773,7 +776,7 @@ class _WearStepper:
 
     Parameters
     ----------
-    interfaces : groups of linings, which do not influence each other
+    interfaces : groups of linings; the groups do not influence each other
     law : the wear law
     torque : torque of all linings [N m] that the actuation is adjusted to keep; None for a constant
         actuation
@@ -837,8 +840,8 @@ class _WearStepper:
                 continue
             # `settle` searches under the force of the brake file. If the run keeps a given torque,
             # the brake may lock itself under this force and still have an equilibrium at the
-            # torque. The search then fails, and the contact of the stage before, if any, stays the
-            # first guess.
+            # torque. The search then fails. The first guess is then the contact of the stage
+            # before, if there was a stage.
             with suppress(NoAnswer) if self.held is not None else nullcontext():
                 self.footing[i], self.sets[i] = interface.settle(depth[part])
         return self._solve_contact_of_all_linings(depth, 0.0).p
@@ -867,8 +870,8 @@ class _WearStepper:
     ) -> tuple[WearState, float]:
         """The state after a step of length ds [m], and the relative L2 error of its pressure."""
         footing = list(self.footing)
-        # The two stages of the Runge-Kutta method give two wear rates, whose weighted mean gives
-        # the depth that the step wears off.
+        # Each of the two stages of the Runge-Kutta method gives wear rates. Their weighted mean
+        # times the length of the step is the depth that the step wears off.
         first = self._solve_contact_of_all_linings(state.depth, GAMMA * ds)
         second = self._solve_contact_of_all_linings(
             state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds
@@ -893,7 +896,7 @@ class _WearStepper:
         error /= self._norm_of_pressure_over_all_linings(second.p) or 1.0
 
         def integral_over_wear_step(at_first: Floats, at_second: Floats, row: Floats) -> float:
-            """The integral over the step of row @ values, from the values at the two stages."""
+            """The integral of row @ values over the step, from the values at its two stages."""
             return ds * float(row @ ((1 - GAMMA) * at_first + GAMMA * at_second))
 
         integrals = _WearIntegrals(
@@ -973,9 +976,9 @@ class _WearStepper:
         )
 
     def _actuation_factor_that_balances_pressures(self, i: int, p: Floats) -> float:
-        """The factor on the actuation that balances pressures p (n,) [Pa] on lining group `i`.
+        """The factor on the actuation with which the pressures on lining group `i` are in balance.
 
-        The factor is 1 unless the wear run keeps a given torque.
+        `p` (n,) [Pa] are the pressures. The factor is 1 unless the wear run keeps a given torque.
         """
         if self.held is None:
             return 1.0
@@ -995,7 +998,7 @@ class _WearStepper:
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
         footings = self.interfaces[i].abutment_friction_cases
-        # The friction case of the solution before is tried first.
+        # The friction case that held at the stage before is tried first.
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set
             try:
@@ -1019,10 +1022,11 @@ class _WearStepper:
     ) -> _InterfaceContact:
         """Solve the contact of lining group `i` for the friction case `self.footing[i]`.
 
-        Newton's method replaces the wear rate by its tangent at the pressure of the iteration
-        before. The slope of the tangent acts as a compliance of the linings, and its constant part
-        as a gap. Raises NoAnswer for self-locking or no convergence. `depth` (n,) [m] is the worn
-        depth before the stage, and `ds` [m] the distance over which the stage wears the linings.
+        In each iteration of Newton's method the wear rate is linear in the pressure: the tangent at
+        the pressure of the iteration before. The slope of this tangent acts as a compliance of the
+        linings, and its constant part as a gap. Raises NoAnswer for self-locking or no convergence.
+        `depth` (n,) [m] is the worn depth before the stage, and `ds` [m] the distance over which
+        the stage wears the linings.
         """
         interface, problem = self.interfaces[i], self.problems[i][self.footing[i]]
         A, q, B, C, h = problem._replace(q=problem.q + interface.weight @ depth)
@@ -1073,7 +1077,7 @@ def wear_linings_by_explicit_euler(
 
     Parameters
     ----------
-    interfaces : groups of linings, which do not influence each other
+    interfaces : groups of linings; the groups do not influence each other
     law : the wear law
     ds : length of a step [m]
     steps : number of steps
@@ -1096,15 +1100,15 @@ def wear_linings_by_explicit_euler(
 
 
 def relative_amplitude_of_node_to_node_pressure_ripple(p: Floats, margin: int = 5) -> float:
-    """How much nodal pressures p (n,) alternate from node to node, relative to p (a checkerboard).
+    """How much nodal pressures p (n,) alternate from node to node, relative to p.
 
-    It is the norm of the fourth difference (1, -4, 6, -4, 1)/16 of p, divided by the norm of p. For
-    p = +1, -1, +1, ... the fourth difference is 1. For a smooth p it is of the order of the node
-    spacing to the fourth power. At each end of the lining and of the contact, `margin` nodes are
-    left out. The result is nan if no node is left.
+    It is the norm of the fourth difference (1, -4, 6, -4, 1)/16 of p, divided by the norm of p. The
+    ratio is 1 for p = +1, -1, +1, ..., and of the order of the node spacing to the fourth power for
+    a smooth p. At each end of the lining and of the contact, `margin` nodes are left out. The
+    result is nan if no node is left.
     """
     # If the pressure alternates, single nodes may have no pressure although they lie in the
-    # contact. The contact therefore ends only where three nodes in a row have no pressure.
+    # contact. The contact therefore ends only where three successive nodes have no pressure.
     open_stretches = _mask_of_true_with_true_neighbours(p <= 0, 1, beyond=True)
     use = _mask_of_true_with_true_neighbours(~open_stretches, margin, beyond=False)
     if not use.any():

@@ -1,4 +1,4 @@
-"""Make the contact problems of worn linings from a brake, for the wear steps of `archard`.
+"""Make the contact problems of a brake's linings, for the wear steps of `archard`.
 
 The contact problems come from finite elements or from the foundation model. All supports and
 actuations of shoes are allowed.
@@ -178,10 +178,10 @@ def wear_setup_by_finite_elements(
 
 
 def _position_of_lining_at_angles(shoe: Shoe, theta: Floats) -> int:
-    """The position of a lining among the linings of its shoe, from places on this lining.
+    """The position, among the linings of a shoe, of the lining on which given points lie.
 
-    `theta` (n,) are coordinates along the friction surface, all of them on this lining: angles
-    [rad] on a drum, lengths [m] on a plane.
+    `theta` (n,) are the coordinates of the points along the friction surface, angles [rad] on a
+    drum and lengths [m] on a plane. All points lie on the same lining.
     """
     starts = [start for start, _ in shoe.lining.arcs]
     return max(bisect_right(starts, float(theta.mean())) - 1, 0)
@@ -239,8 +239,8 @@ def _find_friction_case_and_contact_of_worn_lining_group(
     try:
         settled, contact = worn.solve_contact_and_abutment_friction()
     except NoAnswer:
-        # A search without a first guess may miss an equilibrium. The contact of very soft linings
-        # is easy to find. It is followed as the linings become stiffer, and gives a first guess.
+        # The search without a first guess may miss an equilibrium. The contact of very soft linings
+        # is easy to find. Following it as the linings become stiffer gives a first guess.
         active = find_contact_set_from_soft_linings(
             worn.contact_problem_of_group, worn.mass_matrix_of_contact_nodes
         )
@@ -275,9 +275,9 @@ def brake_with_given_lining_clearances(
 ) -> AnyBrake:
     """A copy of the brake in which some shoes have new clearances.
 
-    The keys of `clearances` are the pairs (`WornLining.shoe`, `WornLining.lining`), and a shoe with
-    one of its linings in `clearances` must have all of them. The values are tables of clearance by
-    angle.
+    The keys of `clearances` are the pairs (`WornLining.shoe`, `WornLining.lining`). If a lining of
+    a shoe is among the keys, all linings of this shoe must be. The values are tables of clearance
+    by angle.
     """
     shoes = list(brake.shoes)
     for i in {shoe for shoe, _ in clearances}:
@@ -301,8 +301,8 @@ def _contact_problem_in_newtons(group: ShoeGroup) -> ContactProblem:
 def _are_abutment_friction_and_supports_as_assumed(group: ShoeGroup, contact: Contact) -> bool:
     """Whether a solution agrees with what was assumed at the supports of a group of shoes.
 
-    Friction at an abutment must oppose the slide of the shoe's foot or hold the foot, and
-    one-sided supports must bear as assumed. `contact` is the solution in newtons.
+    Friction at an abutment must oppose the slide of the shoe's foot or hold the foot. Each
+    one-sided support must touch or be free as assumed. `contact` is the solution in newtons.
     """
     unit = replace(
         contact,
@@ -335,8 +335,8 @@ def wear_setup_by_foundation_model(
         raise BadInput(f"foundation does not apply to this brake: {reason}")
     names = foundation.validated_names_of_effects_to_include(brake, lift)
     touching = [i for i, shoe in enumerate(brake.shoes) if actuation_moment_towards_drum(shoe) > 0]
-    # Shoes influence each other only if the drum is an elastic ring and the model includes how each
-    # shoe's own pressure bends it.
+    # Shoes influence each other only if the drum is an elastic ring, and the model includes how the
+    # pressure of each shoe bends this ring.
     meet = brake.ring is not None and "own-pressure" in names
     groups = [touching] if meet and touching else [[i] for i in touching]
     interfaces: list[WearInterface] = []

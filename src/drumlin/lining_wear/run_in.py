@@ -1,13 +1,13 @@
-"""Run a brake in: wear turns the pressure of the elastic brake into that of the rigid-shoe law.
+"""Run a brake in: wear turns the elastic brake's pressure into the pressure of the rigid-shoe law.
 
 Whatever the elasticity of the brake, wear ends when every point of the lining wears as fast as the
 rigid-body motion of the shoe brings the point nearer to the drum. The pressure at a point is then
 proportional to v^(1/m), where v is the approach of the point to the drum per sliding distance, and
 m the exponent of the wear law. For m = 1 the pressure is proportional to sin(phi) on a hinged shoe,
 with phi from the hinge, and to cos(phi) on a guided shoe, with phi from the direction of the guide.
-On a shoe with a pivot on a lever it is A cos + B sin. The elasticity then influences only the worn
-shape of the lining. `brake_with_worn_linings` returns a brake whose linings have this shape as
-their clearance. Every model can solve this brake.
+On a shoe with a pivot on a lever it is A cos(phi) + B sin(phi). The elasticity then influences only
+the worn shape of the lining. `brake_with_worn_linings` returns a brake whose linings have this
+shape as their clearance. Every model can solve this brake.
 """
 
 import math
@@ -46,7 +46,7 @@ WORN_OUT_FRACTION = 0.8
 A judgement."""
 
 WEAR_SETTLED = 1e-3
-"""Relative distance of pressure and torque from the end of wear below which a run ends.
+"""Relative difference of pressure and torque from their final values below which a run ends.
 
 It equals the largest error of a wear step, `archard.DEFAULT_WEAR_STEP_ERROR`."""
 
@@ -131,7 +131,7 @@ def final_pressure_and_torque_of_wear_on_mesh(
 def _final_pressure_scaled_to_held_torque(
     p: Floats, total: float, torque: float | None
 ) -> WearTarget:
-    """The end of wear with pressures p (n,) [Pa], scaled to a torque that the actuation must keep.
+    """The final pressure and torque of wear, scaled to a torque that the actuation must keep.
 
     Parameters
     ----------
@@ -195,10 +195,9 @@ def relative_differences_from_end_of_wear(
 def largest_relative_pressure_difference_of_linings(
     setup: WearSetup, p: Floats, goal: Floats
 ) -> float:
-    """The relative L2 difference of pressures p (n,) from `goal` (n,), on the worst lining.
+    """The relative L2 difference of pressures p (n,) from `goal` (n,), the largest of all linings.
 
-    The difference is computed for each lining, without one element at each end. The largest
-    difference is returned.
+    The difference is computed for each lining, without one element at each end.
     """
     distances = []
     for surface in setup.surfaces:
@@ -211,7 +210,7 @@ def largest_relative_pressure_difference_of_linings(
 
 
 def _norm_over_lining_face_without_end_elements(surface: WornLining, values: Floats) -> float:
-    """The L2 norm over theta of a lining's values, with the mean over the width of their squares.
+    """The L2 norm of a lining's values over theta; their squares are averaged over the width.
 
     One element at each end of the lining is left out. `values` holds one value for each contact
     unknown of all linings.
@@ -375,13 +374,13 @@ def require_linings_not_worn_through(setup: WearSetup, states: Sequence[WearStat
 
 
 class LiningLife(NamedTuple):
-    """The life of a brake's linings, and how much of it passes before they are worn in.
+    """The life of a brake's linings, and the fraction of this life until they are worn in.
 
     Attributes
     ----------
     distance : sliding distance [m] at which the first lining is worn out
     pressure : sliding distance after which the pressure stays near its final value, divided by
-        `distance`; above 1 if a lining is worn out earlier
+        `distance`; above 1 if a lining is worn out earlier, inf if the run never comes near it
     torque : sliding distance after which the torque stays near its final value, divided by
         `distance`
     """
@@ -399,7 +398,7 @@ def compute_life_of_linings(
     within: float = 0.01,
     part: float = WORN_OUT_FRACTION,
 ) -> LiningLife:
-    """The life of the linings in a wear run, and how much of it passes before they are worn in.
+    """The life of the linings in a wear run, and the fraction of this life until they are worn in.
 
     After the last state the linings are assumed to wear at the rate of the final pressure. The wear
     run keeps the stiffness of a lining although it becomes thinner.
@@ -424,7 +423,8 @@ def compute_life_of_linings(
         elif law.coefficient > 0:
             rate = float(law.wear_rate_and_its_slope(goal.pressure[surface.part], 0.0)[0].max())
             end = min(end, s[-1] + (allowed - deepest[-1]) / rate)
-    # Pressure and torque count as worn in from the distance on at which they stay within the bound.
+    # For each state, the relative differences of pressure and torque from their final values. The
+    # brake counts as worn in once they stay within the bound `within`.
     distances = np.array(
         [relative_differences_from_end_of_wear(setup, state, goal) for state in states]
     )
@@ -681,13 +681,13 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
 def _table_line_of_wear_state(
     setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw
 ) -> str:
-    """The line of text for one state in the table of a wear run; `goal` is the end of wear."""
+    """The line for one state in the printed table of a wear run; `goal` has the final values."""
     off = relative_differences_from_end_of_wear(setup, state, goal)
     force = state.force * setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     peak = peak_nodal_pressure_of_wear_state(setup, state) * 1e-6
     relative = state.s / sliding_distance_of_e_fold_pressure_change(setup, law)
-    # Four digits with sign and exponent have nine characters, so that a space is left between
-    # columns of ten.
+    # A number of four digits with sign and exponent has nine characters. Columns of ten characters
+    # therefore leave a space between the numbers.
     return (
         f"{state.s * 1e-3:9.4g}{relative:10.4g}"
         f"{state.torque:11.6g}{force:10.4g}{peak:10.4g}"
@@ -718,7 +718,7 @@ def _notes_on_difference_of_wear_end_from_law(
 
 
 def _fraction_of_lining_life_as_text(share: float) -> str:
-    """A fraction of the linings' life as text; `share` is inf for the whole run and more."""
+    """A fraction of the linings' life as text; `share` is inf if it is longer than the run."""
     if math.isinf(share):
         return "all of this run"
     return number_as_text(share, ".1%") if share <= 1 else f"all of it ({share:.3g} lives)"

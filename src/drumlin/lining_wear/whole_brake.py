@@ -102,8 +102,8 @@ def require_options_of_wear_model(
     Parameters
     ----------
     model : name of the model
-    on_mesh : given options that only finite elements have
-    on_springs : given options that only the foundation model has
+    on_mesh : options of the user, by name, that only finite elements have
+    on_springs : options of the user, by name, that only the foundation model has
     """
     if model not in WEARING_MODELS:
         allowed = ", ".join(WEARING_MODELS)
@@ -140,8 +140,8 @@ def make_wear_setups_of_brake(
     brake : the brake
     model : name of the model, "fem", "solid" or "foundation"
     both_ways : whether a setup is also made for the drum turning the other way
-    options : for "fem" and "solid" the options of `prepared_model_for_analysis`, for "foundation"
-        those of `wear_setup_by_foundation_model`
+    options : options of `prepared_model_for_analysis` for "fem" and "solid", and options of
+        `wear_setup_by_foundation_model` for "foundation"
 
     Raises
     ------

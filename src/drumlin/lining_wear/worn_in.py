@@ -66,12 +66,12 @@ from drumlin.response import Response
 from drumlin.response.merit import response_with_figures_of_merit
 
 LEAST_CLOSING = 0.01
-"""Gap change by a motion below which a node is ignored, relative to the lining's largest change.
+"""Gap change by a motion of the shoe below which a node is ignored.
 
-An unloaded worn-in lining must not penetrate the drum. The shoe is moved away from the drum until
-no node does, except for the ignored nodes. They lie near the line through the hinge and the drum's
-centre, where even a large motion hardly changes the gap. A judgement; the pressure does not depend
-on it."""
+It is relative to the lining's largest gap change by this motion. An unloaded worn-in lining must
+not penetrate the drum. The shoe is moved away from the drum until no node penetrates it, except for
+the ignored nodes. These lie near the line through the hinge and the drum's centre, where even a
+large motion hardly changes the gap. A judgement; the pressure does not depend on it."""
 
 EVEN_WEAR = 1e-3
 """Largest depth of the steady wear that is added to a worn-in lining, relative to the elastic gap.
@@ -100,9 +100,9 @@ def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: An
 def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
     """The brake with the clearances of worn-in linings in place of its own clearances and misfit.
 
-    The clearances are those of a round drum. An out-of-round drum stays so in the result: as it
-    turns, it wears the lining evenly if the whole lining stays in contact. `scene` holds the
-    prepared finite elements of the brake. Raises NoAnswer for a self-locking shoe.
+    The clearances are computed for a round drum. An out-of-round drum stays out of round in the
+    result: as it turns, it wears the lining evenly if the whole lining stays in contact. `scene`
+    holds the prepared finite elements of the brake. Raises NoAnswer for a self-locking shoe.
     """
     setup = wear_setup_by_finite_elements(
         scene, brake_without_misfit_and_clearance(brake, drum=True)
@@ -166,14 +166,15 @@ def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[sli
         key=lambda B: B.shape[1],
     )
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")
-    # `opened` is c, by which the load opens the gap. Motions y close the gap by approach @ y.
+    # `opened` (n,) [m] is the opening c of the gap by the load. Motions y close the gap by
+    # approach @ y.
     opened, approach = solved[:, 0], -solved[:, 1:]
     motions = _motions_that_close_gap_best_and_most_evenly(interface, opened, approach)
     rest, bent = motions.nearest, opened - approach @ motions.nearest
     closing = approach @ motions.evenly
     for part in linings:
-        # The even motion is just large enough to keep the lining out of the drum. Nodes where the
-        # motion hardly changes the gap (LEAST_CLOSING) do not count.
+        # The motion `evenly` is added, just large enough to keep the lining out of the drum. Nodes
+        # where this motion hardly changes the gap (LEAST_CLOSING) do not count.
         moves = closing[part] >= LEAST_CLOSING * closing[part].max()
         amount = float((bent[part][moves] / closing[part][moves]).max())
         own_motions = np.any(resting[part] != 0, axis=0)
@@ -189,7 +190,7 @@ def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[sli
 
 
 class _RestingMotions(NamedTuple):
-    """Two motions of the shoes, as factors of their m rigid-body modes.
+    """Two motions of the shoes, each as m factors of the rigid-body modes.
 
     Attributes
     ----------

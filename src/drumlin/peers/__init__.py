@@ -12,7 +12,7 @@ from drumlin.peers.peer import Peer, PeerMissing
 from drumlin.response.merit import response_with_figures_of_merit
 
 PEERS = {"calculix": "CalculiX", "getfem": "GetFEM"}
-"""The peers: for each name in options and files, the name that the program gives itself."""
+"""The finite-element programs that solve a brake: their names in options, and their own names."""
 
 __all__ = [
     "PEERS",
@@ -67,7 +67,7 @@ def install_hint_if_missing(name: str) -> str | None:
 
 
 if not TYPE_CHECKING:
-    # Programs of users may still import these functions by the names that they had.
+    # Programs of users may still import functions of this module by their former names.
     __getattr__ = make_getattr_function_for_renamed_functions(
         __name__,
         {

@@ -64,8 +64,9 @@ INSTALL_CALCULIX = (
 LARGEST_STATE_IMBALANCE = 1e-3
 """Largest relative imbalance of forces or moments of a CalculiX state that is accepted.
 
-The balance takes the contact forces at the undisplaced nodes of the drum. In CalculiX they act on
-the lining where the drum has moved by 1e-3 rad. This makes an imbalance of the size of 1e-3.
+The balance counts the contact forces at the undisplaced nodes of the drum. In CalculiX these forces
+act on the lining at the displaced nodes, after a rotation of 1e-3 rad. The difference alone makes
+an imbalance of about 1e-3.
 """
 
 LEAST_TOUCHING = 0.1
@@ -87,15 +88,15 @@ LONGEST_CALCULIX = 3600
 
 
 class DeckFormat(NamedTuple):
-    """How a shoe is written as a CalculiX deck, and how forces on the drum's arc are read back.
+    """How a shoe is written as a CalculiX deck, and how the contact forces are read back.
 
     Shoes in plane stress and three-dimensional shoes need different decks.
 
     Attributes
     ----------
     text : function that takes the parameters and the name of a deck, and returns its text
-    along : function that takes the forces (n, 2) on all nodes of the drum, and returns the forces
-        on its arc, the row of nodes on the friction surface
+    along : function that takes the forces on all nodes of the drum, and returns the forces (n, 2)
+        on the drum's nodes along the friction surface
     """
 
     text: Callable[[DeckSetting, str], str]
@@ -284,9 +285,10 @@ class RunTally:
 
 
 def plane_stress_deck_format(brake: Brake, loaded: LoadedShoe) -> DeckFormat:
-    """How a shoe in plane stress is written as a deck, and how its forces are read back."""
+    """How a shoe in plane stress is written as a deck, and how forces on the drum are read back."""
     count = len(angles_of_drum_nodes(loaded))
-    # The arc is the row of nodes on the friction surface.
+    # The deck lists the drum's nodes from the inner to the outer arc. The friction surface is the
+    # inner arc for an internal shoe, the outer arc for an external shoe.
     arc = slice(count) if loaded.shoe.sign > 0 else slice(-count, None)
     return DeckFormat(
         text=lambda setting, name: plane_stress_deck_text(brake, loaded, setting, name),
@@ -375,11 +377,11 @@ class _Results(NamedTuple):
 
     Attributes
     ----------
-    drum : (n, 4) for each node of the drum its label and the force on it (x, y, z) [N]
+    drum : (n, 4), a row for each node of the drum: its label, and the force x, y, z on it [N]
     pin : displacement (2,) of the pin [mm]
     turn : rotation of the shoe about the pin [rad]
-    stress : (points, 5) for each contact point the element, its face, the pressure and two shear
-        stresses [MPa]
+    stress : (points, 5), a row for each contact point: element, face of the element, pressure and
+        two shear stresses [MPa]
     time : fraction of the load step that was reached, 1 at its end
     """
 
@@ -444,7 +446,7 @@ def read_calculix_state(
     along = (posed or plane_stress_deck_format(brake, loaded)).along
     stress = results.stress
     pressure, shear = stress[:, 2], np.hypot(stress[:, 3], stress[:, 4])
-    # Contact points with nearly no pressure say nothing about sticking.
+    # Contact points with hardly any pressure do not count in the fraction of sticking points.
     pressed = pressure > 1e-3 * pressure.max()
     sticks = (
         shear[pressed]
@@ -519,8 +521,8 @@ def shoe_response_and_imbalance_of_calculix_state(
 ) -> tuple[ShoeResponse, Balance]:
     """The response of a shoe from CalculiX's results, and the relative imbalance of its forces.
 
-    Pressure and shear stress along the lining are found by solving linear equations: their nodal
-    forces equal the nodal forces on the drum by CalculiX.
+    CalculiX gives nodal forces on the drum. Pressure and shear stress at the nodes follow from
+    linear equations: their equivalent nodal forces equal CalculiX's nodal forces.
     """
     shoe, frame = loaded.shoe, loaded.shoe.frame
     # The nodes of the drum's arc in the order of growing phi, the angle in the shoe's frame.
@@ -528,13 +530,13 @@ def shoe_response_and_imbalance_of_calculix_state(
     phi = frame.phi(angles_of_drum_nodes(loaded))[:: frame.sense]
     radius = float(np.hypot(*loaded.parts.line.xy).mean())
     xy = radius * np.array([np.cos(phi), np.sin(phi)])
-    # Three successive nodes are the nodes of an element edge, and two edges share an end node.
+    # Each quadratic edge of an element has three successive nodes; two edges share an end node.
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
     coupling = weak_coupling_of_contact_line(
         line, shoe.lining.width, function_that_returns_drum_normals_and_tangents(shoe.sign)
     )
-    # Nodal forces of a unit pressure and of a unit shear at each node.
+    # Column j of each matrix has the nodal forces of a unit pressure, or unit shear, at node j.
     pressing, dragging = -coupling.N.T, coupling.T.T
     both = np.hstack([pressing, dragging])
     pressure, shear = np.split(np.linalg.solve(both, forces.ravel()), 2)
@@ -542,7 +544,8 @@ def shoe_response_and_imbalance_of_calculix_state(
     friction = (dragging @ shear).reshape(-1, 2).sum(axis=0)
     torque = abs(float(xy[0] @ forces[:, 1] - xy[1] @ forces[:, 0]))
     held = np.array([*state.pin, 0.0])
-    # If the actuation acts at the hinge, the springs of the pin carry it, too.
+    # The springs at the pin also carry an actuation that acts at the hinge. It is added to their
+    # force, so that `held` is the force of the hinge on the shoe's body.
     if not loaded.does_actuation_act_on_body_end:
         held += [*loaded.force, loaded.couple]
     found = PeerForces(normal, friction, math.copysign(torque, loaded.drag), held, torque)

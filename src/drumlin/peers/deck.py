@@ -56,7 +56,7 @@ The hinge reaction is computed from the displacement of the pin. Under 1 kN the 
 mm. This is too little to change a result, and CalculiX still prints it with all digits."""
 
 DRUM_MODULUS = 1e-6
-"""Young's modulus of the drum, relative to that of the lining.
+"""Young's modulus of the drum, relative to Young's modulus of the lining.
 
 The displacements of all nodes of the drum are prescribed. A soft drum adds nearly nothing to the
 forces on these nodes, so that they equal the contact forces."""
@@ -85,7 +85,7 @@ class DeckSetting(NamedTuple):
 
 
 class DeckGrid(NamedTuple):
-    """A shoe's mesh in the form of a CalculiX deck.
+    """A shoe's mesh in the form of a CalculiX deck, in the brake's frame.
 
     Labels are CalculiX's numbers of nodes and elements, from 1 on. The nodes of the mesh come
     first, then the nodes `pin` and `turn`, then the nodes of the drum. The elements of the drum and
@@ -97,7 +97,7 @@ class DeckGrid(NamedTuple):
     cells : numbers (m, k) of the nodes of each cell, from 0 on, corners first
     corners : number of corners of a cell
     kind : CalculiX's name of the element type
-    edges : for each boundary, by its name, the numbers of the nodes on its edges
+    edges : numbers of the nodes on each boundary, by the boundary's name such as "hinge"
     pin : label of the pin's node
     turn : label of a node whose displacement along x is the rotation of the shoe [rad]
     bearing : label of the first of the two springs at the pin
@@ -365,7 +365,7 @@ def deck_lines_of_load_step(
     lines = ["*STEP, INC=1000", "*STATIC", f"{1 / setting.steps:.12e}, 1."]
     lines += ["*CONTROLS, PARAMETERS=FIELD"]
     lines += [f"{setting.accuracy:.12e}, {setting.accuracy:.12e}", "*CLOAD", *load]
-    # Each node of the drum moves along its tangent.
+    # Each node of the drum moves along the tangent of the drum, by the angle times its radius.
     angle = brake.sign_of_motion * setting.rotation
     displacements = angle * drum_xy @ np.array([[0, 1], [-1, 0]])
     lines.append("*BOUNDARY")
@@ -380,8 +380,8 @@ def deck_lines_of_load_step(
 def _deck_lines_of_actuation(loaded: LoadedShoe, setting: DeckSetting, grid: DeckGrid) -> list[str]:
     """The lines of a deck for the actuation of a shoe.
 
-    The actuation is the same nodal forces on the loaded end of the body as in drumlin's own solve,
-    or for a rigid shoe a force and a couple on the pin.
+    On an elastic body the lines give the same nodal forces as in drumlin's own solve, also for
+    springs and weight. On a rigid shoe they give a force and a couple on the pin.
     """
     if "actuation" not in grid.edges:
         return deck_lines_of_load_on_pin(loaded, setting, grid)
@@ -447,7 +447,8 @@ def cells_with_nodes_counter_clockwise(xy: Floats, cells: Ints, corners: int) ->
     Parameters
     ----------
     xy : positions (n, 2) of the nodes
-    cells : numbers (m, 2 corners) of the nodes of each cell, corners first, in either sense
+    cells : numbers (m, 2 corners) of the nodes of each cell, corners first, clockwise or
+        counter-clockwise
     corners : number of corners of a cell
     """
     x, y = xy[cells[:, :corners]].transpose(2, 0, 1)
@@ -466,7 +467,7 @@ def deck_lines_of_element_faces(cells: Ints, along: Ints, corners: int) -> list[
     Parameters
     ----------
     cells : numbers (m, k) of the nodes of each cell, corners first
-    along : numbers (3, edges) of the nodes of each edge, from end to end
+    along : numbers (3, edges) of the nodes of each edge to be named, from end to end
     corners : number of corners of a cell
     """
     # An edge is identified by the set of its two end nodes, so that their order does not matter.
@@ -483,7 +484,7 @@ def angles_of_drum_nodes(loaded: LoadedShoe) -> Floats:
     """The angles theta [rad] of the nodes of the drum's arc in a CalculiX deck.
 
     The drum has nodes at the same angles as the lining, so that no gap is left between the curved
-    edges of both, and a few more nodes beyond the lining's ends.
+    edges of drum and lining. It has a few more nodes beyond the lining's ends.
     """
     theta = np.sort(loaded.shoe.frame.theta(loaded.parts.line.phi))
     # The drum's arc must not close to a full circle.

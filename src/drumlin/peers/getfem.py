@@ -59,7 +59,7 @@ FORMULATIONS = ("full slip", "coulomb")
 """The two formulations of contact with friction, which getfem_brake.py describes."""
 
 FURTHER_LOAD_FRICTION = 0.9
-"""Friction coefficient of the further load case whose time is measured, relative to the brake's."""
+"""Friction of the further load case whose time is measured, relative to the brake's friction."""
 
 LEAST_SLIPPING_RATIO = 0.99
 """Ratio of the shear force on a lining to its full friction, below which the lining sticks.
@@ -220,7 +220,7 @@ class _Solver:
         for ran in self._runs:
             steps += map(itemgetter("steps"), ran.result["answers"][0])
             unknowns.append(ran.result["unknowns"])
-            # A process may contain several solves. The rest of its time is the time for its start,
+            # A process repeats its solves. Its time without all solves is the time of its start,
             # which counts once.
             rests.append(ran.seconds - sum(map(sum, ran.result["seconds"])))
         cold = self._median_seconds_summed_over_all_runs(0)
@@ -234,7 +234,10 @@ class _Solver:
         )
 
     def _median_seconds_summed_over_all_runs(self, case: int) -> float:
-        """The time [s] of load case 0 or 1: the median of the repeats, summed over all runs."""
+        """The time [s] of a load case: the median of the repeats, summed over all runs.
+
+        `case` is 0 for the brake itself, and 1 for the further load case with less friction.
+        """
         medians = []
         for ran in self._runs:
             medians.append(median(map(itemgetter(case), ran.result["seconds"])))
@@ -308,8 +311,8 @@ def _find_cam_forces_and_return_shoe_results(
         if the cam does not press a shoe, or the forces do not converge
     """
     one, other = shoes
-    # Each trial: the fraction of the force on the first shoe, and the difference of the
-    # displacements of both loaded ends.
+    # Each trial is a pair: the fraction of the total force that acts on the first shoe, and the
+    # difference of the displacements of both loaded ends.
     tried: list[tuple[float, float]] = []
     part = 0.5
     for _ in range(MOST_FORCE_PARTS):
@@ -328,11 +331,11 @@ def _find_cam_forces_and_return_shoe_results(
             }
         tried.append((part, a - b))
         if len(tried) == 1:
-            # The fraction at which the displacements are equal if they are linear in the forces.
+            # If each displacement is proportional to its force, both are equal at this fraction.
             part = part * b / (part * b + (1 - part) * a)
             continue
-        # The secant method. A step goes at most half of the way to the fractions 0 and 1, so that
-        # both shoes stay pressed.
+        # The secant method finds the next fraction. It goes at most half of the way to 0 or 1, so
+        # that both shoes stay pressed.
         (x, f), (y, g) = tried[-2:]
         part = min(max(y - g * (y - x) / (g - f), 0.5 * y), 0.5 * (1 + y))
     raise NoAnswer(f"GetFEM: the cam's forces did not settle in {MOST_FORCE_PARTS} steps")
@@ -354,7 +357,8 @@ def _solve_shoes_trying_abutment_friction_senses(
     """
     answers: dict[str, ShoeAnswer] = {}
     left = dict(shoes)
-    # Shoes without a result are tried again with another sense of the friction at the abutment.
+    # `left` has the shoes without a result. They are tried again with another sense of the friction
+    # at the abutment.
     for attempt in range(
         max(len(shoe.senses_of_abutment_friction_to_try) for shoe in shoes.values())
     ):
@@ -394,7 +398,7 @@ def _shoe_result_if_abutment_friction_sense_fits(
     ----------
     brake : the brake
     loaded : the shoe under its actuation
-    attempt : number of the sense in `Shoe.senses_of_abutment_friction_to_try`
+    attempt : index of the tried sense in `Shoe.senses_of_abutment_friction_to_try`
     found : the script's result for the shoe
 
     Raises
@@ -446,12 +450,15 @@ def _brake_data_for_getfem_script(
 
 
 def _mesh_and_material_arrays(brake: Brake, loaded: LoadedShoe) -> dict[str, Any]:
-    """The arrays of a shoe's mesh and elastic constants; their names end in the body's number."""
+    """The arrays of a shoe's mesh and elastic constants, by name.
+
+    The names end in the number of the shoe's shape, since shoes of equal shape share the arrays.
+    """
     shoe, k = loaded.shoe, loaded.body
     basis, mesh = loaded.parts.basis, loaded.parts.mesh
     E, width = shoe.lining.material.E_through, shoe.lining.width
-    # The elastic constants of each cell, and the direction along its layer if the layer is
-    # straight.
+    # `constants` (4, cells) are the elastic constants of each cell. `straight` (2, cells) is the
+    # direction along the cell's layer, or 0 in a curved layer.
     constants, straight = np.zeros((4, mesh.nelements)), np.zeros((2, mesh.nelements))
     for name, elements in mesh.subdomains.items():
         layer = elastic_layers_of_shoe(shoe)[name]
@@ -511,7 +518,7 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
 class _Modes(NamedTuple):
     """The rigid-body modes and test modes of a shoe, scaled to the norm 1.
 
-    Their displacements are divided by the drum's radius.
+    Displacements are divided by the drum's radius. On a test mode the support reactions do no work.
 
     Attributes
     ----------
@@ -543,8 +550,8 @@ def _run_getfem_script(interpreter: str, problem: dict[str, Any]) -> _Run:
         folder = Path(name)
         source, target = folder / "problem.npz", folder / "result.json"
         np.savez(source, **problem)
-        # The script is copied into another folder. Beside this module `import getfem` would import
-        # this module in place of GetFEM.
+        # Python first looks for modules beside the script. There `import getfem` would find this
+        # module getfem.py in place of GetFEM, so that the script is copied into another folder.
         script = shutil.copy(GETFEM_SCRIPT, folder)
         command = [interpreter, str(script), str(source), str(target)]
         ended = run_command_of_peer_program(command, folder, LONGEST_GETFEM)
@@ -579,8 +586,8 @@ def _shoe_result_in_si_units(brake: Brake, loaded: LoadedShoe, found: dict[str, 
         held=size * np.array(found["hold"]) * [1, 1, R],
         torque=abs(found["torque"]) * size * brake.scale_factor,
     )
-    # The script scales rigid-body modes to the norm 1, with displacements divided by the drum's
-    # radius.
+    # The script scales each rigid-body mode to the norm 1, with displacements divided by the drum's
+    # radius. Its coordinates are therefore divided by the norms of the modes before scaling.
     mode_sizes = np.linalg.norm(loaded.motions / [R, R, 1.0], axis=1)
     amounts = np.array(found["amounts"]) / mode_sizes
     pressure = E * np.array(found["pressure"])[order]

@@ -8,7 +8,8 @@ divided by the drum's radius, stresses by Young's modulus of the lining, and for
 the lining, this modulus and the drum's radius. There are two formulations of full slip:
 
     "full slip"  the drum drags the lining by mu p wherever it touches: a weak form written by
-                 hand, with the pressure p as multiplier and the law  p = max(0, p + r (u.n - g))
+                 hand, with the pressure p as multiplier and the law  p = max(0, p + r (u.n - g));
+                 u is the displacement, n the normal towards the drum, g the gap, r a constant
     "coulomb"    GetFEM's own contact with friction on a rigid obstacle, the drum; the obstacle
                  slides so far that the lining slips everywhere
 
@@ -193,7 +194,7 @@ class PeerBody:
         self.model.add_initialized_fem_data("lam", constant, constants[0][place])
         self.model.add_initialized_fem_data("shear", constant, constants[1][place])
         self.model.add_isotropic_linearized_elasticity_brick(self.inside, "u", "lam", "shear")
-        # Isotropic layers have no further stiffness.
+        # If all layers are isotropic, the two further stiffnesses are zero.
         if not constants[2:].any():
             return
         # `straight` holds unit vectors along straight layers, and zeros in curved layers. The
@@ -219,9 +220,9 @@ class PeerBody:
     def _add_shoe_support_to_model(self, shoe: dict[str, Any]) -> None:
         """Add the support to the model: the edge at the hinge moves only in the rigid-body modes.
 
-        The unknown traction `hold` acts on this edge. The holder, which moves rigidly with the
-        edge, is in equilibrium if `hold` and the loads on the holder do the same work on the test
-        modes.
+        The unknown traction `hold` acts on this edge. A rigid holder, the part that the support
+        guides, moves with the edge. It is in equilibrium if `hold` and the loads on the holder do
+        the same work on each test mode.
         """
         dofs = self.displacement.basic_dof_on_region(HINGE_REGION)
         self.model.add_fem_variable("hold", gf.MeshFem("partial", self.displacement, dofs))
@@ -242,8 +243,8 @@ class PeerBody:
     def _add_shoe_actuation_to_model(self, shoe: dict[str, Any]) -> None:
         """Add the actuation to the model: tractions on the loaded end of the shoe.
 
-        The tractions equal a force and a couple about the point `centre`. A shoe whose force acts
-        on its holder has no loaded end.
+        The resultant of the tractions is a force and a couple about the point `centre`. A shoe
+        whose force acts on its rigid holder has no loaded end.
         """
         for name, size in (("force", 2), ("couple", 1), ("drag", 1)):
             self.model.add_initialized_data(name, np.zeros(size))
@@ -339,7 +340,8 @@ class PeerBody:
 
         The shoe keeps its state under "state", from which its next solve starts.
         """
-        # The friction coefficient with the sign of the sense in which the drum drags the lining.
+        # `drag` is the shoe's friction coefficient, negative if the drum drags the lining clockwise
+        # in the shoe's frame, or a plane drags it towards smaller x.
         md, drag = self.model, friction * shoe["drag_sense"]
         self._set_loads_and_rigid_body_modes_of_shoe(shoe, drag)
         self._set_gap_between_lining_and_drum(shoe, drag)
@@ -442,7 +444,7 @@ def unit_normals_of_lining(x: Any, shoe: dict[str, Any]) -> Any:
 def polar_angles_of_points(x: Any, shoe: dict[str, Any]) -> Any:
     """Polar angles (n,) [rad] of the points x (2, n), within pi of the lining's middle.
 
-    On a plane surface they are the coordinates along it.
+    On a plane surface the result has the coordinates of the points along the plane.
     """
     if shoe["flat"]:
         return x[0]

@@ -29,7 +29,8 @@ HEXAHEDRA_ALONG_LINING = 48
 SIDE_SIZE = 1 / 8
 """Size of an element at a free side, relative to an element in the middle of the width.
 
-There are few elements across the width. Their sizes therefore differ less than along the lining.
+Since there are only few elements across the width, their sizes differ less than the sizes along the
+lining.
 """
 CORNERS = [2, 2, 1, 3, 1, 3, 0, 0], [1, 0, 1, 1, 0, 0, 1, 0]
 """The eight corners of skfem's hexahedra.
@@ -61,8 +62,8 @@ class Solid:
     section, plane : mesh of the shoe's section, and its scalar finite-element basis
     mesh, basis : mesh of hexahedra, and its scalar finite-element basis
     z : (m,) growing coordinates [m] across the width at which there are nodes, from 0 on
-    node : (n, m) for node i of the section, the number of the mesh's node at its x, y and at z[j];
-        -1 if the shoe is not that wide there
+    node : (n, m), number of the hexahedral mesh's node at the x, y of the section's node i and at
+        z[j]; -1 if the shoe is not that wide there
     half : half the width of each subdomain [m]
     """
 
@@ -89,7 +90,9 @@ def half_width_of_each_shoe_subdomain(shoe: Shoe) -> dict[str, float]:
 def element_end_positions_over_half_width(
     half: Mapping[str, float], across: int, zone: float
 ) -> Floats:
-    """Ends (m + 1,) [m] of the m elements over half the shoe's width; each free side is an end.
+    """Coordinates z (m + 1,) [m] between the m elements across half the shoe's width.
+
+    They begin with the mid-plane z = 0, and contain the sides of all subdomains.
 
     Parameters
     ----------
@@ -119,7 +122,7 @@ def mesh_of_half_solid_shoe(
 
     Parameters
     ----------
-    shoe : a parametric shoe
+    shoe : a shoe without a mesh file
     radius : radius of the drum [m]
     elements : number of elements along the lining, or its division
     across : number of elements over half the lining's width
@@ -138,7 +141,7 @@ def extrude_shoe_section_to_solid(section: Any, half: Mapping[str, float], level
     ----------
     section : mesh of the section
     half : half the width of each subdomain [m], over which it is extruded
-    levels : (m + 1,) ends of the elements over half the width [m]
+    levels : (m + 1,) coordinates z [m] between the elements across half the width
     """
     cells, outer = section.t, 0.5 * (levels[1:] + levels[:-1])
     # `exists` (layers, cells) says whether a cell of the section is extruded into a hexahedron in
@@ -151,8 +154,8 @@ def extrude_shoe_section_to_solid(section: Any, half: Mapping[str, float], level
         _mesh_of_hexahedra_with_straight_edges(section, levels, layer, cell)
     )
 
-    # All nodes are moved to the x and y of the section's nodes, so that straight edges become
-    # curved where the section's edges are.
+    # All nodes are moved to the x and y of the section's nodes. Straight edges thus become curved
+    # where the section has curved edges.
     corners = np.ascontiguousarray(section.p)
     straight_section = skfem.MeshQuad1(corners, np.ascontiguousarray(cells))
     plane = skfem.MeshQuad2.from_mesh(straight_section)
@@ -194,8 +197,8 @@ def _mesh_of_hexahedra_with_straight_edges(
 def default_number_of_hexahedra_over_half_width(shoe: Shoe, elements: int) -> int:
     """Default number of hexahedra over half the width of a lining with `elements` along it.
 
-    The pressure varies across the width mainly within about a lining's thickness of the sides, and
-    smoothly, so that few elements are enough.
+    Few elements are enough: the pressure varies smoothly across the width, and mainly within about
+    one lining thickness of the sides.
     """
     slender = shoe.lining.width / (2 * shoe.lining.thickness)
     return max(2, round(elements / HEXAHEDRA_ALONG_LINING * min(2 + slender, 6)))
@@ -215,8 +218,8 @@ def hexahedra_with_twenty_nodes_in_vtk_order(cells: Ints) -> Ints:
 def nodes_over_width_of_boundary(solid: Solid, boundary: str, part: str) -> Ints:
     """The nodes (n, m) of a solid on a boundary of its section, over the width of a part.
 
-    n counts the nodes of the boundary in the section, and m the coordinates z with nodes within the
-    width of the subdomain `part`.
+    There is a row for each of the n nodes of the boundary in the section, and a column for each of
+    the m coordinates z of the solid within the half width of the subdomain `part`.
     """
     line = np.unique(nodes_along_element_edges(solid.plane, solid.section.boundaries[boundary]))
     return solid.node[line, : solid.number_of_z_coordinates_in_half_width_of_subdomain(part)]
@@ -225,8 +228,8 @@ def nodes_over_width_of_boundary(solid: Solid, boundary: str, part: str) -> Ints
 def solid_nodes_that_move_with_pin(solid: Solid, shoe: Shoe) -> Ints:
     """Nodes at the hinge, across the whole width, which move rigidly with the pin.
 
-    They belong to the body. In a rigid shoe they are the back of the backing, or of the lining if
-    there is no backing.
+    They are the nodes of the body's edge at the hinge. In a rigid shoe they are the nodes on the
+    back of the backing, or on the back of the lining if there is no backing.
     """
     held = "lining" if shoe.backing is None else "backing"
     return nodes_over_width_of_boundary(

@@ -116,11 +116,11 @@ class LoadedShoe:
     force : force (2,) [N] of the actuation
     couple : couple [N m] of the actuation about `parts.load_centre`
     drag : friction coefficient, negative if the drum drags the lining towards smaller phi
-    approaches : whether the actuation presses the shoe on the drum anywhere
+    approaches : whether the loads press the shoe on the drum anywhere
     motions : rigid-body modes (k, 3) of the shoe's rigid holder, the part that the support guides:
         dx, dy [m] and rotation at the pin
-    tests : test modes (k, 3), in the same form; see `Held.rigid_body_modes_of_support`
-    work : work (k,) of the loads on the test modes
+    tests : test modes (k, 3) in the same form, on which the support reactions do no work
+    work : work (k,) of all loads on the test modes
     at_places : nodal forces (nodes, 2) [N] of springs, weight and other forces that act on the body
         at their own points; all other loads are in `force` and `couple`
     tip : displacement (k,) of the force's point of action along the force, for each rigid-body mode
@@ -141,10 +141,14 @@ class LoadedShoe:
 
     @property
     def work_of_loads_on_rigid_shoe_holder(self) -> Floats:
-        """Work (k,) that the loads on the shoe's rigid holder do on the test modes."""
+        """Work (k,) of the loads on the shoe's rigid holder on the test modes.
+
+        The rigid holder is the part of the shoe that the support guides.
+        """
         if self.does_actuation_act_on_body_end:
             return np.zeros_like(self.work)
-        # Forces at their own points of the body do not act on the holder. Their work is subtracted.
+        # Springs, weight and other forces at points of the body do not act on the holder, so that
+        # their work is subtracted.
         return self.work - self.tests @ self.resultant_about_pin_of_loads_at_places
 
     @property
@@ -253,7 +257,8 @@ def meshed_shoe_with_actuation_and_support(
         ACTUATION, acting
     )
     if shoe.kind_of_support == "hinge" and not shoe.flat:
-        # A rotation of 1 about the pin at (a, 0) closes the gap at (x, y) by -sign a y / r.
+        # If the shoe turns by 1 rad about the pin at (a, 0), the gap at the point (x, y) of the
+        # lining, at the radius r, closes by -sign a y / r.
         closing = -moment * shoe.sign * parts.line.xy[1]
         approaches = shoe.is_any_load_on_shoe and bool((closing > 0).any())
     else:
@@ -353,8 +358,8 @@ def shoe_response_and_imbalance_from_peer_forces(
         if shoe.pivot is not None
         else None,
         reaction_moment=frame.sense * float(reaction[2]) if shoe.guide is not None else 0.0,
-        # A peer has small pressures outside the contact, which would hide its ends. The ends are
-        # located below, without these pressures.
+        # Small pressures outside the contact, which a peer has, would hide the ends of the contact.
+        # The ends are located below, without these pressures.
         located=False,
     )
     p = response.pressure
@@ -378,10 +383,10 @@ def _friction_force_and_moment_about_pin(loaded: LoadedShoe, forces: PeerForces)
 def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floats) -> Balance:
     """The relative imbalance of a peer's forces on a shoe.
 
-    It is the largest of three: the sum of the forces, the sum of their moments about the origin,
-    and the imbalance of the shoe's rigid holder. The holder is in balance if its forces on the shoe
-    and the loads on the holder do the same work on each test mode. `load` (3,) is the force of the
-    actuation [N] and its moment about the pin [N m].
+    `force` of the result is the sum of the forces. `moment` is the sum of their moments about the
+    origin, or the imbalance of the shoe's rigid holder, whichever is larger. The holder is in
+    balance if its forces on the shoe and the loads on the holder do the same work on each test
+    mode. `load` (3,) is the force of the actuation [N] and its moment about the pin [N m].
     """
     pin, tests = loaded.shoe.pin_position_in_shoe_frame, loaded.tests
     push = loaded.resultant_about_pin_of_loads_at_places
@@ -393,8 +398,8 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
         float(planar_cross_product(pin, push[:2])),
     ]
     moments += [float(forces.held[2]), float(push[2])]
-    # The normal force times the radius is added with both signs. It enlarges the scale of the
-    # relative imbalance, but not the sum of the moments.
+    # The list of moments also gets the normal force times the radius, with both signs. These two
+    # entries enlarge the moment to which the sum is relative, but not the sum.
     size = loaded.radius * normal_force
     balance = relative_magnitudes_of_force_and_moment_sums(
         [forces.normal, forces.friction, forces.held[:2], push[:2]],
@@ -410,7 +415,7 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
 def zero_response_and_imbalance_of_shoe_turned_from_drum(
     loaded: LoadedShoe,
 ) -> tuple[ShoeResponse, Balance]:
-    """The response, with zero pressure, of a shoe that its actuation turns away from the drum."""
+    """The response, without pressure, of a shoe that its loads turn away from the drum."""
     return response_of_shoe_without_contact(
         loaded.shoe, -loaded.shoe.sum_of_forces_of_all_loads
     ), Balance(0.0, 0.0)

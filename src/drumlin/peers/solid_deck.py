@@ -66,7 +66,7 @@ its width. The displacement of the drum must be much larger, so that the slip an
 along the drum's circumference."""
 
 MODELLED_WIDTH = 0.5
-"""Fraction of the shoe's width that the deck models, in place of `DeckSetting.thickness`."""
+"""Fraction of the shoe's width that the deck models; it is the value of `DeckSetting.thickness`."""
 
 HEXAHEDRON_FACES = [
     (0, 1, 2, 3),
@@ -79,7 +79,10 @@ HEXAHEDRON_FACES = [
 """The four corners of each face S1 to S6 of CalculiX's hexahedron."""
 
 DRUM_WIDTH = 1.1
-"""Width of the drum, relative to the width of the lining, which must not reach the drum's edge."""
+"""Width of the drum, relative to the width of the lining.
+
+It is above 1, since the lining must not reach the drum's edge.
+"""
 
 
 class _SolidShoe(NamedTuple):
@@ -326,7 +329,7 @@ def _deck_lines_of_solid_element(label: int, nodes: Ints) -> list[str]:
 def _deck_lines_of_solid_faces(cells: Ints, on: Ints) -> list[str]:
     """The lines "element, S<face>" of a deck for the faces that lie on a surface.
 
-    `on` are the nodes of the surface; a face lies on it if all of its four corners do.
+    A face lies on the surface if its four corners are among the surface's nodes `on`.
     """
     inside = np.isin(cells[:, :8], on)
     lines = []
@@ -341,8 +344,8 @@ def _deck_lines_of_half_solid_shoe_actuation(
 ) -> list[str]:
     """The lines of a deck for the actuation of half a shoe.
 
-    The actuation is nodal forces on the end face of the body, or for a rigid shoe a force and a
-    couple on the pin.
+    On an elastic body the lines give nodal forces on its end face. On a rigid shoe they give a
+    force and a couple on the pin.
     """
     if "actuation" not in solid.section.boundaries:
         return deck_lines_of_load_on_pin(loaded, setting, grid)
@@ -357,13 +360,13 @@ def _deck_lines_of_half_solid_shoe_actuation(
 def _forces_moved_from_face_middles(solid: Solid, forces: Floats) -> Floats:
     """Distribute nodal forces (n, 2) in the middle of faces to the other nodes of these faces.
 
-    CalculiX's element has no such node. Its displacement in the middle of a face is 1/2 of the sum
+    CalculiX's element has no node there. Its displacement in the middle of a face is 1/2 of the sum
     of the displacements at the middles of the four edges, minus 1/4 of the sum of the displacements
     at the four corners. The force is distributed with the same factors, so that it does the same
     work.
     """
-    # In the unit cube two coordinates of a face's middle are 1/2, and one coordinate of an edge's
-    # middle is.
+    # In the unit cube the middle of a face has two coordinates 1/2, and the middle of an edge has
+    # one coordinate 1/2.
     at, dofs = skfem.ElementHex2.doflocs, solid.basis.element_dofs
     halves = (at == 0.5).sum(axis=1)
     moved, done = forces.copy(), set[int]()

@@ -49,8 +49,8 @@ def _unit_vector_at_angle(angle: float) -> Floats:
     return np.array([math.cos(angle), math.sin(angle)])
 
 
-# The functions below draw brakes on a drum. R is the drum's radius [mm], and `unit` [mm] the size
-# of symbols that are not to scale.
+# The functions below draw brakes on a drum. R is the drum's radius [mm]. `unit` [mm] is the size of
+# symbols that are not drawn to scale.
 
 
 def _names_of_shoes_whose_abutment_is_a_strut(brake: Brake) -> set[str]:
@@ -148,7 +148,7 @@ def _free_angle_for_radius_line(brake: Brake, R: float, unit: float) -> float:
         taken += [shoe.lining.start, shoe.lining.end, 0.5 * (shoe.lining.start + shoe.lining.end)]
         taken += [math.atan2(tip[1], tip[0]), math.atan2(tail[1], tail[0])]
     candidates = np.radians(np.arange(-60, 300, 5) + 2.0)
-    # For each candidate, find its distance around the circle from the nearest occupied angle.
+    # For each candidate angle, find its distance from the nearest angle that is occupied.
     away = []
     for candidate in candidates:
         away.append(min(abs(math.remainder(candidate - t, 2 * math.pi)) for t in taken))
@@ -273,8 +273,8 @@ def _radius_of_rigid_shoe_back(shoe: Shoe, R: float) -> float:
 def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     """The lines (n, 2) [mm] that stand for a rigid shoe on a drum.
 
-    The first line is an arc behind the lining. The other lines join this arc to the hinge and to
-    the force, or are the shoe's lever and the line that joins the lever to the arc.
+    The first line is an arc behind the lining. For a shoe with a lever, two more lines are the
+    lever and its connection to the arc. For other shoes they join the arc to hinge and force.
     """
     angles = np.linspace(shoe.lining.start, shoe.lining.end, 80)
     back = _radius_of_rigid_shoe_back(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -289,7 +289,8 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     if np.all(clear > R) and shoe.sign < 0:
         foot = _point_of_lever_nearest_to_given_point(hinge, load, middle)
         return [back, np.array([hinge, load]), np.array([middle, foot])]
-    # For other shoes, the nearer end of the arc is joined to the hinge, the other end to the force.
+    # For other shoes, the end of the arc near the hinge is joined to the hinge, the other end to
+    # the force.
     near, far = back[0], back[-1]
     if np.linalg.norm(back[0] - hinge) > np.linalg.norm(back[-1] - hinge):
         near, far = far, near
@@ -309,9 +310,9 @@ def _point_where_force_is_drawn(shoe: Shoe, R: float) -> Floats:
     """The point (2,) [mm] where the force on a shoe is drawn.
 
     For an external shoe this is the force's point in the brake file, if it lies outside the drum.
-    Otherwise it is the point of the line of action nearest to the shoe's end away from the pin; for
-    a rigid external shoe, the point where the line of action cuts the arc of its back near this
-    end.
+    Otherwise it is the point of the line of action that is nearest to the shoe's end away from the
+    pin. For a rigid external shoe it is then the point near this end where the line of action cuts
+    the arc of the shoe's back.
     """
     point = shoe.actuation.point.xy * MM_PER_M
     if shoe.sign < 0 and np.linalg.norm(point) > R:
@@ -441,7 +442,7 @@ def _draw_layers_of_shoe_on_plane(axes: Axes, shoe: Shoe, body: Bar) -> None:
 
 
 def _draw_rigid_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float) -> None:
-    """Draw a rigid shoe on a plane: its lining, its lever, and a block between lining and lever."""
+    """Draw a rigid shoe on a plane: its lining, its lever, and a block between the two."""
     start, end = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
     top = 0.8 * unit
     pin, load = shoe.pin.xy * MM_PER_M, shoe.actuation.point.xy * MM_PER_M
@@ -544,8 +545,8 @@ def _draw_force_arrows_with_labels(
 def _add_or_merge_force_label(labels: list[_ForceLabel], new: _ForceLabel, reach: float) -> None:
     """Add a new label to the list of labels.
 
-    If the list has a label with the same text nearer than `reach` [mm], one label with the word
-    "each", at the middle between both, replaces both.
+    If the list has a label with the same text nearer than `reach` [mm], a single label with the
+    word "each" replaces the two labels. It stands at the middle between them.
     """
     for k, label in enumerate(labels):
         if label.text == new.text and math.dist(label.place, new.place) < reach:
@@ -570,7 +571,10 @@ def _extreme_points_of_force_arrow(actuation: Actuation, tip: Floats, unit: floa
 def draw_arrow_from_tail_to_tip(
     axes: Axes, tail: Floats, tip: Floats, color: str, width: float
 ) -> None:
-    """Draw an arrow from tail (2,) to tip (2,) [mm]; `width` is its line's width in 20 points."""
+    """Draw an arrow from tail (2,) to tip (2,) [mm].
+
+    `width` is the width of its line in units of 20 points.
+    """
     arrow = FancyArrowPatch(
         tuple(tail),
         tuple(tip),

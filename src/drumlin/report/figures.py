@@ -194,7 +194,7 @@ def _free_place_for_curve_name(heights: Floats, which: int) -> _FreePlace | None
     for i in range(half, n - half):
         for side in (1, -1):
             y = heights[which, i] + side * 1.5 * BOX_HALF_HEIGHT
-            # The distance of each curve from the box that the name would take.
+            # The vertical distance of each curve from the box that the name would take.
             around = heights[:, i - half : i + half + 1]
             free = np.abs(around - y).min(axis=1) - BOX_HALF_HEIGHT
             others = np.delete(free, which).min(initial=1.0)
@@ -274,8 +274,7 @@ def draw_pressure_along_lining_of_each_shoe(
             axes.tick_params(labelleft=axes in grid[:, 0])
         for axes in grid[:, 0]:
             axes.set_ylabel("pressure p [MPa]")
-        # Panels of a column share the labels of the axis below the lowest panel. Unused panels stay
-        # empty.
+        # In each column only the lowest panel labels its horizontal axis. Unused panels stay empty.
         used = list(grid.flat)[: len(panels)]
         for column in range(columns):
             _label_only_lowest_panel(used[column::columns])
@@ -289,7 +288,7 @@ def draw_pressure_along_lining_of_each_shoe(
 
 
 def _upper_end_of_pressure_axis(panels: Sequence[Panel]) -> float:
-    """The upper end [MPa] of the pressure axis: 1.12 times the largest peak, or 1 if it is 0."""
+    """The upper end [MPa] of the pressure axis: 1.12 times the largest peak, 1 without pressure."""
     peaks: list[float] = []
     for _, responses in panels:
         peaks += [shoe.peak_pressure for shoe in responses.values()]
@@ -310,7 +309,8 @@ def _draw_pressure_panel(
     }
     for model, (theta, p) in curves.items():
         x, y = theta * unit, p * 1e-6
-        # Worn-in linings have the pressure of the law. The wide curve is seen on both sides of it.
+        # The curve of worn-in linings coincides with the curve of the law. It is drawn wider, so
+        # that it is seen on both sides of the other curve.
         width = 4.0 if model == "worn" else 1.8
         axes.plot(
             x, y, **line_style_of_model(model), lw=width, label=title_of_model_in_figures(model)
@@ -330,7 +330,7 @@ def _draw_pressure_panel(
 
 
 def _label_only_lowest_panel(column: Sequence[Axes]) -> None:
-    """Remove the labels of the horizontal axis from all panels of a column but the lowest one.
+    """Remove the labels of the horizontal axis from all panels of a column except the lowest.
 
     If the panels show different ranges of this axis, no label is removed.
     """

@@ -64,7 +64,8 @@ class _ContactOffsets(NamedTuple):
     ----------
     at : (n,) places of the nodes along the lining, in the surface's coordinate [rad; on a plane m]
     in_file : (n,) distances of the nodes from the drum or the plane in the mesh file [m]
-    solved : (n,) the same distances after drumlin has put nodes on the surface, as it solves [m]
+    solved : (n,) the same distances in the mesh that drumlin solves, in which nodes close to the
+        surface have been put on it [m]
     """
 
     at: Floats
@@ -139,7 +140,7 @@ def _largest_length_as_text_in_micrometres(lengths: Floats | float) -> str:
 
 
 def _text_about_support_and_force(shoe: Shoe, mesh: Any) -> str:
-    """A text about the edges of a mesh that are held and loaded, and about the force."""
+    """A text about the mesh's edges at the support and at the force, and about the force."""
     held = len(mesh.boundaries["hinge"])
     x, y = shoe.pin.xy.tolist()
     text = (
@@ -246,7 +247,7 @@ def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedSh
 
 
 def _draw_legend_of_groups(axes: Axes, mesh: Any) -> None:
-    """Draw the legend of the groups with their numbers of elements or sides."""
+    """Draw the legend of a mesh's groups, with the number of elements or sides in each."""
     handles: list[Any] = [
         Patch(
             facecolor=GROUP_COLORS[name], edgecolor="#40505f", label=f"{name}: {len(of)} elements"
@@ -307,13 +308,13 @@ def _draw_force_at_loaded_sides(
     place = tail - 0.4 * unit * along
     align = "right" if along[0] > 0.3 else "left" if along[0] < -0.3 else "center"
     axes.text(place[0], place[1], text, color=PURPLE, ha=align, va="center", fontsize=10, zorder=7)
-    # The text is about 4 * unit long.
+    # The text beside the arrow is about 4 * unit long.
     reach = {"right": -4.0, "left": 4.0, "center": 0.0}[align] * unit
     return np.array([tip, tail, place + np.array([reach, 0.0])])
 
 
 def _draw_rigid_arm(axes: Axes, start: Floats, end: Floats, unit: float) -> None:
-    """Draw a rigid arm from the middle of held or loaded edges to the pin or the force.
+    """Draw a rigid arm from the middle of a mesh's edges to the pin or the force beside them.
 
     `start` and `end` (2,) [mm] are its ends. An arm shorter than `unit` [mm] is not drawn.
     """
@@ -348,8 +349,8 @@ def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe
     axes.plot(at, offsets.in_file * UM_PER_M, "o-", color=RED, ms=3, lw=0.9, label=in_file)
     if moved:
         axes.plot(at, offsets.solved * UM_PER_M, ".-", color=BLUE, ms=3, lw=1.2, label="solved")
-    # The panel shows at least the range of the lining's compression, so that distances that are
-    # round-off do not fill it.
+    # The vertical axis covers at least the lining's compression, so that distances that are
+    # round-off do not fill the panel.
     shown = np.append(offsets.in_file * UM_PER_M, [-1.5 * compression, 1.5 * compression])
     low, high = min(float(shown.min()), -1e-3), max(float(shown.max()), 1e-3)
     margin = 0.06 * (high - low)

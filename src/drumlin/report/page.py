@@ -72,7 +72,7 @@ def is_text_column(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
 
 
 _PERCENT = re.compile(r"(?<=[0-9]) %")
-"""The pattern of a space and a percent sign after a number; the line must not break there."""
+"""The pattern of a space and a percent sign after a number; a page does not break lines there."""
 
 
 def write_html_page(template: Path, page: Path, **values: Any) -> Path:

@@ -8,7 +8,9 @@ from typing import Any
 
 BLUE, RED, GREEN, OCHRE, PURPLE = "#0072b2", "#d55e00", "#00c663", "#feaa00", "#7d1fce"
 SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#635135", "#1d2733"
-"""The colours of curves, nine with those in the line above; INK is also used for text and outlines.
+"""The colours of curves, nine together with the line above.
+
+INK is also the colour of text and outlines.
 """
 
 CATEGORIES = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK)

@@ -104,9 +104,10 @@ class _Arm(NamedTuple):
 def draw_rigid_arms_of_shoe(
     axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float
 ) -> None:
-    """Draw the rigid arms of an elastic shoe as dashed lines, and the gripped part of its back.
+    """Draw the rigid arms of an elastic shoe as dashed lines, and the part of its back in a grip.
 
-    A rigid arm joins the shoe's body to a hinge, pivot or force at some distance from the body.
+    A grip is a support that holds a part of the shoe's back. A rigid arm joins the shoe's body to a
+    hinge, pivot or force at some distance from the body.
 
     Parameters
     ----------
@@ -165,8 +166,8 @@ def draw_struts_and_cam(
     for link in brake.links:
         source, to = shoes[link.source], shoes[link.to]
         assert source.abutment is not None
-        # A strut from one shoe's abutment ends at the other shoe's abutment if this shoe has
-        # anchors, else at its loaded end.
+        # A strut begins at the abutment of one shoe. It ends at the abutment of the other shoe if
+        # the other shoe has anchors, else at the other shoe's loaded end.
         end = loaded[link.to]
         if to.anchors and to.abutment is not None:
             end = to.abutment.point.xy * MM_PER_M

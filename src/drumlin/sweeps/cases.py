@@ -43,7 +43,7 @@ from drumlin.sweeps.certificate import (
 from drumlin.sweeps.workers import SayLine, message_on_waiting_for_workers
 
 Row = dict[str, Any]
-"""The results of a case by name, such as "torque"; "status" says that it is solved, or failed."""
+"""The results of a case by name, such as "torque"; "status" is "solved" or says why it failed."""
 
 SECONDS_BEFORE_WAITING_MESSAGE = 20.0
 """Seconds without a result after which a message says that the sweep waits for workers.
@@ -59,7 +59,7 @@ between the processes.
 """
 
 MAX_CASES_PER_CHUNK = 64
-"""Largest number of cases in a chunk, however fast the cases are solved."""
+"""Largest number of cases that a worker gets in one message, however fast they are solved."""
 
 FURTHER_ATTEMPTS = 2
 """Number of further attempts at a case that failed because memory was short or its worker died."""
@@ -98,8 +98,9 @@ class SweepCase(NamedTuple):
     changes : new values of the brake, by key of the brake file
     model : name of the model
     options : options of the model
-    certify : None if the model states the errors of each case by itself; otherwise the case belongs
-        to a sample, or takes its errors from the certificate of a sample
+    certify : SampleMember if the case belongs to the sample that certifies the sweep; Certificate
+    if
+        it takes its errors from this sample; None if it states its own errors
     """
 
     brake: Brake
@@ -116,7 +117,7 @@ class CaseAnswer(NamedTuple):
     ----------
     row : results of the case, or the reason of its failure
     lasting : whether a further attempt would give the same row; only then the journal keeps it
-    again : whether the case is tried again, because the reason of its failure may pass
+    again : whether the case is tried again, because a further attempt may succeed
     """
 
     row: Row
@@ -179,9 +180,9 @@ def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> C
 
 
 def _solve_case_and_return_results(case: SweepCase, cache: Cache | None) -> Row:
-    """The results of a case by name; the column CERTIFIED says whose levels state its errors."""
-    # A case with a certificate is solved on the first level, and on all levels if it is of a kind
-    # that the sample has not.
+    """The results of a case by name; CERTIFIED says whether its errors come from a sample."""
+    # A case with a certificate is solved on the first level. If the sample has no case of its kind,
+    # it is solved on all levels.
     if isinstance(case.certify, Certificate):
         brake = _brake_of_case(case)
         by_sample = response_certified_by_sample(
@@ -291,8 +292,8 @@ def solve_all_cases_of_sweep(
 ) -> list[Row]:
     """Solve the cases of a sweep; returns the row of results of each case, in the same order.
 
-    A case that fails for a reason that may pass (no memory, a dead worker) is tried twice more,
-    alone. If it still fails, its row says why, and the journal does not keep this row.
+    A failure because of missing memory or a dead worker may not occur again. Such a case is tried
+    twice more, alone. If it still fails, its row says why, and the journal does not keep this row.
 
     Parameters
     ----------
@@ -316,11 +317,11 @@ def solve_all_cases_of_sweep(
     missing = _positions_of_unsolved_cases(cases, keys, journal)
     finished = len(cases) - len(missing)
     done(finished, len(cases))
-    # Rows of cases whose failure may pass, by the journal key of the case; the journal does not
-    # keep these rows.
+    # `passing` has the rows of cases that failed but may succeed later, by the journal's key of the
+    # case. The journal does not keep these rows.
     passing: dict[str, Row] = {}
-    # The first round solves all missing cases. The later rounds try again the cases that failed for
-    # a reason that may pass.
+    # The first round solves all missing cases. Later rounds try again the cases that failed because
+    # memory was short or a worker died.
     for further in reversed(range(FURTHER_ATTEMPTS + 1)):
         again = []
         if executor is None:
@@ -358,7 +359,7 @@ def _positions_of_unsolved_cases(
     distinct = {json.dumps(keys[i]): i for i in unsolved}
 
     def sort_key_of_case_at_position(i: int) -> tuple[str, str, int]:
-        """The sort key of the case at position i: model, data of the shoes' stiffness, position."""
+        """The key that sorts the case at position i: model, data of the shoes' stiffness, i."""
         return cases[i].model, key_of_cases_with_equal_shoe_stiffness(cases[i]), i
 
     return sorted(distinct.values(), key=sort_key_of_case_at_position)
@@ -418,9 +419,9 @@ def paths_of_mesh_files(brake: Brake, changes: Mapping[str, Any]) -> list[Path]:
 
 
 def key_of_cases_with_equal_shoe_stiffness(case: SweepCase) -> str:
-    """A text that is equal for cases whose shoes have the same stiffness.
+    """A text that is equal only for cases whose shoes have the same stiffness.
 
-    It holds the options of the model, and all changed values except those of
+    It holds the options of the model, and all changed values except the values of the keys in
     KEYS_WITHOUT_EFFECT_ON_STIFFNESS.
     """
     changes_of_bodies = {}
@@ -442,7 +443,7 @@ def _solve_cases_in_this_process(
 
 
 class _ChunkAnswer(NamedTuple):
-    """The answer of a worker to a chunk of cases.
+    """The answer of a worker to a chunk, the cases that it got in one message.
 
     Attributes
     ----------
@@ -461,7 +462,7 @@ _worker_bodies = threading.local()
 
 
 def solve_chunk_of_cases(cases: Sequence[SweepCase]) -> _ChunkAnswer:
-    """Solve a chunk of cases; a worker runs this function."""
+    """Solve the cases that a worker gets in one message; the worker runs this function."""
     if not hasattr(_worker_bodies, "cache"):
         _worker_bodies.cache = Cache()
     start = time.perf_counter()
@@ -502,9 +503,10 @@ def _solve_cases_by_workers(
 
 
 class _ChunkDispatcher:
-    """The distribution of cases to the workers of an executor, in chunks.
+    """The distribution of cases to the workers of an executor.
 
-    Chunks grow until each takes CHUNK_SECONDS. Cases that are tried again are sent one at a time:
+    A worker gets several cases, a chunk, in one message. Chunks grow until each takes
+    CHUNK_SECONDS. Cases that are tried again are sent one at a time:
     if a case kills its worker, no other case is lost.
 
     Parameters
@@ -529,8 +531,8 @@ class _ChunkDispatcher:
         self._waiting = _WaitingCases(cases, missing)
         self._size = 1
         self._max_size = 1 if alone else MAX_CASES_PER_CHUNK
-        # At most two chunks for each worker (one in work, one that waits) and one more are sent at
-        # a time.
+        # Each worker has at most two chunks: one that it solves, and one that waits. One more chunk
+        # may wait for any worker.
         self._max_sent = 1 if alone else 2 * workers + 1
 
     @property
@@ -550,7 +552,7 @@ class _ChunkDispatcher:
     ) -> Iterator[tuple[int, CaseAnswer]]:
         """Yield the position and answer of each case of a chunk that a worker has finished.
 
-        If the worker died, the cases of its chunk count as failed for a reason that may pass.
+        If the worker died, the cases of its chunk count as failed, and are tried again.
         Raises BadInput if the worker runs another version of drumlin or its libraries.
         """
         positions = self.sent.pop(future)
@@ -581,12 +583,12 @@ class _ChunkDispatcher:
 class _WaitingCases:
     """The cases that still wait for a worker, in groups whose shoes have the same stiffness.
 
-    A worker gets a part of one large group, or several small groups, in one chunk.
+    In one message a worker gets a part of a large group, or several small groups.
     """
 
     def __init__(self, cases: Sequence[SweepCase], missing: Sequence[int]) -> None:
         groups = groupby(missing, lambda i: key_of_cases_with_equal_shoe_stiffness(cases[i]))
-        # The groups stand in reverse order, since removing the last item of a list is fast.
+        # The list of groups is reversed: the next group is the last item, which is removed fast.
         self._groups = [list(group) for _, group in groups][::-1]
 
     @property
@@ -600,9 +602,9 @@ class _WaitingCases:
         while self._groups and len(taken) < size:
             group = self._groups.pop()
             room = max(size - len(taken), 1)
-            # If a group is at most twice as large as the rest of the chunk, the whole group is
-            # taken, so that only one worker computes the stiffness of its shoes. Of a larger group
-            # a part is taken.
+            # `room` is the number of cases that are still wanted. A group of up to twice this
+            # number is taken as a whole, so that only one worker computes the stiffness of its
+            # shoes. Of a larger group only a part is taken.
             if len(group) > 2 * room:
                 self._groups.append(group[room:])
                 group = group[:room]

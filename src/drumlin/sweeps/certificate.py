@@ -1,8 +1,9 @@
 """Certificates of a sweep: what the cases of its sample tell about its other cases.
 
-The finite elements state the errors of an answer from the difference of two levels. If a sweep is
-certified by sample, some of its cases are solved on all levels, as they would be without a sample.
-The other cases are solved on the first level only and take their errors from the sample.
+The finite elements solve a case on two or more levels, divisions into finer and finer elements, and
+state its errors from the differences between the levels. If a sweep is certified by sample, some of
+its cases are solved on all levels, as they would be without a sample. The other cases are solved on
+the first level only and take their errors from the sample.
 """
 
 import hashlib
@@ -24,13 +25,14 @@ from drumlin.fem.solve import solve_brake_on_first_level_without_error_estimate
 from drumlin.response.response import Response
 
 CERTIFIED = "certified"
-"""The name of the column that says whose levels state the errors of a case.
+"""The name of the column that says where the stated errors of a case come from.
 
-It is "itself" for the levels of the case, and "sample" for the levels of the sample.
+Its value is "itself" if the case was solved on all levels, and "sample" if its errors were taken
+from the sample.
 """
 
 SMALLEST_SAMPLE = 3
-"""Smallest number of cases whose first levels may certify other cases.
+"""Smallest number of solved cases of a sample whose errors may be used for other cases.
 
 The largest error of fewer cases says little about other cases. The limit is a judgement.
 """
@@ -43,7 +45,10 @@ The table of the sweep does not show it.
 
 
 class SampleMember(NamedTuple):
-    """The mark of a case in the sample: it is solved on all levels and tells about its first."""
+    """The mark of a case in the sample: it is solved on all levels.
+
+    The difference between its first and last level gives the errors of the first level.
+    """
 
     def text_that_identifies_cases_in_journal(self) -> str:
         """The text by which the journal recognises cases with this mark."""
@@ -51,13 +56,13 @@ class SampleMember(NamedTuple):
 
 
 class Certificate(NamedTuple):
-    """What the sample tells about the first level of the cases that are not in the sample.
+    """What the sample tells about the cases that are solved on the first level only.
 
     Attributes
     ----------
-    kinds : kinds of cases in the sample, see `_text_that_identifies_kind_of_case`; without kinds
-    every case is solved
-        on all levels
+    kinds : kinds of cases in the sample, see `_text_that_identifies_kind_of_case`; a case of
+    another
+        kind is solved on all levels
     errors : largest relative errors of the first level in the sample, by the names of QUANTITIES
     """
 
@@ -71,9 +76,10 @@ class Certificate(NamedTuple):
 
 
 def certificate_of_sample(rows: Iterable[Mapping[str, Any]]) -> Certificate:
-    """The certificate that the rows of the solved cases in a sample give.
+    """The certificate of a sample, from the rows of its solved cases.
 
-    It certifies no case if fewer than SMALLEST_SAMPLE rows have errors of a first level.
+    It has no kinds of cases, and so certifies no case, if fewer than SMALLEST_SAMPLE rows have
+    errors of a first level.
     """
     members = [row[FIRST_LEVEL] for row in rows if FIRST_LEVEL in row]
     if len(members) < SMALLEST_SAMPLE:
@@ -147,8 +153,8 @@ def _text_that_identifies_kind_of_case(
 ) -> str:
     """A text that is equal for cases of one kind: same changed words and tables, same contact.
 
-    Changed words are values such as "clockwise". Changed tables are such as a clearance over the
-    angle; unlike numbers they have no extreme values that the sample could contain.
+    A changed word is a value such as "clockwise", and a changed table is, for example, a clearance
+    over the angle. Unlike numbers they have no extreme values that the sample could contain.
     """
     others = {key: value for key, value in changes.items() if not is_varied_value_a_number(value)}
     return json.dumps(

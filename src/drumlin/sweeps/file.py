@@ -221,7 +221,7 @@ def sweep_from_file_data(
     specs: dict[str, _KeySpec] = {}
     for name, given in file.vary.items():
         specs |= _values_of_keys_in_vary_line(brake, name, given, base)
-    # Combine the values of all keys to cases, and check that brakes can have these values.
+    # Form the cases from the values of all keys, and check that the brake can have these values.
     plan = _plan_of_listed_and_drawn_keys(file, specs)
     changes = _new_values_of_each_case(file, specs, plan, len(models))
     _require_brake_that_allows_each_value(brake, file.combine, specs, plan, changes, done)
@@ -641,8 +641,7 @@ def _mean_or_mode_in_si(
     """
     if given is not None:
         return _value_of_sweep_file_as_number_in_si(where, given, unit)
-    # If the shoes have different values in the brake file, no common mean or mode follows from
-    # them.
+    # If the sweep file does not give it, the brake file must have one value for all shoes.
     if len(set(nominal)) > 1 or not isinstance(nominal[0], float):
         raise BadInput(f"{where}: is missing, and the brake file has no single number there")
     return float(nominal[0])
@@ -743,7 +742,8 @@ def _inverse_of_cumulative_truncated_standard_normal(u: Floats, low: float, high
     if low > 0:
         return -_inverse_of_cumulative_truncated_standard_normal(1 - u, -high, -low)
     below, above = log_ndtr(low), log_ndtr(high)
-    # This is log(u (P(high) - P(low))), computed from log P(high) and log P(low).
+    # This is log(u (P(high) - P(low))), computed from log P(high) and log P(low), with the
+    # cumulative standard normal distribution P.
     log_inside = np.log(u) + above + np.log1p(-np.exp(below - above))
     values: Floats = ndtri_exp(np.logaddexp(below, log_inside))
     return values
@@ -828,8 +828,8 @@ class _ListedKey(NamedTuple):
     ----------
     key : the key of the brake file
     values : its listed values
-    firsts : entry i has the new values of all varied keys in the first case with value i of this
-        key; further entries are not used
+    firsts : list whose entry i has the new values of all varied keys in the first case with the
+        value number i of this key; the list may be longer than `values`
     """
 
     key: str
@@ -840,7 +840,7 @@ class _ListedKey(NamedTuple):
 def _check_listed_values_of_key(
     brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], done: Done
 ) -> None:
-    """Raise BadInput for a listed value of a key that no brake can have.
+    """Raise BadInput for a listed value of a key that is not allowed.
 
     A value is allowed if the base brake can have it, or if the brake of the first case with this
     value can have it. If the key allows all numbers of an interval
@@ -867,8 +867,8 @@ def _check_listed_values_of_key(
     try:
         for i in extremes:
             vary(brake, {key: values[i]})
-    # The base brake cannot have an extreme number. Each number may still be allowed together with
-    # new values of other keys.
+    # The base brake cannot have an extreme number. In a case with new values of other keys a number
+    # may still be allowed.
     except BadInput:
         places = list(dict.fromkeys([*extremes, *range(len(values))]))
     for number, i in enumerate(places):

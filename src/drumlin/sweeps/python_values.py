@@ -84,7 +84,7 @@ def _sweep_values_of_key_with_units(brake: Brake, key: str, given: Any) -> Any:
 
 
 def _listed_value_with_unit(brake: Brake, key: str, value: Any, unit: str | None) -> Any:
-    """One value of a key as a sweep file has it; a table or a function becomes rows with units."""
+    """One value of a key as a sweep file has it, with units; tables and functions become rows."""
     if not callable(value) and not (isinstance(value, np.ndarray) and value.ndim):
         return _value_with_unit(value, unit)
     tables = values_of_brake_key(vary(brake, {key: value}), key)

@@ -30,7 +30,7 @@ of all cases.
 """
 
 Written = TypeVar("Written")
-"""The type of what the function returns that writes the table of a sweep."""
+"""The type of the value that the function returns which writes the table of a sweep."""
 
 
 def solve_sweep_in_memory(
@@ -52,7 +52,7 @@ def solve_sweep_in_memory(
     Raises
     ------
     BadInput
-        if `jobs` is out of range, or if other processes would have to know a law of the user
+        if `jobs` is out of range, or is not 1 although a case needs a law of the user
     NoAnswer
         if no worker can be started, or all are lost
     """
@@ -145,7 +145,7 @@ def solve_sweep_with_journal(
                     say=say,
                 )
             written = write_table(solved.rows)
-        # However the sweep is stopped, the message says where the finished cases are.
+        # Each message about a stopped sweep says in which file the finished cases are.
         except NoAnswer as error:
             raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
         except (KeyboardInterrupt, Stopped) as stop:
@@ -168,7 +168,7 @@ def _say_why_journal_stays_or_delete_it(
     say : called with a line on why the journal stays
     """
     keys = list(journal_keys_of_cases(cases))
-    # A case whose failure may pass is not in the journal.
+    # The journal lacks the cases that failed but may succeed in a later attempt.
     lost = sum(key not in journal for key in keys)
     if lost:
         say(

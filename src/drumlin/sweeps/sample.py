@@ -1,10 +1,12 @@
 """The sample of a sweep: the cases that are solved on all levels, and what follows for the others.
 
+A level is a division of the shoes into finite elements; each level is finer than the level before.
 The sample has a case of each N successive cases, drawn at random, and the cases with the smallest
 and the largest value of each varied number. A fixed step of N cases would always take the same
 value of a key that has N values. The first level is often worst at one of the extreme values: on
-eight sweeps of 30 to 45 cases its errors were up to 9.3 times the largest distance of a sample of
-every 10th case without the extreme values, and up to 1.9 times the distance with them.
+eight sweeps of 30 to 45 cases its errors were up to 9.3 times the largest difference between first
+and last level in a sample of every 10th case without the extreme values. With the extreme values
+they were up to 1.9 times this difference.
 """
 
 import random
@@ -35,7 +37,7 @@ EVERY_CASE = "every case"
 """The value of the key `certify` with which each case states its own errors."""
 
 EVERY_NTH = "every [0-9]{1,6}(st|[nr]d|th)"
-"""The pattern of the value of the key `certify` that draws a case of each N, such as N = 10."""
+"""The pattern of values of the key `certify` such as "every 10th": a case of each 10 is drawn."""
 
 OPTIONS_WITH_SAMPLE = {"penalty", "model_error"}
 """Options of the finite elements that a sweep certified by sample may have.
@@ -47,18 +49,20 @@ All other options choose the elements, or correct the answer of the last level.
 def positions_of_sample_cases(
     cases: Sequence[SweepCase], certify: str | int, seed: int
 ) -> tuple[int, ...]:
-    """The positions of the cases in the sample, in growing order; none if each case is certified.
+    """The positions of the cases in the sample, in growing order.
+
+    There are none if each case states its own errors.
 
     Parameters
     ----------
-    cases : all cases of the sweep; those of other models than "fem" are not in the sample
+    cases : all cases of the sweep; cases of other models than "fem" are not in the sample
     certify : "every case", "every 10th" or another number, or the number of cases to draw
     seed : seed of the draw
 
     Raises
     ------
     BadInput
-        if `certify` is none of these, or if the sweep has no errors that a sample could state
+        if `certify` has another value, or if a sample cannot state the errors of the sweep
     """
     if certify == EVERY_CASE:
         return ()
@@ -75,17 +79,17 @@ def positions_of_sample_cases(
 
 
 def _number_of_cases_to_draw(certify: str | int, count: int, shown: str) -> int:
-    """The number of cases to draw of `count` cases; `shown` is the key in an error message."""
+    """How many of `count` cases to draw; `shown` is the key as an error message shows it."""
     allowed = 'allowed: "every case", "every 10th" or another number, or a number of cases'
     drawn = certify
     if isinstance(certify, str):
-        # The pattern allows so few digits, and only those from 0 to 9, that they are a number.
+        # The pattern allows at most six digits from 0 to 9, so that `int` can read them.
         is_step = re.fullmatch(EVERY_NTH, certify) is not None
         step = int("".join(filter(str.isdigit, certify))) if is_step else 0
         if step < 2:
             raise BadInput(f"{shown}: {allowed}")
         drawn = -(-count // step)
-    # A sweep with fewer cases has no sample at all.
+    # A sweep with fewer than SMALLEST_SAMPLE cases cannot have a sample.
     allowed_numbers = f"{SMALLEST_SAMPLE} to {count}" if count >= SMALLEST_SAMPLE else "none"
     if not SMALLEST_SAMPLE <= int(drawn) <= count:
         raise BadInput(
@@ -98,9 +102,10 @@ def _number_of_cases_to_draw(certify: str | int, count: int, shown: str) -> int:
 def _require_levels_that_sample_can_certify(
     cases: Sequence[SweepCase], own: Sequence[int], shown: str
 ) -> None:
-    """Raise BadInput if the cases have no first level, or must be solved on more levels.
+    """Raise BadInput if a sample cannot state the errors of the cases by finite elements.
 
-    `own` are the positions of the cases by finite elements, `shown` is the key in the message.
+    It cannot for a mesh from a file and for other options than OPTIONS_WITH_SAMPLE. `own` are the
+    positions of the cases by finite elements, and `shown` is the key in the error message.
     """
     if not own:
         raise BadInput(f"{shown}: is for [model.fem], which this sweep does not have")
@@ -114,7 +119,11 @@ def _require_levels_that_sample_can_certify(
 
 
 def _positions_of_extreme_values(cases: Sequence[SweepCase], own: Sequence[int]) -> set[int]:
-    """The first positions with the smallest and with the largest value of each varied number."""
+    """The positions of the cases with the smallest and the largest value of each varied number.
+
+    Of several cases with this value the first one counts. Only the cases at the positions `own`,
+    the cases by finite elements, are looked at.
+    """
     found = set()
     for key in cases[own[0]].changes:
         values: list[tuple[Any, int]] = []
@@ -129,7 +138,10 @@ def _positions_of_extreme_values(cases: Sequence[SweepCase], own: Sequence[int])
 
 
 class SolvedSweep(NamedTuple):
-    """The rows of results of a sweep, and its cases with the certificates that they were given."""
+    """A solved sweep: the row of results of each case, and the cases as they were solved.
+
+    The attribute `certify` of a case tells whether its errors come from the sample.
+    """
 
     rows: list[Row]
     cases: list[SweepCase]
@@ -144,7 +156,7 @@ def solve_sample_cases_and_then_all_others(
     say: Callable[[str], None] = lambda line: None,
     **options: Any,
 ) -> SolvedSweep:
-    """Solve the cases of a sweep, first those of the sample and then the others.
+    """Solve the cases of a sweep, first the cases of the sample and then all other cases.
 
     Returns the rows of results and the cases, both in the order of `cases`. Without a sample all
     cases are solved at once.
@@ -192,7 +204,7 @@ def solve_sample_cases_and_then_all_others(
 def _reason_why_sample_must_not_certify_cases(
     cases: Sequence[SweepCase], sample: Sequence[int], rows_of_sample: Sequence[Row]
 ) -> str:
-    """Why a solved sample must not certify other cases; "" if it may.
+    """Why other cases must not take their errors from a solved sample; "" if they may.
 
     Without the errors of a case with an extreme value, or of enough cases, the largest error of
     the sample may be too small for the other cases.

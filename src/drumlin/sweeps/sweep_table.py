@@ -18,7 +18,7 @@ from drumlin.sweeps.cases import Row
 from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
 
 SHOWN_UNITS = {"Pa": ("MPa", 1e-6), "rad": ("deg", 180 / math.pi), "m": ("mm", 1e3)}
-"""For each SI unit that people do not read, the unit that is shown, and its factor."""
+"""For some SI units, the unit that is shown in their place, and the factor that converts to it."""
 
 MOST_SHOWN_ROWS = 10
 """Number of cases that are shown of a table. All of them would fill the screen."""
@@ -28,7 +28,7 @@ MOST_SHOWN_REASONS = 3
 
 
 class Statistics(NamedTuple):
-    """Statistics of one column of a sweep's table, over the solved cases that have a number there.
+    """Statistics of one column of a sweep's table, over the solved cases with a number in it.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Statistics(NamedTuple):
     def texts(self) -> tuple[str, ...]:
         """The cells of a row of the shown table; stresses in MPa, angles in degrees, lengths in mm.
 
-        The order is that of STATISTICS_HEADINGS, without the column of the model.
+        The cells have the order of STATISTICS_HEADINGS. The name of the model is not among them.
         """
         shown = ShownColumn.column_with_heading(self.column)
         return (shown.heading, *(shown.text(value, 4) for value in self[3:]))
@@ -86,7 +86,7 @@ class ShownColumn(NamedTuple):
         return cls(f"{words} [{shown}]" if shown else words, factor)
 
     def text(self, value: Any, digits: int) -> str:
-        """A value of the column as text; numbers have so many significant digits."""
+        """A value of the column as text; numbers have `digits` significant digits."""
         if value is None or (isinstance(value, float) and math.isnan(value)):
             return "–"
         # Adding 0.0 turns a negative zero into a zero without sign.
@@ -219,7 +219,7 @@ class SweepTable(Sequence[Row]):
         return [row for row in self.rows if row["model"] == model and row["status"] == "solved"]
 
     def _headings_of_main_results(self) -> list[str]:
-        """The headings of the results of which statistics are shown."""
+        """The headings of the columns whose statistics are shown."""
         main = {"torque", "braking_force", "brake_factor", "peak_pressure"}
         found = []
         for heading in self.headings:
@@ -274,7 +274,7 @@ class SweepTable(Sequence[Row]):
         return pandas.DataFrame(self.rows, columns=self.headings)
 
     def plot(self, x: str, y: str = "", axes: Any = None) -> Any:
-        """Draw the column `y` over the column `x` for each model, with a point a solved case.
+        """Draw column `y` over column `x`: for each model, a point for each solved case.
 
         Parameters
         ----------
@@ -327,7 +327,7 @@ class SweepTable(Sequence[Row]):
             cells = {}
             for heading in headings:
                 cells[heading] = _value_unless_result_of_unsolved_case(row, heading, given)
-            # The reasons of failures are shown above the table.
+            # The cell says only that a case failed. The reasons are printed above the table.
             cells["status"] = str(row["status"]).partition(":")[0]
             rows.append(tuple(column.text(cells[key], 6) for key, column in columns.items()))
         return rows
@@ -384,7 +384,7 @@ def function_that_prints_progress() -> Callable[[int, int], None]:
     shown = [""]
 
     def print_progress(finished: int, of: int) -> None:
-        """Print the number of finished cases, of all cases, if the percentage has changed."""
+        """Print how many of all cases are finished, if the percentage has changed."""
         share = f"{100 * finished // max(of, 1)} %"
         if share != shown[0]:
             shown[0] = share

@@ -188,7 +188,7 @@ class _ProcessPool(Executor):
             outcome = process.call_function_in_process(work)
         except Exception as error:
             process.kill()
-            # Without a process, this thread starts a new one for its next work.
+            # The process is lost: this thread starts a new process for its next work.
             self._of_thread.process = None
             raise BrokenExecutor(f"its process died ({type(error).__name__})") from error
         if not outcome.returned:
@@ -207,7 +207,7 @@ class _ProcessPool(Executor):
                 self._all.append(process)
                 process.call_function_in_process((os.getpid, (), {}), ANSWER_SECONDS)
                 return process
-            # A process that does not answer in time raises TimeoutError, which is an OSError.
+            # If the process does not answer in time, TimeoutError is raised, which is an OSError.
             except (EOFError, OSError, MemoryError, RuntimeError) as error:
                 reason = " ".join(f"{type(error).__name__}: {error}".split())
         raise NoAnswer(
@@ -497,7 +497,8 @@ class _DaskPool(Executor):
         while not self._end.wait(min(1.0, ANSWER_SECONDS / 4)):
             try:
                 workers = _workers_of_dask_scheduler(self._client, self._address)
-                # A worker is alive if the time at which the scheduler last heard of it has changed.
+                # A worker is alive if it has sent the scheduler a sign of life since the last
+                # question.
                 seen = {name: worker.get("last_seen") for name, worker in workers.items()}
                 if any(last_seen.get(name) != moment for name, moment in seen.items()):
                     last_sign = time.monotonic()
