@@ -154,7 +154,8 @@ class _ElementNodes(NamedTuple):
     ----------
     dofs : nodes (a, m) of the elements
     slopes : gradients (a, 2, m, a) [1/m] of the shape functions at the nodes
-    corners : node numbers (k, c), within an element, of the corners of the c cells that draw it
+    corners : node numbers (k, c), within an element, of the k corners of each of the c cells by
+        which the element is drawn
     """
 
     dofs: Ints
@@ -283,7 +284,7 @@ def nodal_displacements_of_shoe(
         load = load + load_column_factors_of_one_sided_support_push(
             body, shoe, support.push, brake.size
         )
-    # These forces (2n,) [N] of pressure and friction act on the contact nodes.
+    # The pressures and friction stresses give the nodal forces (2n,) [N] on the contact nodes.
     dragging = _friction_stress_over_friction_coefficient_of_lining(brake, shoe, answer, p)
     nodal = (
         brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)

@@ -1,10 +1,10 @@
 """The motion of a shoe's nodes as a hinge, pivot, abutment or actuation point of the shoe moves.
 
 A straight beam runs from the hinge to the actuation point. As either point moves, the beam turns.
-The lining keeps its place, and the block between beam and lining changes its shape. If the pivot of
-an arc moves, the ends of the gripped part of its back move, and with them the ends of elements. A
-mesh file in the shoe's own coordinates moves and turns with the support. The nodes of all other
-bodies keep their places.
+The lining keeps its place, and the block between beam and lining changes its shape. The pivot of an
+arc holds a part of the arc's back. If the pivot moves, the ends of this part move, and with them
+the ends of elements. A mesh file in the shoe's own coordinates moves and turns with the support.
+The nodes of all other bodies keep their places.
 """
 
 from collections.abc import Iterator
@@ -34,8 +34,8 @@ LARGEST_NODE_MOTION = 1e3
 """Ratio of a node's motion to the motion of a shoe's point above which the mesh counts as changed.
 
 Motions of the point move the nodes by similar distances. If the shoe with the moved point has one
-more element or layer, or if another element ends at the end of the gripped back, then nodes of the
-same number lie far apart, and their difference is no motion.
+more element or layer, or if another element ends where the held part of its back ends, then nodes
+of the same number lie far apart, and their difference is no motion.
 """
 LARGEST_UNMOVED_MOTION = 1e-6
 """Ratio of a contact node's motion to the motion of a shoe's point below which it counts as zero.
@@ -164,7 +164,7 @@ def _node_motion_by_central_difference(
 def _node_motion_that_only_turns_beam_axis(
     body: ShoeSubstructure, shoe: Shoe, key: str, direction: Floats
 ) -> NodeMotion:
-    """The `NodeMotion` of a straight beam on a mesh that stays, as an end of the beam's axis moves.
+    """The `NodeMotion` of a straight beam whose mesh stays as an end of the beam's axis moves.
 
     No node moves, but the directions of orthotropic layers turn with the axis.
     """

@@ -316,7 +316,7 @@ def _layer_directions_at_quadrature_points(
 
 
 def _mesh_of_finite_element_basis(basis: Any) -> Any:
-    """The mesh of a basis, which has the subdomains. A grid of hp elements is its own mesh."""
+    """The mesh of a basis, which names the subdomains. A grid of hp elements is its own mesh."""
     return basis if isinstance(basis, ColumnGrid) else basis.mesh
 
 

@@ -517,8 +517,8 @@ class _TorqueSlopesOfShoe:
         xy = shoe.convert_points_to_brake_frame(self.body.line.xy)
         on_gaps = own.gap_multipliers @ N
         by_drum = self.drag * (own.pressures @ T) - own.pressures @ N
-        # `of_gaps` is the resultant of the adjoint contact forces, `of_drum` of the forces of the
-        # drum, and `push` of the actuation force.
+        # The resultants are `of_gaps` for the adjoint contact forces, `of_drum` for the drum's
+        # forces on the lining, and `push` for the actuation force.
         of_gaps = resultant_force_and_moment(
             shoe.frame.convert_vectors_to_brake_frame(on_gaps.reshape(-1, 2)), xy.T
         )
@@ -590,8 +590,8 @@ class _TorqueSlopesOfShoe:
         group, brake = self.group, self.group.brake
         modes, nodes = group.rigid_body_modes_of_shoes[k], self.body.line.nodes
         contact = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
-        # By the penalty the lining penetrates the drum by the pressure divided by the contact
-        # stiffness.
+        # With the penalty method the lining penetrates the drum. The depth is the pressure divided
+        # by the contact stiffness.
         squeezed = own.pressures / group.contact_stiffness_per_area_of_shoes[k]
         turns = modes.pin_motion[2]
         u = (
@@ -623,7 +623,9 @@ class _TorqueSlopesOfShoe:
         return value
 
     def _adjoint_work_of_gaps_due_to_ring(self, line: ContactLine) -> float:
-        """The weighted gaps by the ring's motion times their adjoint, on a moved contact line.
+        """The adjoint work of the gaps that the ring's motion opens, on a moved contact line.
+
+        It is the sum of the weighted gaps times their adjoint multipliers.
 
         The value [N m] is 0 for a rigid drum.
         """

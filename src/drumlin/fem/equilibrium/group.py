@@ -228,7 +228,7 @@ class ShoeGroup(GroupProblems):
     def _solve_contact_with_confirmed_abutment_friction(
         self, first_contact_set: Bools | None = None
     ) -> SolvedGroup:
-        """Solve the contact with those directions of friction at the abutments that it confirms.
+        """Solve the contact, with directions of abutment friction that agree with its solution.
 
         Each choice of directions, and of bearing one-sided supports, is tried. If the solution
         agrees with no choice, the error of the first trial is raised.
@@ -428,7 +428,8 @@ class ShoeGroup(GroupProblems):
             if found is not None:
                 return friction, _followed_solution_of_settled_group(found)
             friction += FRICTION_STEP * max(1.0, friction)
-        # No friction has a solution. The next line raises an error with the reason at friction 0.
+        # The group has no solution at any friction. The next line raises an error with the reason
+        # at friction 0.
         found = self.copy_of_group_with_other_drum_friction(
             0.0
         )._solve_contact_with_confirmed_abutment_friction()
@@ -453,7 +454,7 @@ class ShoeGroup(GroupProblems):
         return not self._error_text_if_actuation_force_pulls(forces)
 
     def is_contact_solution_physically_possible(self, contact: active_set.Contact) -> bool:
-        """Whether a solution agrees with supports, struts and cam, with small turns of shoes."""
+        """Whether supports, struts and cam can exert the forces of a solution, with small turns."""
         if not (
             self.does_contact_confirm_support_assumptions(contact)
             and self._do_struts_and_cam_push(contact)
@@ -608,7 +609,8 @@ def _bisect_friction_at_which_supports_change(
     low : friction coefficient with a solution
     high : friction coefficient from which on there may be none
     """
-    # If no friction above 0 holds the choice, the search ends at a friction that is 0 in effect.
+    # If the present choice of directions and supports fails at every friction above 0, the search
+    # ends at a friction that is practically 0.
     while high - low > self_locking.POLE_DISTANCE * max(high, self_locking.FRICTION_RESOLUTION):
         middle = 0.5 * (low + high)
         after = at.solution_continued_with_present_supports_or_none(middle)

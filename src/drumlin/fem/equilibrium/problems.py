@@ -228,7 +228,8 @@ class GroupProblems(GroupState):
         body = self.substructures_of_shoes[k]
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
         travel = -(load @ body.closure_by_load.T)
-        # A model that was prepared without friction has no displacements of loads by friction.
+        # A model that was prepared without friction does not know how friction moves the points of
+        # loads.
         if body.load_motion_by_friction is not None:
             travel = travel + drag * (load @ body.load_motion_by_friction)
         return np.asarray(travel)

@@ -224,7 +224,8 @@ def _contact_problem_with_cam_travel_as_unknown(
     of_coordinates = np.eye(k)
     by_pressure = np.zeros((k, n))
     of_loads = np.zeros(k)
-    # These are the changes of the generalised coordinates per travel of the points of actuation.
+    # `per_travel` is the change of each generalised coordinate per travel of the points of
+    # actuation.
     per_travel = np.zeros(k)
     mains = []
     for i in cam_shoes:
@@ -240,7 +241,8 @@ def _contact_problem_with_cam_travel_as_unknown(
         )
         elastic = shoe.tip_travel_by_force * forces.without_pressure[i]
         of_loads[main] = -(elastic + shoe.tip_travel_by_further_loads) / size
-        # The entry of the main mode itself becomes zero.
+        # This also makes the entry of the main mode itself zero, since its coordinate is no
+        # unknown.
         of_coordinates[main, shoe.modes] -= shoe.tip_travel_by_modes / size
         per_travel[main] = 1 / size
     # The travel of the cam replaces the coordinates of the main modes, and is the first unknown.
