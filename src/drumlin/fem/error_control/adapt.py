@@ -42,12 +42,11 @@ from drumlin.response.resultants import (
 )
 
 PEAK_NEAR_END = 0.5
-"""Pressure p in the hp element at a lining's end, relative to the peak, that makes the peak
-unknown.
+"""Fraction of the peak pressure that p may reach in the hp element at a lining's end.
 
-If the largest p in this element exceeds this fraction of the peak, the peak pressure counts as
-unknown: p grows without bound at the lining's end, and on finer elements the largest pressure would
-lie there. The value is a judgement.
+If the largest p in this element exceeds this fraction of the peak, the peak pressure is stated as
+unknown. The exact p grows without bound at the lining's end, and on finer elements the largest
+pressure would lie there. The value is a judgement.
 """
 
 
@@ -332,7 +331,8 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
     lie there.
     """
     theta, p, order = answer.theta, answer.pressure, answer.order
-    # The heights are the largest pressures in the elements at pressed ends, relative to the peak.
+    # `heights` are the largest pressures in the elements at pressed ends of linings, relative to
+    # the peak pressure of the shoe.
     heights = []
     for end, element in _elements_at_ends_of_linings(answer):
         if p[end] > 0:
@@ -392,7 +392,8 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
     for tip, slope in clearance.gap_kinks_that_point_to_drum(shoe.lining):
         if not any(start + zone < tip < end - zone for start, end in shoe.lining.arcs):
             continue
-        # `around` are the nodes of the two elements that meet nearest to the tip.
+        # `around` selects the nodes of the two neighbouring elements whose common end is nearest to
+        # the tip.
         nearest = int(np.abs(theta[::order] - tip).argmin()) * order
         around = slice(max(nearest - order, 0), nearest + order + 1)
         width = scale_factor * float(theta[around][-1] - theta[around][0])

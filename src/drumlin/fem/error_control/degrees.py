@@ -84,7 +84,7 @@ FORMER_SHARE = 0.04
 
 The last difference, between the last two levels, may be small by accident. A larger fraction makes
 stated errors larger. With 0.02 the error of p was stated 8 % too small on a uniform mesh of ten
-elements along the lining; no other mesh needed a larger one.
+elements along the lining; no other mesh needed a larger fraction than 0.02.
 """
 OUTLINE_FACTORS = Factors(pressure=1.3, force=1.3, cancelled=0.1, peak=1.3)
 """Error that straight sides on curved outlines cause, divided by the change of the result when arcs

@@ -83,7 +83,7 @@ The arguments of the function are the shoe and the drum's radius [m].
 MOST_RAISED_NODES = 150_000
 """Largest number of nodes of a shoe whose mesh gets elements of a higher degree than in the file.
 
-A solve with this number takes a minute. A degree that needs more nodes is refused.
+A solve with this number of nodes takes a minute. A degree that needs more nodes is refused.
 """
 
 
