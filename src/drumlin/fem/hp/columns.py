@@ -88,8 +88,8 @@ def numbering_of_element_column_unknowns(
         places = [left, right][:sides]
         if k == 0 and contact:
             places += _contact_unknowns_of_element_column(p, line, far, sides)
-        # The inner nodes of this element's first and last edge are eliminated. Those on the contact
-        # are kept, and those on a fixed edge have no unknowns.
+        # The inner nodes of this element's first and last edge are eliminated. But inner nodes on
+        # the contact are kept, and nodes on a fixed edge have no unknowns.
         first_edge = (k == 0 and contact) * edge
         last_edge = (2 - (k + 1 == layers and held)) * edge
         above = (k - contact) * edge
@@ -317,7 +317,7 @@ def eliminate_nodes_on_column_side(
 def rotate_node_axes_of_matrix(K: Floats, angle: Floats) -> Floats:
     """The matrix K (n, n) with the x and y of each node measured in turned axes.
 
-    `angle` (n/2,) [rad] has the angle by which the axes of each node are turned.
+    `angle` (n/2,) [rad] is the angle by which the axes of each of the n/2 nodes are turned.
     """
     return rotate_node_axes_of_vectors(rotate_node_axes_of_vectors(K, angle).T, angle)
 

@@ -133,7 +133,7 @@ class Level:
     degree : degree of the hp elements
     zone : size of the layer of elements at the lining's face, relative to EDGE_ZONE, or to the
         lining's thickness or the contact's length if these are less. Columns at the lining's ends
-        are as small as `zone` times EDGE_ZONE where `edge` gives more.
+        are no wider than `zone` times EDGE_ZONE, even if `edge` gives a larger size.
     edge : size of the columns at the lining's ends, relative to the lining's thickness or to half
         its length, whichever is less. At an end that a contact reaches, the size is relative to
         half the contact's length.
@@ -272,7 +272,7 @@ def element_sizes_growing_from_both_ends(
 
     Parameters
     ----------
-    length : length to be filled
+    length : length that the pieces fill
     left, right : sizes of the first and of the last piece
     ratio : size of a piece relative to the next one, counted from the left end, below 1
     largest : upper limit of the size of the equal pieces in the middle
@@ -452,8 +452,9 @@ def _divide_one_lining_into_element_columns(
     corner_sizes = _element_column_sizes_at_corners(contact, exponents)
     end_sizes = _element_column_sizes_at_lining_ends(level, contact, corner_sizes)
     grading_points = _grading_points_along_lining(shoe, radius, level, own, contact, end_sizes)
-    # At a point with unbounded pressure the layer of elements at the lining's face is as thick as
-    # the columns are wide.
+    # At points with unbounded pressure the columns are as narrow as `tip_sizes` and `corner_sizes`
+    # say. The layer of elements at the lining's face is then as thick as the narrowest column is
+    # wide.
     tip_sizes = _element_column_sizes_at_pointed_gap_kinks(level, contact, own)
     return _LiningDivision(
         contact=contact,
@@ -465,7 +466,7 @@ def _divide_one_lining_into_element_columns(
 
 
 def _is_lining_on_arc_nearest_to_position(shoe: Shoe, arc: tuple[float, float], phi: float) -> bool:
-    """Whether no other lining of the shoe is nearer to the position phi [rad] than that on `arc`.
+    """Whether the lining on `arc` is the shoe's nearest lining to the position phi [rad].
 
     `arc` (start, end) are positions [rad].
     """
@@ -701,8 +702,8 @@ def _grading_points_along_lining(
     grip = shoe.interval_of_body_back_held_by_support(radius)
     if grip is None:
         return grading_points
-    # The ends of the grip are grading points, and replace other grading points that are too near to
-    # them.
+    # The ends of the grip, which is the part of the back that the support holds, are grading
+    # points. They replace other grading points that are too near to them.
     grip_size = _element_column_size_at_ends_of_grip(shoe, radius, level)
     kept = []
     for candidate in grading_points[1:-1]:

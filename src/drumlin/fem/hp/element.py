@@ -493,7 +493,8 @@ def displacements_of_inner_element_nodes(
     inner_count = 2 * xy.shape[2] - 8 * p
     found = np.empty((len(xy), inner_count, u.shape[2]))
     for part, _, coupling, inner in _stiffness_blocks_of_element_batches(xy, elasticity, p, along):
-        # Equilibrium of the inner nodes: inner stiffness times inner displacements = -`right`.
+        # The inner nodes are in equilibrium if the inner stiffness times their displacements is
+        # -`right`.
         right = coupling @ u[part]
         if inner_forces is not None:
             right -= inner_forces[part]
