@@ -941,7 +941,7 @@ def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
 def _pressure_errors_due_to_penalty_and_round_off(
     group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]
 ) -> Floats:
-    """The first-order change (2, n) [Pa] of all pressures: by the penalty, and by round-off.
+    """The first-order change (2, n) of all pressures: by the penalty, and by round-off.
 
     The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), so that the slope at x
     times x would be too small by the factor 1 + x. The change is multiplied by this factor. The
@@ -951,7 +951,7 @@ def _pressure_errors_due_to_penalty_and_round_off(
     Parameters
     ----------
     group : the group of shoes, with known directions of friction at its abutments
-    contact : contact of the group under a unit force
+    contact : contact of the group per newton of its largest force; the changes have the same scale
     coordinates : (k_i,) generalised coordinates of each shoe
     """
     opened, strayed = [], []

@@ -219,7 +219,7 @@ def stress_and_displacement_fields_of_ring(
 def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> list[Floats]:
     """The pressures (n_i,) [Pa] at the lining nodes of each shoe.
 
-    The nodes are in the order of the shoe's own frame.
+    The nodes are in the order of their angle in the shoe's own frame.
     """
     pairs = zip(brake.shoes, response.shoes, strict=True)
     return [answer.nodal_pressures_on_linings[:: shoe.frame.sense] for shoe, answer in pairs]
@@ -231,7 +231,7 @@ def friction_stress_over_friction_coefficient_of_each_lining(
     """For each shoe the friction stress (n_i,) [Pa] divided by the shoe's friction coefficient.
 
     It equals the pressure, unless friction depends on the pressure. The nodes are in the order of
-    the shoe's own frame.
+    their angle in the shoe's own frame.
     """
     pressures = nodal_contact_pressures_of_each_lining(brake, response)
     found = []

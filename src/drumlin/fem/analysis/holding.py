@@ -389,9 +389,9 @@ def _increase_actuation_force_at_rest(
     """Increase the actuation force to its full value while the drum rests.
 
     Without gaps all quantities are proportional to the force, and one increment is exact. With gaps
-    the force after the increments 1, 2, 3 ... is proportional to their cubes, because the contact
-    changes most under a small force. Under a very small force only one or two nodes are in contact,
-    and an increment may not converge. It is then joined with the next one.
+    the force after increment number i is proportional to i^3, because the contact changes most
+    under a small force. Under a very small force only one or two nodes are in contact, and an
+    increment may not converge. It is then joined with the next one.
 
     Parameters
     ----------

@@ -497,8 +497,9 @@ class _TorqueSlopesOfShoe:
     def _can_torque_slope_by_point_be_computed(self, key: str) -> bool:
         """Whether the derivative of the torque by the point `key` of the shoe can be computed.
 
-        It cannot if nodes of the body move with the point and the shoe is solid, or springs, weight
-        or further forces act on moved nodes. A pivot moves no nodes on which such loads act.
+        It cannot if nodes of the body move with the point and, besides, the shoe is solid or
+        springs, weight or further forces act on the moved nodes. A pivot moves no nodes on which
+        such loads act.
         """
         loads_move = self.shoe.has_loads_besides_actuation and key != "pivot"
         return not (
@@ -706,7 +707,8 @@ class _TorqueSlopesOfShoe:
         slope = self.torque_slope_by_actuation_line_of_action(
             turned, float(planar_cross_product(point, turned))
         )
-        # If the foot of this shoe pushes another strut, this strut pushes the next shoe.
+        # If the foot of this shoe pushes another strut, the force of that strut on the next shoe
+        # changes too.
         for to in self._indices_of_shoes_pushed_by_struts():
             slope -= (
                 self.adjoint.shoes[to].force_multiplier
@@ -737,7 +739,7 @@ def _add_torque_slopes_by_strut_line_of_action(
     effects["abutment.direction"] = effects["abutment.direction"] + by_direction
 
 
-# Text for people
+# The following functions write the sensitivities as text for people.
 
 
 def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:

@@ -119,7 +119,7 @@ def recover_stresses_in_half_of_each_solid_shoe(
 def _recover_stresses_in_half_of_solid_shoe(
     body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse
 ) -> SolidFields:
-    """The fields in half of a shoe.
+    """The displacements and stresses in half of a shoe (z >= 0).
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def displacement_unknowns_of_solid_shoe(body: ShoeSubstructure) -> WidthUnknowns
 def _width_functions_at_sample_points_of_each_piece(
     functions: WidthFunctions, half: float
 ) -> Iterator[_Piece]:
-    """Yield the samples across each piece of the half width of a part."""
+    """Yield the sample points, with the width functions, of each piece of a part's half width."""
     ends = functions.breaks[: functions.number_of_width_pieces_in_part(half) + 1]
     if len(ends) == 1 or functions.degree == 0:
         ends = (0.0, half)

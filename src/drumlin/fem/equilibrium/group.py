@@ -454,7 +454,11 @@ class ShoeGroup(GroupProblems):
         return not self._error_text_if_actuation_force_pulls(forces)
 
     def is_contact_solution_physically_possible(self, contact: active_set.Contact) -> bool:
-        """Whether supports, struts and cam can exert the forces of a solution, with small turns."""
+        """Whether a solution is possible: for supports, struts and cam, and by small turns.
+
+        Supports, struts and the cam must be able to exert the computed forces. No shoe may turn
+        farther than is allowed for small displacements.
+        """
         if not (
             self.does_contact_confirm_support_assumptions(contact)
             and self._do_struts_and_cam_push(contact)

@@ -112,8 +112,8 @@ def _contact_whose_friction_fits_its_pressures(
     (n,) are the friction coefficients at which the iteration begins.
     """
     group = settled.group
-    # With the coefficient 1 at every node, the part of the problem that is linear in friction shows
-    # the effect of friction at each node.
+    # The problem of `unit` has the friction coefficient 1 at every node. Its terms with friction
+    # can then be scaled by the coefficient of each node.
     unit = replace(group, friction_at_nodes=np.ones(len(start)))
     try:
         return solve_contact_with_pressure_dependent_friction(

@@ -133,11 +133,11 @@ class GroupProblems(GroupState):
 
     @cached_property
     def strut_and_cam_force_problem(self) -> ForceSharing | None:
-        """The strut and cam forces, and the contact problem with them; None if there are none."""
+        """The contact problem with strut and cam forces; None without struts and a cam."""
         return self._strut_and_cam_force_problem_at_friction(self.brake.friction)
 
     def _strut_and_cam_force_problem_at_friction(self, friction: float) -> ForceSharing | None:
-        """The strut and cam forces, and the contact problem with them; None if there are none.
+        """The contact problem with strut and cam forces; None without struts and a cam.
 
         All matrices hold at the friction coefficient `friction` of the brake.
         """

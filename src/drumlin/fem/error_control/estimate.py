@@ -71,7 +71,7 @@ class Factors(NamedTuple):
     peak: float
 
     def safety_factors_of_level_differences(self, shoes: int) -> Floats:
-        """The factors (1 + 4 shoes,) of the differences, in the order of `LevelDifferences`."""
+        """The factors (1 + 4 shoes,) that turn the `steps` of `LevelDifferences` into errors."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 

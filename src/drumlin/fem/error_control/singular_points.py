@@ -253,7 +253,8 @@ def _singular_points_at_kinks_of_friction(
     kinks = _angles_of_strongest_gap_or_friction_kinks(
         angle, change * spacing**1.5 / math.sqrt(120), NEGLIGIBLE_KINKS * level_error * norm
     )
-    # The elements are graded as at a step between blocks whose length is the lining's thickness.
+    # The elements at such a point get the sizes of elements at a step between blocks. The thickness
+    # of the lining takes the place of the step's length.
     length = shoe.lining.thickness / scale_factor / shoe.frame.unit
     (start, end), points = shoe.arc, []
     for phi in shoe.frame.phi_coordinates_as_list(kinks):

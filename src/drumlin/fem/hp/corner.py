@@ -160,8 +160,9 @@ def pressure_exponent_at_orthotropic_corner(
 
     Parameters
     ----------
-    inward_friction : float Friction coefficient [1], positive where the friction drags the lining's
-        face away from the corner, into the lining.
+    inward_friction : float
+        Friction coefficient [1], positive where the friction drags the lining's face away from the
+        corner, into the lining.
     material : AnyMaterial
         Material of the lining.
     drum : AnyMaterial | None
@@ -488,8 +489,9 @@ def nodes_and_pressures_with_power_law_at_corner(
         The end of the lining at which the corner lies, and the exponent a of p, above -1.
     reach : float
         Distance [rad] from the corner up to which pieces are replaced.
-    unit : float Change of the surface's coordinate theta (on a plane x) per radian of the shoe's
-        angle phi, see `ShoeFrame`.
+    unit : float
+        Change of the surface's coordinate theta (on a plane x) per radian of the shoe's angle phi,
+        see `ShoeFrame`.
     """
     sign = 1 if corner.at_start else -1
     at_corner = float(theta[0 if corner.at_start else -1])

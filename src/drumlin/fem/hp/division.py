@@ -362,8 +362,8 @@ def divide_shoe_into_hp_elements(
 ) -> ShoeDivision:
     """The division of a shoe into columns and layers of hp elements.
 
-    If the contact does not reach an end of the lining, the elements at this end are as small as the
-    elements at the ends of the other layers. Far from a short contact all of them are larger, see
+    If the contact does not reach an end of the lining, the elements at this end get the size of
+    elements at interfaces between layers. Far from a short contact both are larger, see
     `relative_element_size_far_from_contact`.
 
     Parameters
