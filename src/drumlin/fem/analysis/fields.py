@@ -427,7 +427,8 @@ def meshio_mesh_with_fields_of_all_shoes(parts: Sequence[Any]) -> meshio.Mesh:
         numbers.append(part.part)
         shoes.append(np.full(len(part.cells), i))
         first += len(part.points)
-    # `Fields` and `SolidFields` have different stress attributes, and only `Fields` has the push.
+    # `Fields` and `SolidFields` have different stress attributes, and only `Fields` has the
+    # attribute `push`.
     nodal = {}
     for head, name in FIELD_OF_VTU_NAME.items():
         if hasattr(parts[0], name):

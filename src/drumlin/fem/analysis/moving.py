@@ -140,7 +140,8 @@ def _node_motion_by_central_difference(
         there = _shoe_nodes_and_nodal_forces_in_brake_frame(
             scene, i, _shoe_with_moved_point(shoe, key, step * direction)
         )
-        # If a step changes the division into elements, its difference cannot be used.
+        # If the motion of the point by `step` changes the division into elements, the difference of
+        # the node positions is no motion and is left out.
         same_division = there.xy.shape == here.xy.shape
         if same_division and np.abs(there.xy - here.xy).max() < LARGEST_NODE_MOTION * h:
             places.append((there.xy - here.xy) / step)

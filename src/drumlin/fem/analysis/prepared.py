@@ -45,7 +45,7 @@ def prepared_model_for_analysis(
     ------
     BadInput
         for an unknown model, for a model that does not apply to the brake, for `elements` or `kind`
-        together with "solid", and for a number of elements that applies to no part of the brake
+        together with "solid", and for a number or kind of elements without effect on the brake
     NoAnswer
         for a singular stiffness, and for a contact face with too many nodes
     """

@@ -296,7 +296,7 @@ def _pressure_at_sample_points_of_lining(face: WidthFace, p: Floats, lining: _Pa
     """
     levels, level = np.unique(lining.z, return_inverse=True)
     on_face = face.pressure_at_distances_from_mid_plane(p, levels)
-    # Nodes of the cross-section are numbered from the contact line on.
+    # The nodes on the contact line have the first numbers among the nodes of the cross-section.
     touching = lining.nodes < len(on_face)
     found = np.zeros(len(lining.z))
     found[touching] = on_face[lining.nodes[touching], level[touching]]

@@ -230,8 +230,8 @@ class ShoeGroup(GroupProblems):
     ) -> SolvedGroup:
         """Solve the contact, with directions of abutment friction that agree with its solution.
 
-        Each choice of directions, and of bearing one-sided supports, is tried. If the solution
-        agrees with no choice, the error of the first trial is raised.
+        Each choice of directions, and of bearing one-sided supports, is tried. If no choice agrees
+        with its own solution, the error of the first trial is raised.
         """
         failure = NoAnswer(
             f"{self.names_of_shoes_as_text}: {self._error_text_that_shoes_are_not_held}"
@@ -454,7 +454,7 @@ class ShoeGroup(GroupProblems):
         return not self._error_text_if_actuation_force_pulls(forces)
 
     def is_contact_solution_physically_possible(self, contact: active_set.Contact) -> bool:
-        """Whether a solution is possible: for supports, struts and cam, and by small turns.
+        """Whether supports, struts, the cam and the turns of the shoes allow a contact solution.
 
         Supports, struts and the cam must be able to exert the computed forces. No shoe may turn
         farther than is allowed for small displacements.

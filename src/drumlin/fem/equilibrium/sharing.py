@@ -241,8 +241,8 @@ def _contact_problem_with_cam_travel_as_unknown(
         )
         elastic = shoe.tip_travel_by_force * forces.without_pressure[i]
         of_loads[main] = -(elastic + shoe.tip_travel_by_further_loads) / size
-        # This also makes the entry of the main mode itself zero, since its coordinate is no
-        # unknown.
+        # The subtraction also makes the entry of the main mode itself zero, because the coordinate
+        # of this mode is no longer an unknown.
         of_coordinates[main, shoe.modes] -= shoe.tip_travel_by_modes / size
         per_travel[main] = 1 / size
     # The travel of the cam replaces the coordinates of the main modes, and is the first unknown.

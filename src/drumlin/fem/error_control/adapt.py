@@ -272,8 +272,8 @@ def errors_with_singular_points_and_text_on_short_contacts(
     pressure p grows without bound. Elements of finite size cannot show this growth, and the
     difference between two levels does not reveal the error. An error of 1 means that the value is
     unknown. It is stated for a peak at an end of the lining or under a tip, and for the pressure of
-    a contact that is too short. The text names the shoe of such a contact, and is empty if there is
-    none.
+    a contact that is too short. The text names the shoe of such a contact, and is empty without
+    such a contact.
 
     Parameters
     ----------

@@ -72,14 +72,15 @@ def numbering_of_element_column_unknowns(
     """
     side, edge, node = 2 * (p + 1), sides * (p - 1), 2 * contact
     line = 2 * (layers * p + (not held)) - node
-    # A line is the nodes on one side of the column. In an element the unknowns on its first and
-    # last edge follow those on its sides, from unknown number `own` on. In the column the right
-    # line follows the contact, from unknown number `far` on.
+    # A line is the nodes on one side of the column. In an element, the unknowns on its two sides
+    # come first, and the unknowns on its first and last edge begin at number `own`. In the column,
+    # the right line comes after the contact and begins at number `far`.
     own = sides * side
     far = line + (edge + sides * node if contact else 0)
     kept, inside = [], []
     for k in range(layers):
-        # Positions of the element's side unknowns on the left and on the right line of the column.
+        # `left` and `right` pair the unknowns on one side of the element with their places in the
+        # left or right line of the column.
         skipped = node if k == 0 else 0
         start, stop = 2 * k * p - node + skipped, min(2 * (k + 1) * p + 2 - node, line)
         count = skipped + stop - start

@@ -48,8 +48,8 @@ CORNER_COLUMN = 1e-4
 The size is relative to the length of the contact at the corner. Nearer to the corner the pressure p
 is given by its power law, see `corner.response_with_power_laws_at_corners`. With 1e-3 the error of
 p on the second level of two brakes was 2.5 times as large. With 1e-5 the error was the same, with a
-sixth more unknowns. In columns of 0.03 of the contact's length or more, p depends on the rest of
-the contact too, and not on the power law alone.
+sixth more unknowns. The size must be far below 0.03 of the contact's length, because farther than
+this from the corner p depends on the rest of the contact too, and not on the power law alone.
 """
 HALF_FORCE_PART = 0.1632
 """Fraction of a contact, from a corner of the lining on, that bears half of the contact's force.
@@ -132,8 +132,9 @@ class Level:
     ----------
     degree : degree of the hp elements
     zone : size of the layer of elements at the lining's face, relative to EDGE_ZONE, or to the
-        lining's thickness or the contact's length if these are less. Columns at the lining's ends
-        are no wider than `zone` times EDGE_ZONE, even if `edge` gives a larger size.
+        lining's thickness or the contact's length if these are less. Columns at a lining's end that
+        the contact reaches are no wider than `zone` times EDGE_ZONE, even if `edge` gives a larger
+        size.
     edge : size of the columns at the lining's ends, relative to the lining's thickness or to half
         its length, whichever is less. At an end that a contact reaches, the size is relative to
         half the contact's length.
