@@ -429,7 +429,8 @@ def _solve_group_of_coupled_shoes(
                 f"{settled.group.names_of_shoes_as_text}: lost digits, {balance}; {TOO_FAR_REASON}"
             )
         return answers
-    # Any other group is refined if its round-off error or its imbalance is too large.
+    # A group without struts and cam is refined if its round-off error or its imbalance is too
+    # large.
     refinable = _can_full_system_be_refined(settled.group)
     # Shoes of the solid model are never refined, but are judged as strictly as a group that could
     # be refined.

@@ -318,7 +318,7 @@ def turn_holding_brake_and_return_states_at_rotations(
     ]
 
 
-# First part of the path: the actuation force is applied while the drum rests
+# The following functions apply the actuation force while the drum rests.
 
 
 def _apply_actuation_forces_to_resting_groups(
@@ -430,7 +430,7 @@ def _increase_actuation_force_at_rest(
     return increment, energy
 
 
-# Second part of the path: the drum turns under the full actuation force
+# The following functions turn the drum under the full actuation force.
 
 
 def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) -> _RotationPath:
@@ -615,7 +615,7 @@ def stick_slip_state_at_each_angle_of_lining(state: Ints) -> Ints:
     return found
 
 
-# Full slip: comparison with `solve`, and the rotation that reaches full slip
+# The following functions compare full slip with `solve`, and find the rotation to full slip.
 
 
 def _solve_contact_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _SlidingDrumSolution:
@@ -796,7 +796,7 @@ def _find_drum_rotation_of_full_slip_of_group(
     )
 
 
-# Conversion of the states to plain data for JSON
+# The following functions convert the states to plain data for JSON.
 
 
 def holding_states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:

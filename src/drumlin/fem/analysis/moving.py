@@ -106,7 +106,8 @@ def node_motions_per_motion_of_shoe_point(
 
 def do_nodes_of_shoe_move_with_point(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
     """Whether nodes of a shoe's mesh move as the point of the shoe named by `key` moves."""
-    # Without a mesh file drumlin divides the shoe into elements itself, by the points of the shoe.
+    # Without a mesh file drumlin divides the shoe into elements itself. The positions of the nodes
+    # then depend on the points of the shoe.
     if shoe.mesh is None:
         beam = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
         return beam or (

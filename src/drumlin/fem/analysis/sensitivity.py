@@ -393,7 +393,7 @@ class _TorqueSlopesOfShoe:
             if source == self.k
         ]
 
-    # Slopes by moduli
+    # The following methods compute slopes of the torque by moduli.
 
     @cached_property
     def displacements_due_to_loads_and_adjoint_loads(self) -> _LoadedDisplacements:
@@ -457,7 +457,7 @@ class _TorqueSlopesOfShoe:
         """The factors (l,) by which the load columns make up all loads on the shoe."""
         return load_column_factors_under_all_loads(self.body, self.shoe, self.own.force)
 
-    # Slopes by supports
+    # The following methods compute slopes of the torque by data of supports.
 
     def _torque_slopes_by_supports(self) -> dict[str, Floats]:
         """The slopes of the brake's torque by the supports of the shoe.
@@ -645,7 +645,7 @@ class _TorqueSlopesOfShoe:
             @ (pressed @ p + dragged @ (group.friction_stress_over_pressure_at_nodes * p))
         )
 
-    # Slopes by the line of action of a strut's force
+    # The following methods compute slopes of the torque by the line of action of a strut's force.
 
     def torque_slope_by_actuation_line_of_action(
         self, force: Floats, moment: float, *, carried: bool = False
@@ -847,7 +847,7 @@ def _torque_slopes_by_support_as_text(key: str, value: Floats) -> str:
     return f"{key} {100 * math.radians(value[0]):+.4g} %/deg"
 
 
-# Derivatives by rigid-shoe laws and by differences of solves, for comparison
+# The following functions compute slopes by rigid-shoe laws and by differences of solves.
 
 
 def friction_sensitivity_by_rigid_shoe_law(brake: Brake) -> tuple[float | None, ...] | None:

@@ -105,7 +105,7 @@ class _PartFields(NamedTuple):
 def recover_stresses_in_half_of_each_solid_shoe(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> list[SolidFields]:
-    """The fields in half of each shoe of a brake, from the contact pressure of its response.
+    """The displacements and stresses in half of each shoe (z >= 0), from a response's pressures.
 
     `response` was computed on the prepared model `scene`, which has shoes with widths.
     """

@@ -327,7 +327,8 @@ class ShoeGroup(GroupProblems):
             self.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
             contact.p[self.contact_node_slices_of_shoes[k]],
         )
-        # The reaction balances the contact, the actuation and the further loads.
+        # The reaction balances the contact forces, the actuation, springs, weight and further
+        # forces.
         normal, dragged = body.resultants_of_unit_nodal_pressures_and_tractions
         normal, dragged = (
             normal @ p,
@@ -389,7 +390,7 @@ class ShoeGroup(GroupProblems):
         abutment, stop, or slide the other way. The next steps then have the new direction of
         friction at the abutment. Raises NoAnswer if there is no solution at any friction.
         """
-        # Without struts, cam and abutments there is nothing to check on the way.
+        # Without struts, cam and abutments there is nothing to check while the friction grows.
         if self.has_neither_strut_cam_nor_abutment:
             limit = self_locking.find_largest_friction_with_equilibrium(
                 self.contact_problem_as_function_of_friction,
@@ -582,7 +583,7 @@ def _friction_limit_by_bisection(
     while high - low > self_locking.POLE_DISTANCE * high:
         if at.choice not in tried:
             # The solution mostly ends where its directions of friction and its supports cease to
-            # hold. The search for this place takes one contact solve a step.
+            # hold. Each step of the search for this friction takes one contact solve.
             tried.add(at.choice)
             at, low, end = _bisect_friction_at_which_supports_change(at, low, high)
         else:

@@ -179,7 +179,7 @@ class GroupProblems(GroupState):
         load = self.actuation_of_each_shoe_by_one_newton[k].load_factors
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
         tip = self._elastic_load_point_travel_per_nodal_pressure(k, load, friction)
-        # This is the force on the lining along x and y, per pressure of each node.
+        # `contact` has the force of pressure and friction on the lining, per nodal pressure.
         contact = (
             drag * body.resultants_of_unit_nodal_pressures_and_tractions[1]
             - body.resultants_of_unit_nodal_pressures_and_tractions[0]

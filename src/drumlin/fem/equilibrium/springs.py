@@ -62,7 +62,8 @@ def find_spring_pulls_that_fit_shoe_motions(
             _check_springs_are_not_slack(preloads, pulls)
             return answer, tuple(pulls.tolist())
         if count > 0:
-            # Broyden's update of the inverse Jacobian matrix, by the formula of Sherman-Morrison.
+            # Broyden's method updates the inverse Jacobian matrix, here by the Sherman-Morrison
+            # formula.
             moved = inverse @ (excess - before)
             inverse += np.outer(step - moved, step @ inverse) / float(step @ moved)
         step = -inverse @ excess
@@ -75,7 +76,7 @@ def find_spring_pulls_that_fit_shoe_motions(
 
 
 def _check_springs_are_not_slack(preloads: Floats, pulls: Floats) -> None:
-    """Raise NoAnswer for a spring whose pull has the opposite sign of its preload."""
+    """Raise NoAnswer for a spring whose pull and preload have opposite signs."""
     for i, (preload, pull) in enumerate(zip(preloads.tolist(), pulls.tolist(), strict=True)):
         if pull * preload < 0:
             verb = ("pushes", "pull") if preload < 0 else ("pulls", "push")

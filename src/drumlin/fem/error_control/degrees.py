@@ -93,8 +93,9 @@ replace these sides.
 See `Factors` for each number. If the straight sides cause the largest error, the change is nearly
 the true error: on 45 meshes by Gmsh with straight sides the error of p was 1.0 to 1.15 times its
 change, and the error of the peak up to 1.25 times the larger of the changes of p and of the peak.
-On one mesh the changes of p cancelled in the torque, whose error was 5 times its change, or 0.12 of
-the change with random signs. Smaller factors make stated errors too small.
+On one mesh the changes of p cancelled in the torque, whose error was 5 times its change, or 0.12
+times the change that random signs of the changes of p would give. Smaller factors make stated
+errors too small.
 """
 ROUNDING_FACTORS = {"pressure": 1.5, "torque": 0.1, "peak": 0.8, "reaction": 0.25}
 """Relative errors by rounded coordinates of a mesh file, divided by the ratio of the rounding to

@@ -639,8 +639,8 @@ def logarithmic_pressures_at_pointed_gap_kinks(
     kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is the length per unit
     of the surface's coordinate [m/rad, on a plane 1].
     """
-    # The factor c in p = c ln(1/x), if the slope of the gap at the kink changes by 1 per unit of
-    # the surface's coordinate.
+    # `half_plane` is the factor c in p = c ln(1/x) if the slope of the gap at the kink changes by 1
+    # per unit of the surface's coordinate.
     half_plane = shoe.lining.material.young_modulus_of_equivalent_half_plane / (
         2 * math.pi * scale_factor
     )

@@ -320,7 +320,7 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
     """
     if raised.degree is None:
         return nodal_basis_of_mesh(mesh)
-    # The modules load scikit-fem, which takes long.
+    # The imported modules load scikit-fem, which takes long. So they are imported only here.
     from drumlin.fem.mesh import smooth_outline, splitting  # noqa: PLC0415
 
     nodes = number_of_nodes_at_degree(mesh, raised.degree)
@@ -360,7 +360,7 @@ def _largest_allowed_sides_at_singular_points(
     Singular points are the corners of the mesh and the singular points of the pressure. The result
     is a `splitting.FinestSides`. The parameters are those of `_basis_of_raised_degree`.
     """
-    # The modules load scikit-fem, which takes long.
+    # The imported modules load scikit-fem, which takes long. So they are imported only here.
     from drumlin.fem.mesh.smooth_outline import singular_corners_of_mesh  # noqa: PLC0415
     from drumlin.fem.mesh.splitting import FinestSides  # noqa: PLC0415
 
