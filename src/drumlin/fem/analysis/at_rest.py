@@ -149,7 +149,7 @@ def _stick_slip_problem_without_abutments(
     normal = still.contact_problem_with_given_actuation_forces(0.0)
 
     def block_diagonal_traction_matrix_of_shoes(name: str) -> Floats:
-        """The block-diagonal matrix of all shoes' `_TractionMatrices` entries with this name."""
+        """The block-diagonal matrix whose blocks are the attribute `name` of all `shoes`."""
         return block_diag(*(getattr(shoe, name) for shoe in shoes))
 
     A_wt, A_sp, A_st = (

@@ -536,7 +536,7 @@ class _FollowedSolution(NamedTuple):
     def solution_continued_with_present_supports_or_none(
         self, friction: float
     ) -> "_FollowedSolution | None":
-        """The solution at a higher friction with the present directions and supports; else None."""
+        """The solution at a higher friction with the present directions and supports, or None."""
         group = self.settled.group.copy_of_group_with_other_drum_friction(friction)
         contact = self_locking.stable_contact_continued_to_higher_friction_or_none(
             self.problem, friction, self.settled.contact, group.contact_node_areas

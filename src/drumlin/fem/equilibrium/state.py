@@ -203,7 +203,7 @@ class GroupState:
 
     @cached_property
     def largest_actuation_force(self) -> float:
-        """The largest force [N] on a shoe, to which the group's contact problems are scaled."""
+        """The largest force [N] on a shoe; contact problems are stated per newton of this force."""
         return max(shoe.largest_force_of_any_load for shoe in self.shoes)
 
     @cached_property
@@ -302,7 +302,7 @@ class GroupState:
 
     @cached_property
     def one_sided_supports(self) -> tuple[OneSidedSupport, ...]:
-        """The one-sided supports of the group's shoes, which are numbered within the group."""
+        """The group's one-sided supports, in which shoes have their numbers within the group."""
         found = []
         for support in one_sided_supports_of_brake(self.brake):
             if support.sides[0].shoe in self.members:

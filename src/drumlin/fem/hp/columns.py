@@ -177,7 +177,8 @@ def _add_element_stiffness_to_columns(
     Parameters
     ----------
     part : (c, m, m) stiffness of the element of one layer in each of c element columns
-    rows, columns : unknowns at the rows and at the columns of each block
+    rows, columns : unknowns of the rows and of the columns of all blocks, each as two slices: in
+        the element and in the element column
     target : (c, n, n) stiffness of the element columns, which the blocks are added to
     """
     for own, at in rows:

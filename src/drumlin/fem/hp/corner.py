@@ -446,7 +446,7 @@ def _shoe_response_with_one_corner_power_law(
 ) -> ShoeResponse:
     """The response of a shoe with a power law for the pressure p near one corner of its lining.
 
-    `unit` is the length of the surface's coordinate theta (on a plane x) per radian of the shoe's
+    `unit` is the change of the surface's coordinate theta (on a plane x) per radian of the shoe's
     angle phi.
     """
     at_corner = float(response.theta[0 if corner.at_start else -1])
@@ -603,7 +603,7 @@ def remaining_pressure_error_at_lining_corners(
 def _does_stated_error_include_unbounded_pressure_at_slot(
     brake: Brake, index: int, response: NodalPressure
 ) -> bool:
-    """Whether p is unbounded beside a slot between linings, and its stated error includes this."""
+    """Whether p is unbounded beside a slot, at a place that its stated error does not exclude."""
     lining = brake.shoes[index].lining
     edges = [int(np.abs(response.theta - edge).argmin()) for edge in np.ravel(lining.slots)]
     if not np.any(response.pressure[edges] > 0):

@@ -922,5 +922,5 @@ def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
 
 
 def rotate_axes_of_all_nodes_by_one_angle(V: Floats, angle: Floats) -> Floats:
-    """The vectors V (2n, m) with the x and y of all nodes in axes turned by `angle` [rad]."""
+    """The vectors V (2n, m), with the components of all nodes in axes turned by `angle` [rad]."""
     return rotate_node_axes_of_vectors(V.T, np.reshape(angle, 1)).T

@@ -42,7 +42,7 @@ class ActuatedBody(Protocol):
 
     @property
     def load_matrix_columns_by_load_name(self) -> LoadColumns:
-        """The load columns of the body: which columns belong to which named load."""
+        """Which columns of the body's load matrix belong to each load, by the load's name."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class ShoeSubstructure:
 
     @property
     def load_matrix_columns_by_load_name(self) -> LoadColumns:
-        """The load columns of the body: which columns belong to which named load."""
+        """Which columns of the body's load matrix belong to each load, by the load's name."""
         return self.condensed.columns
 
     @property
@@ -159,7 +159,7 @@ class BodyNodes(NamedTuple):
 
 
 def couple_shoe_with_drum_or_plane(line: ContactLine, shoe: Shoe) -> Coupling:
-    """The weak coupling of a shoe's contact line with the drum or the plane."""
+    """The `Coupling` matrices between a shoe's contact line and the drum or the plane."""
     directions = (
         plane_normals_and_tangents
         if shoe.flat

@@ -234,7 +234,7 @@ class AssembledShoe:
 
     @cached_property
     def load_matrix_columns_by_load_name(self) -> LoadColumns:
-        """The load columns of the shoe: which columns belong to which named load."""
+        """Which columns of the shoe's load matrix belong to each load, by the load's name."""
         return LoadColumns.load_columns_of_named_loads(self.loads)
 
 
