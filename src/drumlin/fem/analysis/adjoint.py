@@ -90,8 +90,7 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     # Pressures are unknowns only at the nodes in contact. All other unknowns are always free.
     on = np.concatenate([contact.active, np.ones(len(answer) - n, dtype=bool)])
     each = _solve_adjoint_equations_for_torques(without_friction + mu * per_friction, on, weights)
-    # The torque of the group is the sum of the shoes' torques. The adjoint of the group is
-    # therefore the sum of the adjoints of the shoes.
+    # The torque of the group is the sum of the shoes' torques, and so is its adjoint.
     a, b, c = np.split(each.sum(axis=1), [n, n + coordinates])
     shoes = []
     for k, (nodes, modes) in enumerate(

@@ -518,8 +518,8 @@ class _TorqueSlopesOfShoe:
         xy = shoe.convert_points_to_brake_frame(self.body.line.xy)
         on_gaps = own.gap_multipliers @ N
         by_drum = self.drag * (own.pressures @ T) - own.pressures @ N
-        # The resultants are `of_gaps` for the adjoint contact forces, `of_drum` for the drum's
-        # forces on the lining, and `push` for the actuation force.
+        # `of_gaps` is the resultant of the adjoint contact forces, `of_drum` of the forces of the
+        # drum, and `push` of the actuation force.
         of_gaps = resultant_force_and_moment(
             shoe.frame.convert_vectors_to_brake_frame(on_gaps.reshape(-1, 2)), xy.T
         )

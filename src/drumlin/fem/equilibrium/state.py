@@ -59,8 +59,9 @@ class ModeClosures(NamedTuple):
 class FrictionlessTerms(NamedTuple):
     """The parts of a shoe's contact problem that friction does not change.
 
-    These are the weighted gaps q (n,) at zero pressure, their opening B (n, k) per rigid-body mode,
-    and the generalised forces h (k,) by which the pressures balance the loads, C p = h.
+    These are the weighted gaps q (n,) at zero pressure (integrals of the gap times each node's
+    shape function), their opening B (n, k) per rigid-body mode, and the generalised forces h (k,)
+    by which the pressures balance the loads, C p = h.
     """
 
     q: Floats

@@ -271,8 +271,8 @@ def _errors_due_to_straight_element_sides(
     """
     if not _has_mesh_straight_sides_on_curved_outline(brake, cache):
         return 0.0
-    # The brake is solved with straight and with curved sides, both times on the elements of the
-    # first pass on the first level. The bodies with straight sides are still in the cache.
+    # Both solves have the elements of the first pass on the first level. The straight ones are
+    # still in the cache.
     level = MESH_LEVELS[0]
     error = level.pressure_error_due_to_column_size_ratio
     points = singular_points_of_each_shoe_shape(brake, None, error=error)
@@ -308,9 +308,9 @@ def _errors_due_to_gaps_below_rounding(brake: Brake, response: Response, cache: 
     """The relative errors (1 + 4 shoes,) by gaps that rounded coordinates may have caused.
 
     Neighbouring contact nodes that lie off the drum to the same side count as a gap, even if each
-    node lies off by less than the rounding. Among a thousand nodes this happens a few times by
-    chance. Such a gap changes p and its peak by about the ratio of the gap to the compression of
-    the lining in `response`.
+    node lies off by less than the rounding. A few times in a thousand nodes this is chance. Such a
+    gap changes p and its peak by about the ratio of the gap to the compression of the lining in
+    `response`.
     """
     rows = np.zeros((len(brake.shoes), len(QUANTITIES)))
     for row, shoe, answer in zip(rows, brake.shoes, response.shoes, strict=True):

@@ -446,7 +446,14 @@ def _divide_one_lining_into_element_columns(
 ) -> _LiningDivision:
     """The division into element columns of the lining that covers `arc` (phi_1, phi_2) [rad].
 
-    The other parameters are as in `divide_shoe_into_hp_elements`.
+    Parameters
+    ----------
+    shoe : the shoe
+    radius : radius of the drum [m]
+    level : degree of the elements, and sizes of columns and layers
+    points : singular points on all linings of the shoe
+    exponents : exponents of the pressure at the corners of the lining, at its start and its end
+    arc : positions of the lining's start and end [rad]
     """
     own = [point for point in points if _is_lining_on_arc_nearest_to_position(shoe, arc, point.at)]
     contact = _extent_of_lining_contacts(shoe, radius, level, own, arc)
@@ -485,7 +492,9 @@ def _element_column_ends_under_linings_and_slots(
 
     Parameters
     ----------
-    shoe, radius, level : as in `divide_shoe_into_hp_elements`
+    shoe : the shoe
+    radius : radius of the drum [m]
+    level : degree of the elements, and sizes of columns and layers
     linings : divisions of the linings in the order of their positions
     """
     angles, slots = [linings[0].angles], []
@@ -594,7 +603,9 @@ def _extent_of_lining_contacts(
 
     Parameters
     ----------
-    shoe, radius, level : as in `divide_shoe_into_hp_elements`
+    shoe : the shoe
+    radius : radius of the drum [m]
+    level : degree of the elements, and sizes of columns and layers
     points : singular points on the lining
     arc : positions of the lining's start and end [rad]
     """

@@ -353,12 +353,17 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
 def _largest_allowed_sides_at_singular_points(
     mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float
 ) -> Any:
-    """The singular points of a shoe with a mesh from a file, and the longest allowed sides there.
-
-    No element at a singular point may have a longer side.
+    """The singular points of a shoe's mesh, and the longest side that an element may have there.
 
     Singular points are the corners of the mesh and the singular points of the pressure. The result
-    is a `splitting.FinestSides`. The parameters are those of `_basis_of_raised_degree`.
+    is a `splitting.FinestSides`.
+
+    Parameters
+    ----------
+    mesh : the mesh, which was read from a file
+    raised : sizes of the elements at singular points, and the singular points of the pressure
+    shoe : the shoe
+    radius : radius of the drum [m], on a plane the length of the pad
     """
     # The imported modules load scikit-fem, which takes long. So they are imported only here.
     from drumlin.fem.mesh.smooth_outline import singular_corners_of_mesh  # noqa: PLC0415
@@ -413,7 +418,14 @@ def _mesh_condense_and_couple_shoe(
 ) -> ShoeSubstructure:
     """Mesh and condense a shoe, and couple it with the drum or the plane.
 
-    The parameters are those of `mesh_and_assemble_shoe`.
+    Parameters
+    ----------
+    brake : the brake
+    shoe : the shoe
+    mesher : function that makes the mesh of a shoe without a file
+    seconds : time of each phase [s], which this function adds to
+    raised : degree of the displacements on a mesh from a file, and how its elements are split
+    cache : cache of meshes that were read from files
     """
     parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds, raised, cache)
     with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
