@@ -231,7 +231,7 @@ def prepared_model_with_finest_elements(
     if not _is_brake_solved_on_hp_element_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return make_prepared_model(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
-    # The result is the prepared model of the last level on which a solution was found.
+    # The model is that of the last level on which a solution was found.
     try:
         return solve_brake_to_tolerance(
             brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False, cache=cache
