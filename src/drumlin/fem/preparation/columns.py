@@ -107,7 +107,7 @@ def make_condensed_shoes_of_hp_elements(
     NoAnswer
         if more than MOST_CONTACT_NODES contact nodes are coupled
     """
-    # The shoes of one shape share a body, which is divided and condensed once.
+    # Each shape is divided and condensed once.
     shapes = list(dict.fromkeys(alike))
     rules = {
         i: _rule_for_dividing_shoes_of_one_shape(brake, level, places or {}, alike, i)
@@ -119,7 +119,7 @@ def make_condensed_shoes_of_hp_elements(
     }
     bodies = tuple(made[i] for i in alike)
 
-    # The smallest elements of the ring get the size of the smallest elements of the linings.
+    # The smallest elements of the ring are as small as the smallest elements of the linings.
     singular_layer_size = min(rule.division.singular_layer_size for rule in rules.values())
     ring = None
     ring_under = partial(
