@@ -698,8 +698,10 @@ def _grading_points_along_lining(
 
     Parameters
     ----------
-    shoe, radius, level, points : the shoe; radius of the drum [m]; degree of the elements and sizes
-        of columns and layers; singular points along the lining, in order
+    shoe : the shoe
+    radius : radius of the drum [m]
+    level : degree of the elements, and sizes of columns and layers
+    points : singular points along the lining, in the order of their positions
     contact : extent of the contact
     end_sizes : sizes of the columns at the lining's start and end [rad]
     """

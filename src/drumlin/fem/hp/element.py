@@ -437,8 +437,11 @@ def condense_inner_forces_to_element_boundary(
 
     Parameters
     ----------
-    xy, elasticity, p, along : nodes of the elements [m]; elasticity matrices times the width [N/m];
-        degree; unit vectors along the layers at the Gauss points, or None
+    xy : (e, 2, a) nodes of the elements [m]
+    elasticity : (e, 3, 3) elasticity matrices times the width [N/m]
+    p : degree of the elements
+    along : (e, 2, q) unit vectors along the layers at the Gauss points; None where all layers are
+        isotropic
     inner_forces : (e, 2 i, k) forces on the i inner nodes of each element, for k load cases
     """
     count = inner_forces.shape[2]
@@ -485,8 +488,11 @@ def displacements_of_inner_element_nodes(
 
     Parameters
     ----------
-    xy, elasticity, p, along : nodes of the elements [m]; elasticity matrices times the width [N/m];
-        degree; unit vectors along the layers at the Gauss points, or None
+    xy : (e, 2, a) nodes of the elements [m]
+    elasticity : (e, 3, 3) elasticity matrices times the width [N/m]
+    p : degree of the elements
+    along : (e, 2, q) unit vectors along the layers at the Gauss points; None where all layers are
+        isotropic
     u : (e, 8 p, m) displacements of the boundary nodes [m]
     inner_forces : (e, 2 i, m) forces on the inner nodes [N]; None if no force acts on them
     """
