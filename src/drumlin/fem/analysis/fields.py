@@ -277,7 +277,8 @@ def nodal_displacements_of_shoe(
     brake : the brake
     shoe : the shoe, with the actuation force of the response
     answer : the response of the shoe
-    p : pressures (n,) [Pa] on the lining of the shoe, in the order of the shoe's own frame
+    p : pressures (n,) [Pa] on the lining of the shoe, in the order of their angle in the shoe's own
+        frame
     """
     load = load_column_factors_under_all_loads(body, shoe, shoe.actuation.force)
     for support in answer.supports:
