@@ -75,7 +75,9 @@ round-off error that is up to 25 times too small: its residuals do not see the d
 stiffness itself has lost. Soft shoes are then solved without refinement, or refused.
 """
 LARGEST_SILENT_OVERLAP = 0.01
-"""Largest overlap of a mesh-file shoe with the drum, in lining thicknesses, without a warning.
+"""Largest overlap of drum and shoe, in lining thicknesses, that causes no warning.
+
+The overlap arises if the mesh of a shoe's file reaches into the drum.
 
 A larger overlap squeezes the lining noticeably before any force acts, and a warning is printed. The
 value changes no result.
@@ -419,7 +421,7 @@ def _solve_group_of_coupled_shoes(
     settled = solve_shoe_group_with_lining_friction(group, first)
     solution = _group_solution_under_brake_forces(*settled)
     answers = _results_of_shoes_in_solved_group(solution)
-    # A group in which struts or a cam give the forces is never refined.
+    # A group whose actuation forces come from struts or a cam is never refined.
     if settled.group.strut_and_cam_force_problem is not None:
         if not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
             balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
@@ -427,7 +429,8 @@ def _solve_group_of_coupled_shoes(
                 f"{settled.group.names_of_shoes_as_text}: lost digits, {balance}; {TOO_FAR_REASON}"
             )
         return answers
-    # Any other group is refined if its round-off error or its imbalance is too large.
+    # A group without struts and cam is refined if its round-off error or its imbalance is too
+    # large.
     refinable = _can_full_system_be_refined(settled.group)
     # Shoes of the solid model are never refined, but are judged as strictly as a group that could
     # be refined.
@@ -601,8 +604,8 @@ def solve_full_system_of_group_by_refinement(
     )
     if refined.correction < LARGEST_CONVERGED_CORRECTION:
         return refined
-    # The form without displacements relative to the rigid motion may converge better, if a soft
-    # shoe turns behind a lining that the drum holds.
+    # The other form of the system, whose displacements include the rigid-body motion, may converge
+    # better if a soft shoe turns behind a lining that the drum holds.
     other = solve_full_system_by_iterative_refinement(
         assemble_full_system_of_group(group, relative_to_rigid_motion=False), active, order
     )
@@ -748,9 +751,10 @@ def _relative_force_and_moment_imbalance_of_shoe(
     """The imbalance of the forces and of the moments on a shoe, relative to the largest of them."""
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     pin = shoe.pin_position_in_shoe_frame
-    # The actuation's moment about the drum's centre is its moment about the pin plus the moment of
-    # its force moved to the pin. Both terms are listed, because their sum and all other moments
-    # vanish if mu = 0 and the actuation aims at the centre; no moment would then set the scale.
+    # The moment of the actuation about the drum's centre is listed as two terms: its moment about
+    # the pin, and the moment of its force moved to the pin. If mu = 0 and the actuation aims at the
+    # centre, the sum of both terms and all other moments vanish, and no moment but the two terms
+    # sets the scale.
     moments = [
         float(acting.force_of_drum[2]),
         float(planar_cross_product(pin, acting.support_force)),
@@ -942,14 +946,14 @@ def _pressure_errors_due_to_penalty_and_round_off(
     """The first-order change (2, n) of all pressures: by the penalty, and by round-off.
 
     The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), so that the slope at x
-    times x would be too small by the factor 1 + x. The change is multiplied by it. The round-off of
-    the elimination acts as if the bodies were strained a little by their rigid-body modes. This
-    strain changes the gaps.
+    times x would be too small by the factor 1 + x. The change is multiplied by this factor. The
+    round-off of the elimination acts as if the bodies were strained a little by their rigid-body
+    modes. This strain changes the gaps.
 
     Parameters
     ----------
     group : the group of shoes, with known directions of friction at its abutments
-    contact : contact of the group under a unit force
+    contact : contact of the group per newton of its largest force; the changes have the same scale
     coordinates : (k_i,) generalised coordinates of each shoe
     """
     opened, strayed = [], []
@@ -971,8 +975,8 @@ def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -
     """The relative changes of a shoe's pressure, torque, reaction and peak pressure.
 
     The first item of the list is the change by the penalty, the second the change by round-off. The
-    pressure counts outside EDGE_ZONE at the lining's ends, unless more than half of the force acts
-    in these zones. `reaction` is the size of the support reaction [N].
+    change of the pressure is taken outside EDGE_ZONE at the lining's ends, unless more than half of
+    the force acts in these zones. `reaction` is the size of the support reaction [N].
     """
     group, k, p, changes = (
         solution.group,
@@ -986,7 +990,7 @@ def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -
     weight = _node_areas_with_zero_in_edge_zones(shoe, body.line.phi, area)
     if weight @ p < 0.5 * (area @ p):
         weight = area
-    # The reaction changes by the changed pressures alone, while the actuation stays.
+    # The support reaction changes only because the pressures change; the actuation stays the same.
     no_load = np.zeros((body.load_matrix_columns_by_load_name.number_of_load_columns, 1))
     dragging = (changes * ratios).T
     reactions = support_reaction_of_shoe(

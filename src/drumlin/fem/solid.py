@@ -67,8 +67,8 @@ def solve(
     reason = reason_why_width_model_does_not_apply(brake)
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
-    # The solve begins with plane stress. All loads act at the point of actuation, as they do in the
-    # model of the width.
+    # The solve begins with plane stress. All loads act at the point of actuation there, as they do
+    # in the model with widths.
     solved = solve_brake_with_widths_and_keep_model(
         brake_with_all_loads_moved_to_actuation(brake),
         Tolerance(asked, asked),

@@ -135,9 +135,11 @@ def solve(
     elif not brake.surface.is_plane_and_not_drum:
         response = _response_with_note_on_curve_balance(brake, response)
     if self_locking and first_key_of_pressure_dependent_friction(brake) is None:
-        # If the limit of the elastic brake is not found, the response is returned without it.
+        # If the self-locking limit of the elastic brake is not found, the response is returned
+        # without this limit.
         with add_elapsed_time_of_block_to_phase(seconds, "self-locking"), suppress(NoAnswer):
-            # While the friction grows, the springs keep the pulls that they have in the response.
+            # In the search for the self-locking limit the friction grows, while the springs keep
+            # the pulls that they have in the response.
             under = brake_with_loads_assigned_to_shoes(brake, response.spring_pulls or None)
             found = compare_friction_with_self_locking_limits(scene, under, penalty)
             response = replace(response, self_locking=found)

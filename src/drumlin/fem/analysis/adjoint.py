@@ -92,9 +92,9 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     y = group.rigid_body_coordinates_of_each_shoe(contact)
     F = np.abs(group.actuation_forces_under_contact_pressures(contact.p))
     coordinates = sum(map(len, y))
-    # Under a cam the last unknown is the travel of the points of actuation. No coefficient of it
-    # depends on friction, and `answer` is multiplied only by the part that does, so that zeros may
-    # stand for it.
+    # Under a cam the last unknown is the travel of the points of actuation. The matrix that
+    # multiplies `answer` below holds only coefficients that depend on friction, and the
+    # coefficients of the travel do not. Zeros may therefore stand for the travel.
     travel = np.zeros(len(without_friction) - n - coordinates - len(F))
     answer = np.concatenate([contact.p, *y, F, travel])
     weights = np.zeros((len(answer), len(F)))

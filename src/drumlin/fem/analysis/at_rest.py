@@ -35,11 +35,13 @@ def make_stick_slip_problem_and_slip_per_drum_rotation(
 ) -> tuple[FrictionalProblem, Floats]:
     """The stick-slip problem of a group of shoes on a drum at rest, and the slip per drum rotation.
 
-    The problem holds for pressures per newton of the group's actuation force. The second value (n,)
-    [m^3] is the weighted slip of each node per radian of the drum, the integral of the slip times
-    the node's shape function. A rotation of the drum by Omega adds this value times Omega to the
-    weighted slips `FrictionalProblem.q_s`. Tractions and slips count along e_theta of the
-    brake. The nodes of the linings come first, then one node for each foot on a rough abutment, see
+    The problem is stated per newton of the group's largest actuation force F. The second value (n,)
+    [m^3] is the weighted slip of each node per radian of drum rotation: the integral of the slip
+    times the node's shape function. If the drum turns by Omega, this value times Omega/F is added
+    to the weighted slips `FrictionalProblem.q_s`. Tractions and slips are positive along e_theta of
+    the brake.
+
+    The nodes of the linings come first, then one node for each foot on a rough abutment, see
     `FeetOnRoughAbutments`, then one frictionless node for each one-sided support.
     """
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
@@ -70,9 +72,10 @@ class _TractionMatrices(NamedTuple):
     compliance : compliance (n, n) of the penalty contact along the friction surface, which is the
         same as normal to the surface
     q_s : weighted slips (n,) without pressure and traction
-    effects : effects of the actuation force on slips in place of gaps, and contributions of
-        tractions in place of pressures
-    load_travel : elastic displacement (n, l) of each unit load's point along the load, per traction
+    effects : the `ForceEffects` of the actuation force, with slips in place of gaps and tractions
+        in place of pressures
+    load_travel : elastic displacement (n, l) of the point at which each of l unit loads acts, along
+        the load and per nodal traction
     """
 
     A_wt: Floats
@@ -146,7 +149,7 @@ def _stick_slip_problem_without_abutments(
     normal = still.contact_problem_with_given_actuation_forces(0.0)
 
     def block_diagonal_traction_matrix_of_shoes(name: str) -> Floats:
-        """The block-diagonal matrix of all shoes' `_TractionMatrices` entries with this name."""
+        """The block-diagonal matrix whose blocks are the attribute `name` of all `shoes`."""
         return block_diag(*(getattr(shoe, name) for shoe in shoes))
 
     A_wt, A_sp, A_st = (
@@ -375,7 +378,10 @@ def _contact_problem_with_tractions_among_pressures(
 def _actuation_effects_on_pressures_and_tractions(
     still: ShoeGroup, shoes: list[_TractionMatrices], n: int
 ) -> list[ForceEffects]:
-    """The effects of each shoe's actuation force, for stacked pressures and tractions.
+    """The `ForceEffects` of each shoe, with slips after the gaps and tractions after the pressures.
+
+    They are the effects of the actuation force on the n gaps and n slips, and the effects of the n
+    pressures and n tractions on the shoe's tip and foot.
 
     Parameters
     ----------
@@ -405,7 +411,7 @@ def _stick_slip_problem_from_contact_problem(
 ) -> FrictionalProblem:
     """The stick-slip problem from a contact problem with stacked pressures and tractions.
 
-    `Q` (n, n) is the compliance of the contact.
+    `Q` (n, n) is the compliance of the penalty contact.
     """
     A, q, B, C, h = stacked
     n = len(Q)

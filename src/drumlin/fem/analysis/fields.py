@@ -156,7 +156,8 @@ class _ElementNodes(NamedTuple):
     ----------
     dofs : nodes (a, m) of the elements
     slopes : gradients (a, 2, m, a) [1/m] of the shape functions at the nodes
-    corners : node numbers (k, c), within an element, of the corners of the c cells that draw it
+    corners : node numbers (k, c), within an element, of the k corners of each of the c cells by
+        which the element is drawn
     """
 
     dofs: Ints
@@ -220,7 +221,7 @@ def stress_and_displacement_fields_of_ring(
 def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> list[Floats]:
     """The pressures (n_i,) [Pa] at the lining nodes of each shoe.
 
-    The nodes are in the order of the shoe's own frame.
+    The nodes are in the order of their angle in the shoe's own frame.
     """
     pairs = zip(brake.shoes, response.shoes, strict=True)
     return [answer.nodal_pressures_on_linings[:: shoe.frame.sense] for shoe, answer in pairs]
@@ -232,7 +233,7 @@ def friction_stress_over_friction_coefficient_of_each_lining(
     """For each shoe the friction stress (n_i,) [Pa] divided by the shoe's friction coefficient.
 
     It equals the pressure, unless friction depends on the pressure. The nodes are in the order of
-    the shoe's own frame.
+    their angle in the shoe's own frame.
     """
     pressures = nodal_contact_pressures_of_each_lining(brake, response)
     found = []
@@ -278,14 +279,15 @@ def nodal_displacements_of_shoe(
     brake : the brake
     shoe : the shoe, with the actuation force of the response
     answer : the response of the shoe
-    p : pressures (n,) [Pa] on the lining of the shoe, in the order of the shoe's own frame
+    p : pressures (n,) [Pa] on the lining of the shoe, in the order of their angle in the shoe's own
+        frame
     """
     load = load_column_factors_under_all_loads(body, shoe, shoe.actuation.force)
     for support in answer.supports:
         load = load + load_column_factors_of_one_sided_support_push(
             body, shoe, support.push, brake.size
         )
-    # These forces (2n,) [N] of pressure and friction act on the contact nodes.
+    # The pressures and friction stresses give the nodal forces (2n,) [N] on the contact nodes.
     dragging = _friction_stress_over_friction_coefficient_of_lining(brake, shoe, answer, p)
     nodal = (
         brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
@@ -433,7 +435,8 @@ def meshio_mesh_with_fields_of_all_shoes(parts: Sequence[Any]) -> "meshio.Mesh":
         numbers.append(part.part)
         shoes.append(np.full(len(part.cells), i))
         first += len(part.points)
-    # `Fields` and `SolidFields` have different stress attributes, and only `Fields` has the push.
+    # `Fields` and `SolidFields` have different stress attributes, and only `Fields` has the
+    # attribute `push`.
     nodal = {}
     for head, name in FIELD_OF_VTU_NAME.items():
         if hasattr(parts[0], name):

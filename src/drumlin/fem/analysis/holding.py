@@ -71,11 +71,11 @@ first rotation takes only one more increment, out of about a hundred.
 EXTRA_ROTATION = 0.1
 """Fraction by which `find_drum_rotation_of_full_slip` enlarges the rotation that gave full slip.
 
-The rotation at which all nodes slip depends on the increments, and may be larger in a later path
-with other increments. With half of this fraction some linings on a pivot then still stick at a few
-nodes. With a larger fraction fewer rows of a table of rotations lie before full slip. Each
-increment of the search is between EXTRA_ROTATION and 1/EXTRA_ROTATION times the rotation reached so
-far.
+The rotation at which all nodes slip depends on the increments, and may be larger in a later
+computation with other increments. With half of this fraction some linings on a pivot then still
+stick at a few nodes. With a larger fraction, a table of states up to this rotation has fewer rows
+before full slip. Each increment of the search is between EXTRA_ROTATION and 1/EXTRA_ROTATION times
+the rotation reached so far.
 """
 MOST_INCREMENTS = 100
 """Number of increments of rotation after which the search for full slip fails as not converged."""
@@ -104,7 +104,7 @@ this angle if one of these nodes sticks, and otherwise as slipping if one of the
 """
 
 Arcs = tuple[tuple[float, float], ...]
-"""A tuple of the start and the end [rad] of each arc."""
+"""The type of arcs along a lining: the angles [rad] at which each arc starts and ends."""
 
 
 class HeldFace(NamedTuple):
@@ -318,7 +318,7 @@ def turn_holding_brake_and_return_states_at_rotations(
     ]
 
 
-# First part of the path: the actuation force is applied while the drum rests
+# The following functions apply the actuation force while the drum rests.
 
 
 def _apply_actuation_forces_to_resting_groups(
@@ -389,9 +389,9 @@ def _increase_actuation_force_at_rest(
     """Increase the actuation force to its full value while the drum rests.
 
     Without gaps all quantities are proportional to the force, and one increment is exact. With gaps
-    the force after the increments 1, 2, 3 ... is proportional to their cubes, because the contact
-    changes most under a small force. Under a very small force only one or two nodes are in contact,
-    and an increment may not converge. It is then joined with the next one.
+    the force after increment number i is proportional to i^3, because the contact changes most
+    under a small force. Under a very small force only one or two nodes are in contact, and an
+    increment may not converge. It is then joined with the next one.
 
     Parameters
     ----------
@@ -430,7 +430,7 @@ def _increase_actuation_force_at_rest(
     return increment, energy
 
 
-# Second part of the path: the drum turns under the full actuation force
+# The following functions turn the drum under the full actuation force.
 
 
 def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) -> _RotationPath:
@@ -485,7 +485,7 @@ def turn_drum_in_increments(
     Parameters
     ----------
     problem : the stick-slip problem while the drum rests
-    lever : growth (n,) of the slips q_s per radian of the drum
+    lever : growth (n,) of the nodes' weighted slips q_s per radian of drum rotation
     friction : friction coefficient of all nodes, or (n,) of each node
     increment : the converged increment at the rotation `start`
     start, end : rotations [rad]
@@ -615,7 +615,7 @@ def stick_slip_state_at_each_angle_of_lining(state: Ints) -> Ints:
     return found
 
 
-# Full slip: comparison with `solve`, and the rotation that reaches full slip
+# The following functions compare full slip with `solve`, and find the rotation to full slip.
 
 
 def _solve_contact_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _SlidingDrumSolution:
@@ -683,7 +683,7 @@ def _sense_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: Increment) -> int:
 def _abutments_whose_friction_differs_from_solve(
     held: _LoadedGroupAtRest, at: Increment, group: ShoeGroup, contact: Contact
 ) -> list[_FootSlide]:
-    """The feet whose ratio of friction to normal force differs from the ratio by `solve`.
+    """The slides of feet whose ratio of friction to normal force differs from the ratio by `solve`.
 
     Parameters
     ----------
@@ -710,8 +710,8 @@ def _abutments_whose_friction_differs_from_solve(
             if group.known_abutment_friction_directions[k]
             else 0.0
         )
-        # The slip of a node is the negative of the slide of its foot. Subtraction from 0.0 avoids
-        # -0.
+        # The slip of a node is the negative of the slide of its foot. The subtraction from 0.0, in
+        # place of a minus sign, keeps the text from showing -0.
         came_to = f"{1e6 * size * (0.0 - at.s[node]):.6g} µm"
         by_solve = f"{1e6 * size * slide:.6g} µm"
         feet.append(_FootSlide(f"the foot of shoe {shoe.name!r} {came_to}", by_solve))
@@ -784,8 +784,8 @@ def _find_drum_rotation_of_full_slip_of_group(
                 f"more than one answer: held it comes to slip everywhere at {torque:.5g} N m, "
                 f"at once it slides at {target:.5g} N m"
             )
-        # By linear extrapolation, `lacking` steps of the size of the last step add the missing
-        # moment.
+        # By linear extrapolation the missing moment needs another rotation of `lacking` times the
+        # last step.
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
         step = min(max(step * lacking, EXTRA_ROTATION * reached), reached / EXTRA_ROTATION)
     sticking = np.count_nonzero(increment.state[:n] == STICK)
@@ -796,7 +796,7 @@ def _find_drum_rotation_of_full_slip_of_group(
     )
 
 
-# Conversion of the states to plain data for JSON
+# The following functions convert the states to plain data for JSON.
 
 
 def holding_states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:

@@ -1,10 +1,10 @@
 """The motion of a shoe's nodes as a hinge, pivot, abutment or actuation point of the shoe moves.
 
 A straight beam runs from the hinge to the actuation point. As either point moves, the beam turns.
-The lining keeps its place, and the block between beam and lining changes its shape. If the pivot of
-an arc moves, the ends of the gripped part of its back move, and with them the ends of elements. A
-mesh file in the shoe's own coordinates moves and turns with the support. The nodes of all other
-bodies keep their places.
+The lining keeps its place, and the block between beam and lining changes its shape. The pivot of an
+arc holds a part of the arc's back. If the pivot moves, the ends of this part move, and with them
+the ends of elements. A mesh file in the shoe's own coordinates moves and turns with the support.
+The nodes of all other bodies keep their places.
 """
 
 from collections.abc import Iterator
@@ -34,8 +34,8 @@ LARGEST_NODE_MOTION = 1e3
 """Ratio of a node's motion to the motion of a shoe's point above which the mesh counts as changed.
 
 Motions of the point move the nodes by similar distances. If the shoe with the moved point has one
-more element or layer, or if another element ends at the end of the gripped back, then nodes of the
-same number lie far apart, and their difference is no motion.
+more element or layer, or if another element ends where the held part of its back ends, then nodes
+of the same number lie far apart, and their difference is no motion.
 """
 LARGEST_UNMOVED_MOTION = 1e-6
 """Ratio of a contact node's motion to the motion of a shoe's point below which it counts as zero.
@@ -106,7 +106,8 @@ def node_motions_per_motion_of_shoe_point(
 
 def do_nodes_of_shoe_move_with_point(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
     """Whether nodes of a shoe's mesh move as the point of the shoe named by `key` moves."""
-    # Without a mesh file drumlin divides the shoe into elements itself, by the points of the shoe.
+    # Without a mesh file drumlin divides the shoe into elements itself. The positions of the nodes
+    # then depend on the points of the shoe.
     if shoe.mesh is None:
         beam = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
         return beam or (
@@ -140,7 +141,8 @@ def _node_motion_by_central_difference(
         there = _shoe_nodes_and_nodal_forces_in_brake_frame(
             scene, i, _shoe_with_moved_point(shoe, key, step * direction)
         )
-        # If a step changes the division into elements, its difference cannot be used.
+        # If the motion of the point by `step` changes the division into elements, the difference of
+        # the node positions is no motion and is left out.
         same_division = there.xy.shape == here.xy.shape
         if same_division and np.abs(there.xy - here.xy).max() < LARGEST_NODE_MOTION * h:
             places.append((there.xy - here.xy) / step)
@@ -164,7 +166,7 @@ def _node_motion_by_central_difference(
 def _node_motion_that_only_turns_beam_axis(
     body: ShoeSubstructure, shoe: Shoe, key: str, direction: Floats
 ) -> NodeMotion:
-    """The `NodeMotion` of a straight beam on a mesh that stays, as an end of the beam's axis moves.
+    """The `NodeMotion` of a straight beam whose mesh stays as an end of the beam's axis moves.
 
     No node moves, but the directions of orthotropic layers turn with the axis.
     """

@@ -269,8 +269,9 @@ class _DirectionStrains(NamedTuple):
 def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) -> _DirectionStrains:
     """The shear and stretch of displacement gradients H (e, q, 2, 2) in the layers' directions.
 
-    `constants` (e, 4) [N/m] are those of `elasticity.isotropic_and_orthotropic_elastic_constants`,
-    and `along` (e, q, 2) the unit vectors along the layers.
+    `constants` (e, 4) [N/m] are the elastic constants of the elements, as
+    `elasticity.isotropic_and_orthotropic_elastic_constants` returns them, and `along` (e, q, 2) the
+    unit vectors along the layers.
     """
     a, b = constants[:, 2:3], constants[:, 3:4]
     through = _unit_vectors_through_layers(along)
@@ -316,7 +317,7 @@ def _layer_directions_at_quadrature_points(
 
 
 def _mesh_of_finite_element_basis(basis: Any) -> Any:
-    """The mesh of a basis, which has the subdomains. A grid of hp elements is its own mesh."""
+    """The mesh of a basis, which names the subdomains. A grid of hp elements is its own mesh."""
     return basis if isinstance(basis, ColumnGrid) else basis.mesh
 
 

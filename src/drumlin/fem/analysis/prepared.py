@@ -1,8 +1,8 @@
-"""The prepared model on which a brake is held, worn or differentiated: plane stress, or solid.
+"""The prepared model for the analyses of holding, wear and sensitivity: plane stress, or solid.
 
-Each of these analyses solves the brake on one fixed division into elements. The cross-sections of
-three-dimensional (solid) shoes are divided as for plane stress, so that the results of both models
-differ only by the effect of the widths.
+Each of these three analyses solves the brake on one fixed division into elements. The
+cross-sections of three-dimensional (solid) shoes are divided as for plane stress, so that the
+results of both models differ only by the effect of the widths.
 """
 
 from drumlin.base.errors import BadInput
@@ -16,15 +16,16 @@ from drumlin.fem.width.prepare import (
 )
 
 ANALYSIS_MODELS = ("fem", "solid")
-"""The finite-element models for holding and sensitivity: plane stress, and solid shoes."""
+"""Models for the analyses of holding, wear and sensitivity: plane stress, and solid shoes."""
 ANALYSIS_DEGREE = 3
 """Degree of the polynomials across the width of solid shoes, for holding, wear and sensitivity.
 
 On 18 example brakes without ring and mesh files, the step from degree 3 to degree 6 changes the
 torque by at most 0.2 % and the mean pressure (L2) by at most 0.5 % (first level of a solve). Both
 values belong to the S-cam brake; for the others they are 0.03 % and 0.12 %. The step from degree 2
-to degree 6 changes them by 0.2 % and 0.6 %, without the S-cam brake by 0.09 % and 0.34 %. Plane
-stress differs by some 1 %. Each further degree takes about 1.5 times as long.
+to degree 6 changes them by 0.2 % and 0.6 %, without the S-cam brake by 0.09 % and 0.34 %. The
+results of plane stress differ by some 1 % from those of solid shoes. Each further degree takes
+about 1.5 times as long.
 """
 
 
@@ -43,8 +44,8 @@ def prepared_model_for_analysis(
     Raises
     ------
     BadInput
-        for an unknown model, for a model that does not apply to the brake, for elements together
-        with "solid", and for elements that would change no part of the brake
+        for an unknown model, for a model that does not apply to the brake, for `elements` or `kind`
+        together with "solid", and for a number or kind of elements without effect on the brake
     NoAnswer
         for a singular stiffness, and for a contact face with too many nodes
     """

@@ -58,8 +58,8 @@ def shoe_torques_at_friction_coefficients(
     values = np.zeros((len(frictions), len(brake.shoes)))
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         at, active = group, None
-        # The nodes in contact at one friction are the first guess for the contact at the next
-        # friction.
+        # The nodes in contact at one friction coefficient are the first guess for the contact at
+        # the next one.
         for row, mu in zip(values, frictions, strict=True):
             at, contact = at.copy_of_group_with_other_drum_friction(
                 mu

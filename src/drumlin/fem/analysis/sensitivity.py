@@ -397,7 +397,7 @@ class _TorqueSlopesOfShoe:
             if source == self.k
         ]
 
-    # Slopes by moduli
+    # The following methods compute slopes of the torque by moduli.
 
     @cached_property
     def displacements_due_to_loads_and_adjoint_loads(self) -> _LoadedDisplacements:
@@ -461,7 +461,7 @@ class _TorqueSlopesOfShoe:
         """The factors (l,) by which the load columns make up all loads on the shoe."""
         return load_column_factors_under_all_loads(self.body, self.shoe, self.own.force)
 
-    # Slopes by supports
+    # The following methods compute slopes of the torque by data of supports.
 
     def _torque_slopes_by_supports(self) -> dict[str, Floats]:
         """The slopes of the brake's torque by the supports of the shoe.
@@ -501,8 +501,9 @@ class _TorqueSlopesOfShoe:
     def _can_torque_slope_by_point_be_computed(self, key: str) -> bool:
         """Whether the derivative of the torque by the point `key` of the shoe can be computed.
 
-        It cannot if nodes of the body move with the point and the shoe is solid, or springs, weight
-        or further forces act on moved nodes. A pivot moves no nodes on which such loads act.
+        It cannot if nodes of the body move with the point and, besides, the shoe is solid or
+        springs, weight or further forces act on the moved nodes. A pivot moves no nodes on which
+        such loads act.
         """
         loads_move = self.shoe.has_loads_besides_actuation and key != "pivot"
         return not (
@@ -594,8 +595,8 @@ class _TorqueSlopesOfShoe:
         group, brake = self.group, self.group.brake
         modes, nodes = group.rigid_body_modes_of_shoes[k], self.body.line.nodes
         contact = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
-        # By the penalty the lining penetrates the drum by the pressure divided by the contact
-        # stiffness.
+        # With the penalty method the lining penetrates the drum. The depth is the pressure divided
+        # by the contact stiffness.
         squeezed = own.pressures / group.contact_stiffness_per_area_of_shoes[k]
         turns = modes.pin_motion[2]
         u = (
@@ -627,7 +628,9 @@ class _TorqueSlopesOfShoe:
         return value
 
     def _adjoint_work_of_gaps_due_to_ring(self, line: ContactLine) -> float:
-        """The weighted gaps by the ring's motion times their adjoint, on a moved contact line.
+        """The adjoint work of the gaps that the ring's motion opens, on a moved contact line.
+
+        It is the sum of the weighted gaps times their adjoint multipliers.
 
         The value [N m] is 0 for a rigid drum.
         """
@@ -646,7 +649,7 @@ class _TorqueSlopesOfShoe:
             @ (pressed @ p + dragged @ (group.friction_stress_over_pressure_at_nodes * p))
         )
 
-    # Slopes by the line of action of a strut's force
+    # The following methods compute slopes of the torque by the line of action of a strut's force.
 
     def torque_slope_by_actuation_line_of_action(
         self, force: Floats, moment: float, *, carried: bool = False
@@ -708,7 +711,8 @@ class _TorqueSlopesOfShoe:
         slope = self.torque_slope_by_actuation_line_of_action(
             turned, float(planar_cross_product(point, turned))
         )
-        # If the foot of this shoe pushes another strut, this strut pushes the next shoe.
+        # If the foot of this shoe pushes another strut, the force of that strut on the next shoe
+        # changes too.
         for to in self._indices_of_shoes_pushed_by_struts():
             slope -= (
                 self.adjoint.shoes[to].force_multiplier
@@ -739,7 +743,7 @@ def _add_torque_slopes_by_strut_line_of_action(
     effects["abutment.direction"] = effects["abutment.direction"] + by_direction
 
 
-# Text for people
+# The following functions write the sensitivities as text for people.
 
 
 def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
@@ -849,7 +853,7 @@ def _torque_slopes_by_support_as_text(key: str, value: Floats) -> str:
     return f"{key} {100 * math.radians(value[0]):+.4g} %/deg"
 
 
-# Derivatives by rigid-shoe laws and by differences of solves, for comparison
+# The following functions compute slopes by rigid-shoe laws and by differences of solves.
 
 
 def friction_sensitivity_by_rigid_shoe_law(brake: Brake) -> tuple[float | None, ...] | None:

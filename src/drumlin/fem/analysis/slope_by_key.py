@@ -33,8 +33,9 @@ def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> fl
     """
     parts, name = parts_and_field_name_of_brake_key(brake, key)
     if parts == [brake]:
-        # The key changes only the friction of linings without a coefficient of their own. The slope
-        # is with respect to all friction coefficients in proportion.
+        # The known slope holds if the friction of all linings changes in proportion. The key
+        # "friction" changes only linings without a coefficient of their own, so that the slope is
+        # exact only if no lining has its own coefficient.
         is_exact = (
             name == "friction_as_written"
             and brake.first_key_that_gives_lining_its_own_friction() is None
@@ -51,7 +52,7 @@ def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> fl
 
 
 def _shoe_parts_whose_torque_slopes_are_exact(shoe: Shoe) -> list[Part | None]:
-    """The parts of a shoe whose keys may have exact slopes; None for a part that the shoe lacks."""
+    """The parts of a shoe whose keys may have exact torque slopes; None for a missing part."""
     body = None if shoe.body is None else shoe.body.material
     return [shoe.actuation, shoe.hinge, shoe.lining, shoe.lining.material, body]
 

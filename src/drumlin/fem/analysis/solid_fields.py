@@ -1,7 +1,7 @@
 """Displacements and stresses inside solid shoes, with polynomials across the width.
 
-The fields are sampled at each node of the cross-section and, for each, at points across the width.
-They are computed only for a picture or a file.
+The fields are sampled at points across the width above each node of the cross-section. They are
+computed only for a picture or a file.
 """
 
 from collections.abc import Iterator
@@ -24,10 +24,11 @@ from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_lobatto_points
 
 FEWEST_STEPS = 2
-"""Smallest number of intervals between the samples across a piece of the width.
+"""Smallest number of intervals between the sample points across a piece of the half width.
 
-With one interval the sides of a shoe would be drawn flat. Polynomials of a higher degree have as
-many intervals as degrees, so that the samples determine the polynomial.
+A piece is a range of z in which the width functions are polynomials. With one interval the sides of
+a shoe would be drawn flat. For polynomials of a higher degree the number of intervals equals the
+degree, so that the samples determine the polynomial.
 """
 
 
@@ -87,7 +88,7 @@ class _PartFields(NamedTuple):
 
     Attributes
     ----------
-    nodes : (n,) number of the cross-section's node at each sample
+    nodes : (n,) number of the node of the cross-section to which each sample point belongs
     z : (n,) distances of the samples from the mid-plane [m]
     cells : (m, 8) numbers of the samples at the corners of each cell
     displacement : (n, 3) displacement [m]
@@ -104,7 +105,7 @@ class _PartFields(NamedTuple):
 def recover_stresses_in_half_of_each_solid_shoe(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> list[SolidFields]:
-    """The fields in half of each shoe of a brake, from the contact pressure of its response.
+    """The displacements and stresses in half of each shoe (z >= 0), from a response's pressures.
 
     `response` was computed on the prepared model `scene`, which has shoes with widths.
     """
@@ -118,7 +119,7 @@ def recover_stresses_in_half_of_each_solid_shoe(
 def _recover_stresses_in_half_of_solid_shoe(
     body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse
 ) -> SolidFields:
-    """The fields in half of a shoe.
+    """The displacements and stresses in half of a shoe (z >= 0).
 
     Parameters
     ----------
@@ -171,14 +172,14 @@ def _recover_stresses_in_half_of_solid_shoe(
 
 def contact_face_of_solid_shoe(body: ShoeSubstructure) -> WidthFace:
     """The contact face of a shoe with a width."""
-    # `prepare_model_with_shoe_widths` makes bodies with this face only.
+    # `prepare_model_with_shoe_widths` gives every body a face of this type.
     assert isinstance(body.line, WidthFace)
     return body.line
 
 
 def displacement_unknowns_of_solid_shoe(body: ShoeSubstructure) -> WidthUnknowns:
     """The unknowns of a shoe with a width, by which eliminated displacements are recovered."""
-    # `prepare_model_with_shoe_widths` makes bodies with these unknowns only.
+    # `prepare_model_with_shoe_widths` gives every body unknowns of this type.
     assert isinstance(body.condensed.inner, WidthUnknowns)
     return body.condensed.inner
 
@@ -186,14 +187,15 @@ def displacement_unknowns_of_solid_shoe(body: ShoeSubstructure) -> WidthUnknowns
 def _width_functions_at_sample_points_of_each_piece(
     functions: WidthFunctions, half: float
 ) -> Iterator[_Piece]:
-    """Yield the samples across each piece of the half width of a part."""
+    """Yield the sample points, with the width functions, of each piece of a part's half width."""
     ends = functions.breaks[: functions.number_of_width_pieces_in_part(half) + 1]
     if len(ends) == 1 or functions.degree == 0:
         ends = (0.0, half)
     steps = 0.5 * (1 + gauss_lobatto_points(max(functions.degree, FEWEST_STEPS)))
     for start, end in pairwise(ends):
         z = start + (end - start) * steps
-        # At the outer end of a piece the slopes are the limits from within the piece.
+        # At the outer end of a piece the slopes may jump. They are taken from within the piece,
+        # just before its end.
         at = np.append(z[:-1], np.nextafter(end, 0.0))
         even = functions.function_values_and_slopes(functions.even_functions_across_width, at)
         odd = functions.function_values_and_slopes(functions.odd_functions_across_width, at)
@@ -271,8 +273,9 @@ def _stress_at_sample_points_across_width(
     piece : the distances z from the mid-plane, and the width functions there
     lame : Lame constants of the elements
     """
-    # `own` and `across` are the factors of the width functions at the nodes of each element,
-    # `plane` and `tilted` their gradients in the section.
+    # `own` are the factors of the even width functions at the nodes of each element, and `across`
+    # the factors of the odd ones. `plane` and `tilted` are the gradients of these factors in the
+    # section.
     own, across = even[dofs], odd[dofs]
     plane = np.einsum("amkc,ajmn->cjmnk", own, slopes, optimize=True)
     tilted = np.einsum("amk,ajmn->jmnk", across, slopes, optimize=True)
@@ -293,7 +296,7 @@ def _pressure_at_sample_points_of_lining(face: WidthFace, p: Floats, lining: _Pa
     """
     levels, level = np.unique(lining.z, return_inverse=True)
     on_face = face.pressure_at_distances_from_mid_plane(p, levels)
-    # Nodes of the cross-section are numbered from the contact line on.
+    # The nodes on the contact line have the first numbers among the nodes of the cross-section.
     touching = lining.nodes < len(on_face)
     found = np.zeros(len(lining.z))
     found[touching] = on_face[lining.nodes[touching], level[touching]]

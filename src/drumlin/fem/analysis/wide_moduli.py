@@ -26,8 +26,8 @@ MODULUS_STEP = 1e-3
 """Change of the logarithm of a modulus in the central differences.
 
 The error of a difference is at most MODULUS_STEP^2/6 = 2e-7 of the slope, see `ModulusSlopes`. The
-relative round-off of a condensed body, some 1e-10, divided by the step is as large. A larger step
-is less exact, and a smaller step loses digits.
+error by round-off is as large: it is the relative round-off of a condensed body, some 1e-10,
+divided by the step. A larger step is less exact, and a smaller step loses digits.
 """
 MATERIAL_KEYS = {"lining": "lining", "backing": "backing", "shoe": "body"}
 """The key of the brake file that holds the material of a part, by the part's name in the slopes."""

@@ -228,10 +228,10 @@ class ShoeGroup(GroupProblems):
     def _solve_contact_with_confirmed_abutment_friction(
         self, first_contact_set: Bools | None = None
     ) -> SolvedGroup:
-        """Solve the contact with those directions of friction at the abutments that it confirms.
+        """Solve the contact, with directions of abutment friction that agree with its solution.
 
-        Each choice of directions, and of bearing one-sided supports, is tried. If the solution
-        agrees with no choice, the error of the first trial is raised.
+        Each choice of directions, and of bearing one-sided supports, is tried. If no choice agrees
+        with its own solution, the error of the first trial is raised.
         """
         failure = NoAnswer(
             f"{self.names_of_shoes_as_text}: {self._error_text_that_shoes_are_not_held}"
@@ -327,7 +327,8 @@ class ShoeGroup(GroupProblems):
             self.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
             contact.p[self.contact_node_slices_of_shoes[k]],
         )
-        # The reaction balances the contact, the actuation and the further loads.
+        # The reaction balances the contact forces, the actuation, springs, weight and further
+        # forces.
         normal, dragged = body.resultants_of_unit_nodal_pressures_and_tractions
         normal, dragged = (
             normal @ p,
@@ -389,7 +390,7 @@ class ShoeGroup(GroupProblems):
         abutment, stop, or slide the other way. The next steps then have the new direction of
         friction at the abutment. Raises NoAnswer if there is no solution at any friction.
         """
-        # Without struts, cam and abutments there is nothing to check on the way.
+        # Without struts, cam and abutments there is nothing to check while the friction grows.
         if self.has_neither_strut_cam_nor_abutment:
             limit = self_locking.find_largest_friction_with_equilibrium(
                 self.contact_problem_as_function_of_friction,
@@ -428,7 +429,8 @@ class ShoeGroup(GroupProblems):
             if found is not None:
                 return friction, _followed_solution_of_settled_group(found)
             friction += FRICTION_STEP * max(1.0, friction)
-        # No friction has a solution. The next line raises an error with the reason at friction 0.
+        # The group has no solution at any friction. The next line raises an error with the reason
+        # at friction 0.
         found = self.copy_of_group_with_other_drum_friction(
             0.0
         )._solve_contact_with_confirmed_abutment_friction()
@@ -453,7 +455,11 @@ class ShoeGroup(GroupProblems):
         return not self._error_text_if_actuation_force_pulls(forces)
 
     def is_contact_solution_physically_possible(self, contact: active_set.Contact) -> bool:
-        """Whether a solution agrees with supports, struts and cam, with small turns of shoes."""
+        """Whether supports, struts, the cam and the turns of the shoes allow a contact solution.
+
+        Supports, struts and the cam must be able to exert the computed forces. No shoe may turn
+        farther than is allowed for small displacements.
+        """
         if not (
             self.does_contact_confirm_support_assumptions(contact)
             and self._do_struts_and_cam_push(contact)
@@ -530,7 +536,7 @@ class _FollowedSolution(NamedTuple):
     def solution_continued_with_present_supports_or_none(
         self, friction: float
     ) -> "_FollowedSolution | None":
-        """The solution at a higher friction with the present directions and supports; else None."""
+        """The solution at a higher friction with the present directions and supports, or None."""
         group = self.settled.group.copy_of_group_with_other_drum_friction(friction)
         contact = self_locking.stable_contact_continued_to_higher_friction_or_none(
             self.problem, friction, self.settled.contact, group.contact_node_areas
@@ -577,7 +583,7 @@ def _friction_limit_by_bisection(
     while high - low > self_locking.POLE_DISTANCE * high:
         if at.choice not in tried:
             # The solution mostly ends where its directions of friction and its supports cease to
-            # hold. The search for this place takes one contact solve a step.
+            # hold. Each step of the search for this friction takes one contact solve.
             tried.add(at.choice)
             at, low, end = _bisect_friction_at_which_supports_change(at, low, high)
         else:
@@ -608,7 +614,8 @@ def _bisect_friction_at_which_supports_change(
     low : friction coefficient with a solution
     high : friction coefficient from which on there may be none
     """
-    # If no friction above 0 holds the choice, the search ends at a friction that is 0 in effect.
+    # If the present choice of directions and supports fails at every friction above 0, the search
+    # ends at a friction that is practically 0.
     while high - low > self_locking.POLE_DISTANCE * max(high, self_locking.FRICTION_RESOLUTION):
         middle = 0.5 * (low + high)
         after = at.solution_continued_with_present_supports_or_none(middle)

@@ -78,8 +78,9 @@ def compare_friction_with_self_locking_limits(
         """The smallest self-locking friction of the shoes of a group, by the rigid-shoe law."""
         return min(by_law[i].friction for i in group.members)
 
-    # The search begins with the group that locks first by the law. The limit of each group bounds
-    # the search in the next groups, since only the smallest limit is stated.
+    # The search begins with the group that locks at the least friction by the rigid-shoe law. The
+    # limit of each group bounds the search in the next groups, since only the smallest limit is
+    # stated.
     limits, sought = [], friction / WARNED_SHARE
     if friction > NEAR_LAW * law.friction:
         sought = friction * FURTHEST_SEARCH

@@ -37,7 +37,8 @@ class SupportMatrices:
     opening_by_pressure : opening (m, n) per pressure
     opening_by_force : opening (m, m) per force of a support
     opening_by_motion : opening (m, k) per rigid-body motion
-    gap_by_force : weighted gaps (n, m) that open per force of a support
+    gap_by_force : opening (n, m) of the weighted gaps, the integrals of the gap times each node's
+        shape function, per force of a support
     sizes : amount (k,) of each motion by which points of the brake move about 1 m
     """
 

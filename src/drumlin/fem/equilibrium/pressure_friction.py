@@ -92,7 +92,7 @@ def _solve_group_at_smallest_else_largest_friction(
 def _solve_group_at_nodal_friction(
     group: ShoeGroup, friction: Floats, first: Bools | None
 ) -> SolvedGroup:
-    """Solve a group at friction coefficients (n,) of its nodes, from a contact set (n,)."""
+    """Solve a group at given nodal friction (n,), starting from the contact set `first` (n,)."""
     return _group_with_nodal_friction(group, friction).solve_contact_and_abutment_friction(first)
 
 
@@ -104,7 +104,7 @@ def _group_with_nodal_friction(group: ShoeGroup, friction: Floats) -> ShoeGroup:
 def _friction_and_its_slopes_at_nodes(
     group: ShoeGroup, curves: list[FrictionCurve], p: Floats
 ) -> NodalFriction:
-    """The friction coefficients at nodal pressures p (n,), and their slopes over p."""
+    """The friction coefficients at nodal pressures p (n,), and their derivatives by pressure."""
     size, parts = group.largest_actuation_force, []
     for curve, nodes in zip(curves, group.contact_node_slices_of_shoes, strict=True):
         pressure = size * p[nodes]
@@ -126,8 +126,8 @@ def _contact_whose_friction_fits_its_pressures(
     (n,) are the friction coefficients at which the iteration begins.
     """
     group = settled.group
-    # With the coefficient 1 at every node, the part of the problem that is linear in friction shows
-    # the effect of friction at each node.
+    # The problem of `unit` has the friction coefficient 1 at every node. Its terms with friction
+    # can then be scaled by the coefficient of each node.
     unit = replace(group, friction_at_nodes=np.ones(len(start)))
     try:
         return solve_contact_with_pressure_dependent_friction(

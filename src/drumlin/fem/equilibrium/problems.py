@@ -133,11 +133,11 @@ class GroupProblems(GroupState):
 
     @cached_property
     def strut_and_cam_force_problem(self) -> ForceSharing | None:
-        """The strut and cam forces, and the contact problem with them; None if there are none."""
+        """The contact problem with strut and cam forces; None without struts and a cam."""
         return self._strut_and_cam_force_problem_at_friction(self.brake.friction)
 
     def _strut_and_cam_force_problem_at_friction(self, friction: float) -> ForceSharing | None:
-        """The strut and cam forces, and the contact problem with them; None if there are none.
+        """The contact problem with strut and cam forces; None without struts and a cam.
 
         All matrices hold at the friction coefficient `friction` of the brake.
         """
@@ -179,7 +179,7 @@ class GroupProblems(GroupState):
         load = self.actuation_of_each_shoe_by_one_newton[k].load_factors
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
         tip = self._elastic_load_point_travel_per_nodal_pressure(k, load, friction)
-        # This is the force on the lining along x and y, per pressure of each node.
+        # `contact` has the force of pressure and friction on the lining, per nodal pressure.
         contact = (
             drag * body.resultants_of_unit_nodal_pressures_and_tractions[1]
             - body.resultants_of_unit_nodal_pressures_and_tractions[0]
@@ -228,7 +228,8 @@ class GroupProblems(GroupState):
         body = self.substructures_of_shoes[k]
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
         travel = -(load @ body.closure_by_load.T)
-        # A model that was prepared without friction has no displacements of loads by friction.
+        # A model that was prepared without friction does not know how friction moves the points of
+        # loads.
         if body.load_motion_by_friction is not None:
             travel = travel + drag * (load @ body.load_motion_by_friction)
         return np.asarray(travel)

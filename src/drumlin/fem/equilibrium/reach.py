@@ -46,8 +46,8 @@ def require_small_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, momen
             f"shoe {shoe.name!r}: no equilibrium, "
             "the force turns it without its ever touching the drum"
         )
-    # Each point of the lining meets the drum at two angles. The angle that the turn reaches first
-    # counts.
+    # Each point of the lining meets the drum at two angles. The angle that the turning shoe reaches
+    # first counts.
     angle = np.arccos(cosine[meets])
     both = np.concatenate([angle, -angle])
     turns = math.copysign(1.0, moment) * (both - np.tile(psi[meets], 2)) % (2 * math.pi)

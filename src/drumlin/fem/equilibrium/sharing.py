@@ -1,9 +1,10 @@
 """The contact problem of shoes whose actuation forces come from struts or a cam.
 
 These forces depend on the pressures. Each shoe i of a group has its own equations. Under its
-actuation force F_i the weighted gap opens by G_i F_i, and the equilibria read C_i p = -W_i F_i. The
-tip of the shoe is the point where F_i acts. It travels along F_i by t_i p + s_i F_i elastically,
-and by r_i y_i with the generalised coordinates y_i of the rigid-body modes.
+actuation force F_i the weighted gap (the integral of the gap times each node's shape function)
+opens by G_i F_i, and the equilibria read C_i p = -W_i F_i. The tip of the shoe is the point where
+F_i acts. It travels along F_i by t_i p + s_i F_i elastically, and by r_i y_i with the generalised
+coordinates y_i of the rigid-body modes.
 
 A strut pushes shoe j with the force on the foot of shoe i: F_j = b_i p + e_i F_i. A cam moves two
 tips by the same travel d, and the sum of the cam's forces is given. Each shoe under a cam has a
@@ -42,7 +43,8 @@ class ForceEffects(NamedTuple):
     ----------
     nodes : indices of the shoe's n pressures among the pressures of the group
     modes : indices of the shoe's k generalised coordinates among the coordinates of the group
-    gap_by_force : opening (n,) of the weighted gaps by the force
+    gap_by_force : opening (n,) of the weighted gaps, the integrals of the gap times each node's
+        shape function, by the force
     tip_travel_by_pressure : elastic travel (n,) of the tip along the force, by the pressures
     tip_travel_by_force : elastic travel of the tip along the force, by the force
     tip_travel_by_further_loads : elastic travel of the tip by springs, weight and further forces
@@ -224,7 +226,8 @@ def _contact_problem_with_cam_travel_as_unknown(
     of_coordinates = np.eye(k)
     by_pressure = np.zeros((k, n))
     of_loads = np.zeros(k)
-    # These are the changes of the generalised coordinates per travel of the points of actuation.
+    # `per_travel` is the change of each generalised coordinate per travel of the points of
+    # actuation.
     per_travel = np.zeros(k)
     mains = []
     for i in cam_shoes:
@@ -240,7 +243,8 @@ def _contact_problem_with_cam_travel_as_unknown(
         )
         elastic = shoe.tip_travel_by_force * forces.without_pressure[i]
         of_loads[main] = -(elastic + shoe.tip_travel_by_further_loads) / size
-        # The entry of the main mode itself becomes zero.
+        # The subtraction also makes the entry of the main mode itself zero, because the coordinate
+        # of this mode is no longer an unknown.
         of_coordinates[main, shoe.modes] -= shoe.tip_travel_by_modes / size
         per_travel[main] = 1 / size
     # The travel of the cam replaces the coordinates of the main modes, and is the first unknown.
@@ -327,7 +331,7 @@ def _index_of_mode_replaced_by_cam_travel(blocks: ContactProblem, shoe: ForceEff
     On this main mode the force does most work, relative to the squared effect of the mode on the
     gaps. The choice is the same at every friction coefficient.
     """
-    # Turns and slides have different units. Dividing by the squared effect on the gaps makes them
-    # comparable.
+    # Turns and slides have different units. The work on them is comparable after division by their
+    # squared effect on the gaps.
     size = np.linalg.norm(blocks.B[:, shoe.modes], axis=0)
     return int((shoe.work * shoe.tip_travel_by_modes / size**2).argmax())

@@ -2,8 +2,8 @@
 
 A spring of the rate k pulls by T = T_0 - k d. Here d is the motion by which its two points come
 nearer to each other: the rigid-body motions of the shoes, and the elastic motion of the places
-where the loads act. On one contact set d is a linear function of all pulls, so that Broyden's
-method ends after a few contact solves on the same condensed bodies.
+where the loads act. As long as the same nodes are in contact, d is a linear function of all pulls,
+so that Broyden's method ends after a few contact solves on the same condensed bodies.
 """
 
 from collections.abc import Callable
@@ -20,9 +20,9 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure, load_column_factors
 SETTLED_PULL = 1e-12
 """Largest error of a spring's pull, relative to the largest force, at which the iteration ends.
 
-It is far below the 1e-9 to which forces balance, and above the round-off of the motions times the
-rate. A spring that is stiffer than the brake has a larger round-off and is refused. The value is a
-judgement.
+It is far below the relative error of 1e-9 that is allowed in the balance of forces, and above the
+round-off error of a motion times the spring rate. A spring that is stiffer than the brake has a
+larger round-off and is refused. The value is a judgement.
 """
 MOST_SPRING_STEPS = 40
 """Contact solves after which the iteration for the spring pulls fails. Usual brakes take four."""
@@ -62,7 +62,8 @@ def find_spring_pulls_that_fit_shoe_motions(
             _check_springs_are_not_slack(preloads, pulls)
             return answer, tuple(pulls.tolist())
         if count > 0:
-            # Broyden's update of the inverse Jacobian matrix, by the formula of Sherman-Morrison.
+            # Broyden's method updates the inverse Jacobian matrix, here by the Sherman-Morrison
+            # formula.
             moved = inverse @ (excess - before)
             inverse += np.outer(step - moved, step @ inverse) / float(step @ moved)
         step = -inverse @ excess
@@ -75,7 +76,7 @@ def find_spring_pulls_that_fit_shoe_motions(
 
 
 def _check_springs_are_not_slack(preloads: Floats, pulls: Floats) -> None:
-    """Raise NoAnswer for a spring whose pull has the opposite sign of its preload."""
+    """Raise NoAnswer for a spring whose pull and preload have opposite signs."""
     for i, (preload, pull) in enumerate(zip(preloads.tolist(), pulls.tolist(), strict=True)):
         if pull * preload < 0:
             verb = ("pushes", "pull") if preload < 0 else ("pulls", "push")
@@ -99,7 +100,8 @@ def displacements_of_spring_points_along_pulls(
     pin_motion : (3,) displacement x, y [m] of the pin and turn [rad], in the frame of the shoe
     """
     found = np.zeros(len(brake.springs))
-    # The forces of springs follow the further forces of the shoe itself, in the springs' order.
+    # Among the loads of the body, the springs' forces follow the forces in `shoe.forces`, in the
+    # order of the springs.
     index = len(shoe.forces)
     for j, spring in enumerate(brake.springs):
         pull = spring.spring_or_lever_force_on_shoe(shoe.name, 1.0)

@@ -59,8 +59,9 @@ class ModeClosures(NamedTuple):
 class FrictionlessTerms(NamedTuple):
     """The parts of a shoe's contact problem that friction does not change.
 
-    These are the weighted gaps q (n,) at zero pressure, their opening B (n, k) per rigid-body mode,
-    and the generalised forces h (k,) by which the pressures balance the loads, C p = h.
+    These are the weighted gaps q (n,) at zero pressure (integrals of the gap times each node's
+    shape function), their opening B (n, k) per rigid-body mode, and the generalised forces h (k,)
+    by which the pressures balance the loads, C p = h.
     """
 
     q: Floats
@@ -105,13 +106,13 @@ class GroupState:
     friction_senses : direction of the friction at each shoe's abutment: +1 or -1 along its face, 0
         if the foot sticks. It is empty until `ShoeGroup.solve_contact_and_abutment_friction` has
         found the directions; a group with a rough abutment has no contact problem before.
-    relative_frictions : (shoes,) friction coefficient of each shoe divided by that of the brake;
-        empty to compute it from the brake, which is impossible once the brake's friction is set to
-        0
+    relative_frictions : (shoes,) friction coefficient of each shoe divided by the brake's
+        coefficient; empty to compute it from the brake, which is impossible once the brake's
+        friction is set to 0
     bearing : whether each one-sided support of the group bears; empty until the solve has found
         which of them do. A group with such supports has no contact problem before.
-    friction_at_nodes : (n,) friction coefficient at each contact node divided by that of the brake;
-        None if it is the same at all nodes of a shoe
+    friction_at_nodes : (n,) friction coefficient at each contact node divided by the brake's
+        coefficient; None if it is the same at all nodes of a shoe
     worn_depth : (n,) [m], depth by which wear has opened the gap at the contact nodes of the group;
         None for unworn linings
     """
@@ -126,7 +127,7 @@ class GroupState:
     worn_depth: Floats | None = None
     bearing: Bearing = ()
 
-    # These are the members of the group.
+    # These properties describe the shoes of the group and the friction on them.
 
     @cached_property
     def shoes(self) -> tuple[Shoe, ...]:
@@ -140,7 +141,7 @@ class GroupState:
 
     @property
     def names_of_shoes_as_text(self) -> str:
-        """The names of the shoes as a text, with which error messages begin."""
+        """The names of the shoes as the text with which error messages begin."""
         return self.brake.text_with_names_of_shoes_at_indices(self.members)
 
     @property
@@ -164,7 +165,7 @@ class GroupState:
 
     @cached_property
     def friction_of_each_shoe_over_brake_friction(self) -> tuple[float, ...]:
-        """The friction coefficient of each shoe's lining divided by that of the brake."""
+        """The friction coefficient of each shoe's lining divided by the brake's coefficient."""
         return self.relative_frictions or tuple(
             map(self.brake.shoe_friction_over_brake_friction, self.shoes)
         )
@@ -186,7 +187,7 @@ class GroupState:
         return np.asarray(self.node_friction_over_shoe_friction(k) * p)
 
     def node_friction_over_shoe_friction(self, k: int) -> Floats:
-        """The friction coefficient (n_k,) at each node of shoe `k`, divided by that of the shoe."""
+        """The friction coefficient (n_k,) at each node of shoe `k`, divided by the shoe's own."""
         nodes = self.contact_node_slices_of_shoes[k]
         if self.friction_at_nodes is None:
             return np.ones(nodes.stop - nodes.start)
@@ -213,7 +214,7 @@ class GroupState:
 
     @cached_property
     def largest_actuation_force(self) -> float:
-        """The largest force [N] on a shoe, to which the group's contact problems are scaled."""
+        """The largest force [N] on a shoe; contact problems are stated per newton of this force."""
         return max(shoe.largest_force_of_any_load for shoe in self.shoes)
 
     @cached_property
@@ -312,7 +313,7 @@ class GroupState:
 
     @cached_property
     def one_sided_supports(self) -> tuple[OneSidedSupport, ...]:
-        """The one-sided supports of the group's shoes, which are numbered within the group."""
+        """The group's one-sided supports, in which shoes have their numbers within the group."""
         found = []
         for support in one_sided_supports_of_brake(self.brake):
             if support.sides[0].shoe in self.members:
@@ -350,7 +351,7 @@ class GroupState:
 
     @cached_property
     def friction_of_nodes_over_brake_friction(self) -> Floats:
-        """The friction coefficient (n,) at each contact node divided by that of the brake."""
+        """The friction coefficient (n,) at each contact node divided by the brake's coefficient."""
         if self.friction_at_nodes is not None:
             return self.friction_at_nodes
         counts = [len(body.line.nodes) for body in self.substructures_of_shoes]
@@ -365,7 +366,7 @@ class GroupState:
 
     @cached_property
     def mass_matrix_of_contact_nodes(self) -> Floats:
-        """The mass matrix (n, n) [m^2] of the contact nodes: weighted gaps from nodal gaps."""
+        """The mass matrix (n, n) [m^2] of the contact nodes; it turns gaps into weighted gaps."""
         return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.substructures_of_shoes)))
 
     # These properties describe the ring, the struts and the cam.

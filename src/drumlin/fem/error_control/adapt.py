@@ -42,12 +42,11 @@ from drumlin.response.resultants import (
 )
 
 PEAK_NEAR_END = 0.5
-"""Pressure p in the hp element at a lining's end, relative to the peak, that makes the peak
-unknown.
+"""Fraction of the peak pressure that p may reach in the hp element at a lining's end.
 
-If the largest p in this element exceeds this fraction of the peak, the peak pressure counts as
-unknown: p grows without bound at the lining's end, and on finer elements the largest pressure would
-lie there. The value is a judgement.
+If the largest p in this element exceeds this fraction of the peak, the peak pressure is stated as
+unknown. The exact p grows without bound at the lining's end, and on finer elements the largest
+pressure would lie there. The value is a judgement.
 """
 
 
@@ -273,8 +272,8 @@ def errors_with_singular_points_and_text_on_short_contacts(
     pressure p grows without bound. Elements of finite size cannot show this growth, and the
     difference between two levels does not reveal the error. An error of 1 means that the value is
     unknown. It is stated for a peak at an end of the lining or under a tip, and for the pressure of
-    a contact that is too short. The text names the shoe of such a contact, and is empty if there is
-    none.
+    a contact that is too short. The text names the shoe of such a contact, and is empty without
+    such a contact.
 
     Parameters
     ----------
@@ -332,7 +331,8 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
     lie there.
     """
     theta, p, order = answer.theta, answer.pressure, answer.order
-    # The heights are the largest pressures in the elements at pressed ends, relative to the peak.
+    # `heights` are the largest pressures in the elements at pressed ends of linings, relative to
+    # the peak pressure of the shoe.
     heights = []
     for end, element in _elements_at_ends_of_linings(answer):
         if p[end] > 0:
@@ -395,7 +395,8 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
     for tip, slope in tips:
         if not any(start + zone < tip < end - zone for start, end in shoe.lining.arcs):
             continue
-        # `around` are the nodes of the two elements that meet nearest to the tip.
+        # `around` selects the nodes of the two neighbouring elements whose common end is nearest to
+        # the tip.
         nearest = int(np.abs(theta[::order] - tip).argmin()) * order
         around = slice(max(nearest - order, 0), nearest + order + 1)
         width = scale_factor * float(theta[around][-1] - theta[around][0])

@@ -112,7 +112,7 @@ FORMER_SHARE = 0.04
 
 The last difference, between the last two levels, may be small by accident. A larger fraction makes
 stated errors larger. With 0.02 the error of p was stated 8 % too small on a uniform mesh of ten
-elements along the lining; no other mesh needed a larger one.
+elements along the lining; no other mesh needed a larger fraction than 0.02.
 """
 SHAPE_FACTORS = Factors(pressure=1.3, force=1.3, cancelled=0.1, peak=1.3)
 """Error that the shape of a mesh causes, divided by the change of the result with another shape.
@@ -122,8 +122,9 @@ of coordinates. For such a gap the change is the error itself, if rounding alone
 See `Factors` for each number. If the straight sides cause the largest error, the change is nearly
 the true error: on 45 meshes by Gmsh with straight sides the error of p was 1.0 to 1.15 times its
 change, and the error of the peak up to 1.25 times the larger of the changes of p and of the peak.
-On one mesh the changes of p cancelled in the torque, whose error was 5 times its change, or 0.12 of
-the change with random signs. Smaller factors make stated errors too small.
+On one mesh the changes of p cancelled in the torque, whose error was 5 times its change, or 0.12
+times the change that random signs of the changes of p would give. Smaller factors make stated
+errors too small.
 """
 ROUNDING_FACTORS = {"pressure": 1.5, "torque": 0.1, "peak": 0.8, "reaction": 0.25}
 """Relative errors by rounded coordinates of a mesh file, divided by the ratio of the rounding to

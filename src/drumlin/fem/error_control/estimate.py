@@ -71,7 +71,7 @@ class Factors(NamedTuple):
     peak: float
 
     def safety_factors_of_level_differences(self, shoes: int) -> Floats:
-        """The factors (1 + 4 shoes,) of the differences, in the order of `LevelDifferences`."""
+        """The factors (1 + 4 shoes,) that turn the `steps` of `LevelDifferences` into errors."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 
@@ -79,8 +79,8 @@ class Factors(NamedTuple):
 def read_safety_factors(path: Path) -> dict[str, float]:
     """Read the safety factors of a file that `make calibrate` has written, by their names."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    # Each factor is stored with its value and its meaning. The other entries say where the factors
-    # come from.
+    # The file has an entry with value and meaning for each factor. Its other two entries say where
+    # the factors come from.
     origin = ("written by", "provenance")
     return {name: each["value"] for name, each in data.items() if name not in origin}
 
@@ -179,7 +179,8 @@ def estimate_errors_from_response_differences(
 def sum_of_penalty_and_round_off_errors(shoes: Sequence[ShoeResponse]) -> Floats:
     """The relative errors by the penalty plus the relative errors by round-off (1 + 4 shoes,).
 
-    The order is that of `LevelDifferences`. The penalty is the finite contact stiffness.
+    The torque of the brake comes first, then the four QUANTITIES of each shoe. The penalty is the
+    finite contact stiffness.
     """
     return SOFTER * _relative_changes_of_shoes_due_to_cause(
         shoes, "softness"

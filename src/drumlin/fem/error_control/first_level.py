@@ -58,10 +58,10 @@ FIRST_LEVEL_FACTORS = Factors(
     cancelled=FACTORS.cancelled,
     peak=1.0 + FACTORS.peak,
 )
-"""The error of the first level over its distance from the last level.
+"""Largest ratio of the error of the first level to its distance from the last level.
 
 The error of the first level is at most its distance from the last level plus the error of the last
-level. The latter is at most FACTORS times the distance.
+level. The error of the last level is at most FACTORS times this distance.
 """
 
 
@@ -124,7 +124,7 @@ def errors_of_first_refinement_level(
 def first_level_response_with_errors_of_sample(
     brake: Brake, first: Response, largest: Mapping[str, float]
 ) -> Response:
-    """A copy of the response on the first level that states the errors of a sample.
+    """A copy of a response on the first level, with stated errors from a sample of similar brakes.
 
     `largest` are the largest errors of the first level in the sample, as
     `errors_of_first_refinement_level` returns them. The stated errors are SAMPLE_SAFETY times these
@@ -164,7 +164,8 @@ def text_that_identifies_kind_of_contact(brake: Brake, response: Response) -> st
 
 def _kind_of_singular_point(shoe: Shoe, point: SingularPoint) -> str:
     """The kind of a singular point of the pressure on a shoe; "corner" at an end of a lining."""
-    # The point may be rounded, see CONTACT_END_BITS.
+    # The position of the point may be rounded, see CONTACT_END_BITS. A point this near to a
+    # lining's end therefore lies at the end.
     near = 2.0 ** (1 - CONTACT_END_BITS) * point.length
     at_end_of_lining = any(abs(point.at - end) <= near for arc in shoe.arcs for end in arc)
     if point.kind == Singularity.END and at_end_of_lining:

@@ -124,9 +124,9 @@ factor of forces" below is the factor for torques and reactions; a larger factor
 larger.
 
 - first_degree: the first level only has to find the contact. The degree 3 is a judgement.
-- first_error: with 0.03 the factor of forces rises from 0.57 to 0.75, with 0.04 to 1.3, because a
-  coarse first level resembles the second level only by chance. With smaller values every level has
-  more unknowns.
+- first_error: with 0.03 the factor of forces rises from 0.57 to 0.75, with 0.04 to 1.3, because the
+  difference between a coarse first level and the second level may be small by chance. With smaller
+  values every level has more unknowns.
 - fall: with 6 a solve to the default tolerance takes 9 % more time. With 4.5 some brakes need one
   more level for an error of 1e-4, which doubles the time.
 - sizes: with 0.667 the factor of forces is twice as large, since elements at supports shrink more

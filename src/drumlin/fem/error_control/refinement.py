@@ -77,8 +77,8 @@ class RefinedSolution(NamedTuple):
     last_correction : last correction (n_i,) of the pressures of each shoe [1/m^2]
     coordinates : generalised coordinates (k_i,) of each shoe, the sizes of its rigid-body motions
     torque : torque of all shoes per newton [m]
-    gap : weighted gaps (n,) of all nodes, relative to the largest sum of absolute terms of a
-        weighted gap
+    gap : weighted gaps (n,) of all nodes. Each gap is a sum of terms; all gaps are divided by the
+        largest sum of the absolute values of these terms.
     correction : largest entry of the last correction, relative to the largest pressure
     corrections : number of corrections
     contact_sets : number of contact sets that were tried
@@ -324,7 +324,8 @@ def _assemble_shoe_block_of_full_system(
     test_modes = modes.test_modes.astype(LONG_DOUBLE)
     pin_motion = modes.pin_motion.astype(LONG_DOUBLE)
     count = contact_modes.shape[1]
-    # The contact nodes have the last displacements, two for each node.
+    # The displacements of the contact nodes come last, two for each node. `first` is the number of
+    # the first of them.
     first, shape = inside - 2 * n, (inside + count, n)
     closures = _sparse_matrix_with_values_from_row(N.T, shape, row=first)
     modes_to_nodes = None
@@ -368,7 +369,7 @@ def _loads_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Floats:
 
 
 def _assemble_ring_block_of_full_system(scene: PreparedModel, brake: Brake) -> _RingBlock:
-    """The part of the drum's elastic ring in the full system, in long double."""
+    """The rows and columns of the drum's elastic ring in the full system, in long double."""
     ring, part = scene.ring, brake.ring
     # The function is called only for models with an elastic ring.
     assert ring is not None and part is not None
@@ -382,7 +383,7 @@ def _assemble_ring_block_of_full_system(scene: PreparedModel, brake: Brake) -> _
         forces = ring.rim_balance.forces.transpose(1, 0, 2).reshape(-1, FRAME)
         rim = sp.csr_matrix(forces.astype(LONG_DOUBLE))
         K = _sparse_matrix_from_blocks([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])
-    # `place` gives the number of a displacement among the displacements that are kept.
+    # `place` has the number of each displacement among the displacements that are kept.
     place = np.cumsum(keep) - 1
     nodes = ring.line.nodes
     dofs = place[np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()]
@@ -397,7 +398,7 @@ def _assemble_ring_block_of_full_system(scene: PreparedModel, brake: Brake) -> _
 
 
 def _sparse_matrix_with_columns_at_indices(values: Floats, dofs: Any, count: int) -> Any:
-    """A sparse matrix with `count` columns in which column j of `values` is column dofs[j]."""
+    """A sparse matrix with `count` columns: column dofs[j] is column j of `values`, the rest 0."""
     entries = sp.coo_matrix(values.astype(LONG_DOUBLE))
     places = (entries.row, dofs[entries.col])
     return sp.csr_matrix((entries.data, places), shape=(entries.shape[0], count))

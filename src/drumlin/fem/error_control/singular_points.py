@@ -45,8 +45,8 @@ CONTACT_END_BITS = 20
 """Number of binary digits to which the position of an end of the contact is rounded.
 
 The digits count relative to the length of the contact: twenty binary digits are a millionth of it.
-With 36 digits all stored reference values are the same. With 10 digits the error of p is up to six
-times 1e-4 where it is 1e-4 with 20 digits, because the elements then end beside the contact.
+With 36 digits all stored reference values are the same. With 10 digits the error of p rises from
+1e-4 to as much as 6e-4, because the elements then end beside the end of the contact.
 """
 SHORTEST_KNOWN_CONTACT = 1000 * SMALLEST_COLUMN
 """Length of a contact, in lining thicknesses, below which its pressure counts as unknown.
@@ -107,7 +107,7 @@ def singular_points_of_each_shoe_shape(
 def _singular_points_of_lining(
     shoe: Shoe, answer: ShoeResponse | None, scale_factor: float, level_error: float
 ) -> list[SingularPoint]:
-    """The singular points of the pressure on one lining, not sorted.
+    """The singular points of the pressure on the lining of one shoe, in any order.
 
     Parameters
     ----------
@@ -203,7 +203,8 @@ def _singular_points_at_kinks_of_gap(
     ]
     inside = np.array(near, dtype=bool)
     _, p, weight = polynomial_values_at_gauss_points(answer.theta, answer.pressure, answer.order)
-    # The neglected kinks together may change p by at most this value of the L2 norm.
+    # `norm` is the L2 norm of p. The neglected kinks together may change p by at most `negligible`
+    # in this norm.
     norm = math.sqrt(float(np.sum(weight * p**2)))
     negligible = NEGLIGIBLE_KINKS * level_error * norm
     kinks = _angles_of_strongest_gap_or_friction_kinks(angle[inside], change[inside], negligible)
@@ -255,7 +256,8 @@ def _singular_points_at_kinks_of_friction(
     kinks = _angles_of_strongest_gap_or_friction_kinks(
         angle, change * spacing**1.5 / math.sqrt(120), NEGLIGIBLE_KINKS * level_error * norm
     )
-    # The elements are graded as at a step between blocks whose length is the lining's thickness.
+    # The elements at such a point get the sizes of elements at a step between blocks. The thickness
+    # of the lining takes the place of the step's length.
     length = shoe.lining.thickness / scale_factor / shoe.frame.unit
     (start, end), points = shoe.arc, []
     for phi in shoe.frame.phi_coordinates_as_list(kinks):
@@ -299,7 +301,8 @@ def pressure_change_norms_due_to_kinks_of_gap(lining: Lining, scale_factor: floa
     a layer. The sum of both is an upper bound for a layer on a support.
     """
     if len(lining.linings_with_touching_ones_joined) > 1:
-        # The rows are those of `coordinates_of_clearance_table_rows`: the rows on each lining.
+        # For each lining, `coordinates_of_clearance_table_rows` gives the rows of the table that
+        # lie on it.
         changes = []
         for part in lining.linings_with_touching_ones_joined:
             rows = np.array(clearance.coordinates_of_clearance_table_rows(part))

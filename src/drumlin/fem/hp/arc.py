@@ -395,7 +395,7 @@ class _ColumnBlocks(NamedTuple):
 
     @property
     def slice_of_load_and_left_side_unknowns(self) -> slice:
-        """The positions of the unknowns of loads and left side among those of an element column."""
+        """The positions of the unknowns of loads and left side among all unknowns of a column."""
         return slice(self.extra + self.line)
 
     @property

@@ -49,8 +49,8 @@ def element_grid_of_whole_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> 
     radius : radius of the drum [m]
     div : division of the shoe into columns and layers of elements
     """
-    # The nodes under the linings are numbered first, row by row from the contact to the shoe's
-    # back. In a slot between two linings only the body has nodes.
+    # The nodes under the linings are numbered first, one row of equal depth after the other, from
+    # the contact to the shoe's back. In a slot between two linings only the body has nodes.
     p, first = div.degree, div.index_of_first_body_layer
     depth, along = (
         node_positions_of_element_row(div.depths, p),
@@ -84,7 +84,11 @@ def element_grid_of_whole_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> 
 
 
 def _number_of_node_rows_outside_body(div: ShoeDivision) -> int:
-    """The number of rows of nodes, through the thickness, that the shoe's body does not have."""
+    """The number of rows of nodes, counted from the contact, before the shoe's body begins.
+
+    A row holds the nodes at one depth. For a rigid shoe, whose body has no elements, it is the
+    number of all rows.
+    """
     rigid = div.index_of_first_body_layer == div.number_of_element_layers
     return div.index_of_first_body_layer * div.degree + rigid
 
@@ -156,7 +160,8 @@ def condensed_shoe_body(
     Parameters
     ----------
     shoe, div : the shoe and its division into elements
-    found : the shoe's stiffness and unit loads, condensed to its contact nodes and hinge's frame
+    found : the shoe's stiffness and unit loads, condensed to its contact nodes and to the rigid
+        face that the hinge holds
     grid : all nodes and elements of the shoe
 
     Raises
@@ -180,7 +185,8 @@ def condensed_body_with_cholesky_factor(
 
     Parameters
     ----------
-    found : the shoe's stiffness and unit loads, condensed to its contact nodes and hinge's frame
+    found : the shoe's stiffness and unit loads, condensed to its contact nodes and to the rigid
+        face that the hinge holds
     inner : the equations that give the displacements of the eliminated nodes
 
     Raises
@@ -192,8 +198,8 @@ def condensed_body_with_cholesky_factor(
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
-    # Without round-off, rigid-body motions would cause no forces. The contact displacements by the
-    # forces that they do cause are an estimate of the round-off error.
+    # Without round-off, rigid-body motions would cause no forces on the contact nodes. The
+    # displacements under the forces that they do cause are an estimate of the round-off error.
     half_error = solve_lower_triangular_system(L, found.rigid_mode_forces)
     return CondensedBody(
         L,
@@ -236,8 +242,8 @@ def _equations_of_shoe_before_condensation(
         )
         loads = constraints.matrix.T @ forces[basis.dofs]
     else:
-        # The back of the shoe is fixed to a rigid frame. The three unit loads are a force along x,
-        # a force along y and a couple on the frame.
+        # The back of the shoe is fixed to a rigid grip or a rigid body, the frame. The three unit
+        # loads are a force along x, a force along y and a couple on the frame.
         loads = np.zeros((constraints.matrix.shape[1], FRAME))
         loads[-FRAME:] = np.eye(FRAME)
     return InnerSystem.body_system_from_stiffness_of_all_nodes(

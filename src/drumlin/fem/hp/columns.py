@@ -72,14 +72,15 @@ def numbering_of_element_column_unknowns(
     """
     side, edge, node = 2 * (p + 1), sides * (p - 1), 2 * contact
     line = 2 * (layers * p + (not held)) - node
-    # A line is the nodes on one side of the column. In an element the unknowns on its first and
-    # last edge follow those on its sides, from unknown number `own` on. In the column the right
-    # line follows the contact, from unknown number `far` on.
+    # A line is the nodes on one side of the column. In an element, the unknowns on its two sides
+    # come first, and the unknowns on its first and last edge begin at number `own`. In the column,
+    # the right line comes after the contact and begins at number `far`.
     own = sides * side
     far = line + (edge + sides * node if contact else 0)
     kept, inside = [], []
     for k in range(layers):
-        # Positions of the element's side unknowns on the left and on the right line of the column.
+        # `left` and `right` pair the unknowns on one side of the element with their places in the
+        # left or right line of the column.
         skipped = node if k == 0 else 0
         start, stop = 2 * k * p - node + skipped, min(2 * (k + 1) * p + 2 - node, line)
         count = skipped + stop - start
@@ -88,8 +89,8 @@ def numbering_of_element_column_unknowns(
         places = [left, right][:sides]
         if k == 0 and contact:
             places += _contact_unknowns_of_element_column(p, line, far, sides)
-        # The inner nodes of this element's first and last edge are eliminated. Those on the contact
-        # are kept, and those on a fixed edge have no unknowns.
+        # The inner nodes of this element's first and last edge are eliminated. But inner nodes on
+        # the contact are kept, and nodes on a fixed edge have no unknowns.
         first_edge = (k == 0 and contact) * edge
         last_edge = (2 - (k + 1 == layers and held)) * edge
         above = (k - contact) * edge
@@ -176,7 +177,8 @@ def _add_element_stiffness_to_columns(
     Parameters
     ----------
     part : (c, m, m) stiffness of the element of one layer in each of c element columns
-    rows, columns : unknowns at the rows and at the columns of each block
+    rows, columns : unknowns of the rows and of the columns of all blocks, each as two slices: in
+        the element and in the element column
     target : (c, n, n) stiffness of the element columns, which the blocks are added to
     """
     for own, at in rows:
@@ -317,7 +319,7 @@ def eliminate_nodes_on_column_side(
 def rotate_node_axes_of_matrix(K: Floats, angle: Floats) -> Floats:
     """The matrix K (n, n) with the x and y of each node measured in turned axes.
 
-    `angle` (n/2,) [rad] has the angle by which the axes of each node are turned.
+    `angle` (n/2,) [rad] is the angle by which the axes of each of the n/2 nodes are turned.
     """
     return rotate_node_axes_of_vectors(rotate_node_axes_of_vectors(K, angle).T, angle)
 

@@ -160,8 +160,9 @@ def pressure_exponent_at_orthotropic_corner(
 
     Parameters
     ----------
-    inward_friction : float Friction coefficient [1], positive where the friction drags the lining's
-        face away from the corner, into the lining.
+    inward_friction : float
+        Friction coefficient [1], positive where the friction drags the lining's face away from the
+        corner, into the lining.
     material : AnyMaterial
         Material of the lining.
     drum : AnyMaterial | None
@@ -445,7 +446,7 @@ def _shoe_response_with_one_corner_power_law(
 ) -> ShoeResponse:
     """The response of a shoe with a power law for the pressure p near one corner of its lining.
 
-    `unit` is the length of the surface's coordinate theta (on a plane x) per radian of the shoe's
+    `unit` is the change of the surface's coordinate theta (on a plane x) per radian of the shoe's
     angle phi.
     """
     at_corner = float(response.theta[0 if corner.at_start else -1])
@@ -488,8 +489,9 @@ def nodes_and_pressures_with_power_law_at_corner(
         The end of the lining at which the corner lies, and the exponent a of p, above -1.
     reach : float
         Distance [rad] from the corner up to which pieces are replaced.
-    unit : float Change of the surface's coordinate theta (on a plane x) per radian of the shoe's
-        angle phi, see `ShoeFrame`.
+    unit : float
+        Change of the surface's coordinate theta (on a plane x) per radian of the shoe's angle phi,
+        see `ShoeFrame`.
     """
     sign = 1 if corner.at_start else -1
     at_corner = float(theta[0 if corner.at_start else -1])
@@ -601,7 +603,7 @@ def remaining_pressure_error_at_lining_corners(
 def _does_stated_error_include_unbounded_pressure_at_slot(
     brake: Brake, index: int, response: NodalPressure
 ) -> bool:
-    """Whether p is unbounded beside a slot between linings, and its stated error includes this."""
+    """Whether p is unbounded beside a slot, at a place that its stated error does not exclude."""
     lining = brake.shoes[index].lining
     edges = [int(np.abs(response.theta - edge).argmin()) for edge in np.ravel(lining.slots)]
     if not np.any(response.pressure[edges] > 0):
@@ -637,8 +639,8 @@ def logarithmic_pressures_at_pointed_gap_kinks(
     kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is the length per unit
     of the surface's coordinate [m/rad, on a plane 1].
     """
-    # The factor c in p = c ln(1/x), if the slope of the gap at the kink changes by 1 per unit of
-    # the surface's coordinate.
+    # `half_plane` is the factor c in p = c ln(1/x) if the slope of the gap at the kink changes by 1
+    # per unit of the surface's coordinate.
     half_plane = shoe.lining.material.young_modulus_of_equivalent_half_plane / (
         2 * math.pi * scale_factor
     )

@@ -48,8 +48,8 @@ CORNER_COLUMN = 1e-4
 The size is relative to the length of the contact at the corner. Nearer to the corner the pressure p
 is given by its power law, see `corner.response_with_power_laws_at_corners`. With 1e-3 the error of
 p on the second level of two brakes was 2.5 times as large. With 1e-5 the error was the same, with a
-sixth more unknowns. In columns of 0.03 of the contact's length or more, p depends on the rest of
-the contact too, and not on the power law alone.
+sixth more unknowns. The size must be far below 0.03 of the contact's length, because farther than
+this from the corner p depends on the rest of the contact too, and not on the power law alone.
 """
 HALF_FORCE_PART = 0.1632
 """Fraction of a contact, from a corner of the lining on, that bears half of the contact's force.
@@ -132,8 +132,9 @@ class Level:
     ----------
     degree : degree of the hp elements
     zone : size of the layer of elements at the lining's face, relative to EDGE_ZONE, or to the
-        lining's thickness or the contact's length if these are less. Columns at the lining's ends
-        are as small as `zone` times EDGE_ZONE where `edge` gives more.
+        lining's thickness or the contact's length if these are less. Columns at a lining's end that
+        the contact reaches are no wider than `zone` times EDGE_ZONE, even if `edge` gives a larger
+        size.
     edge : size of the columns at the lining's ends, relative to the lining's thickness or to half
         its length, whichever is less. At an end that a contact reaches, the size is relative to
         half the contact's length.
@@ -272,7 +273,7 @@ def element_sizes_growing_from_both_ends(
 
     Parameters
     ----------
-    length : length to be filled
+    length : length that the pieces fill
     left, right : sizes of the first and of the last piece
     ratio : size of a piece relative to the next one, counted from the left end, below 1
     largest : upper limit of the size of the equal pieces in the middle
@@ -362,8 +363,8 @@ def divide_shoe_into_hp_elements(
 ) -> ShoeDivision:
     """The division of a shoe into columns and layers of hp elements.
 
-    If the contact does not reach an end of the lining, the elements at this end are as small as the
-    elements at the ends of the other layers. Far from a short contact all of them are larger, see
+    If the contact does not reach an end of the lining, the elements at this end get the size of
+    elements at interfaces between layers. Far from a short contact both are larger, see
     `relative_element_size_far_from_contact`.
 
     Parameters
@@ -445,15 +446,23 @@ def _divide_one_lining_into_element_columns(
 ) -> _LiningDivision:
     """The division into element columns of the lining that covers `arc` (phi_1, phi_2) [rad].
 
-    The other parameters are as in `divide_shoe_into_hp_elements`.
+    Parameters
+    ----------
+    shoe : the shoe
+    radius : radius of the drum [m]
+    level : degree of the elements, and sizes of columns and layers
+    points : singular points on all linings of the shoe
+    exponents : exponents of the pressure at the corners of the lining, at its start and its end
+    arc : positions of the lining's start and end [rad]
     """
     own = [point for point in points if _is_lining_on_arc_nearest_to_position(shoe, arc, point.at)]
     contact = _extent_of_lining_contacts(shoe, radius, level, own, arc)
     corner_sizes = _element_column_sizes_at_corners(contact, exponents)
     end_sizes = _element_column_sizes_at_lining_ends(level, contact, corner_sizes)
     grading_points = _grading_points_along_lining(shoe, radius, level, own, contact, end_sizes)
-    # At a point with unbounded pressure the layer of elements at the lining's face is as thick as
-    # the columns are wide.
+    # At points with unbounded pressure the columns are as narrow as `tip_sizes` and `corner_sizes`
+    # say. The layer of elements at the lining's face is then as thick as the narrowest column is
+    # wide.
     tip_sizes = _element_column_sizes_at_pointed_gap_kinks(level, contact, own)
     return _LiningDivision(
         contact=contact,
@@ -465,7 +474,7 @@ def _divide_one_lining_into_element_columns(
 
 
 def _is_lining_on_arc_nearest_to_position(shoe: Shoe, arc: tuple[float, float], phi: float) -> bool:
-    """Whether no other lining of the shoe is nearer to the position phi [rad] than that on `arc`.
+    """Whether the lining on `arc` is the shoe's nearest lining to the position phi [rad].
 
     `arc` (start, end) are positions [rad].
     """
@@ -483,7 +492,9 @@ def _element_column_ends_under_linings_and_slots(
 
     Parameters
     ----------
-    shoe, radius, level : as in `divide_shoe_into_hp_elements`
+    shoe : the shoe
+    radius : radius of the drum [m]
+    level : degree of the elements, and sizes of columns and layers
     linings : divisions of the linings in the order of their positions
     """
     angles, slots = [linings[0].angles], []
@@ -592,7 +603,9 @@ def _extent_of_lining_contacts(
 
     Parameters
     ----------
-    shoe, radius, level : as in `divide_shoe_into_hp_elements`
+    shoe : the shoe
+    radius : radius of the drum [m]
+    level : degree of the elements, and sizes of columns and layers
     points : singular points on the lining
     arc : positions of the lining's start and end [rad]
     """
@@ -685,8 +698,10 @@ def _grading_points_along_lining(
 
     Parameters
     ----------
-    shoe, radius, level, points : the shoe; radius of the drum [m]; degree of the elements and sizes
-        of columns and layers; singular points along the lining, in order
+    shoe : the shoe
+    radius : radius of the drum [m]
+    level : degree of the elements, and sizes of columns and layers
+    points : singular points along the lining, in the order of their positions
     contact : extent of the contact
     end_sizes : sizes of the columns at the lining's start and end [rad]
     """
@@ -701,8 +716,8 @@ def _grading_points_along_lining(
     grip = shoe.interval_of_body_back_held_by_support(radius)
     if grip is None:
         return grading_points
-    # The ends of the grip are grading points, and replace other grading points that are too near to
-    # them.
+    # The ends of the grip, which is the part of the back that the support holds, are grading
+    # points. They replace other grading points that are too near to them.
     grip_size = _element_column_size_at_ends_of_grip(shoe, radius, level)
     kept = []
     for candidate in grading_points[1:-1]:

@@ -437,8 +437,11 @@ def condense_inner_forces_to_element_boundary(
 
     Parameters
     ----------
-    xy, elasticity, p, along : nodes of the elements [m]; elasticity matrices times the width [N/m];
-        degree; unit vectors along the layers at the Gauss points, or None
+    xy : (e, 2, a) nodes of the elements [m]
+    elasticity : (e, 3, 3) elasticity matrices times the width [N/m]
+    p : degree of the elements
+    along : (e, 2, q) unit vectors along the layers at the Gauss points; None where all layers are
+        isotropic
     inner_forces : (e, 2 i, k) forces on the i inner nodes of each element, for k load cases
     """
     count = inner_forces.shape[2]
@@ -485,15 +488,19 @@ def displacements_of_inner_element_nodes(
 
     Parameters
     ----------
-    xy, elasticity, p, along : nodes of the elements [m]; elasticity matrices times the width [N/m];
-        degree; unit vectors along the layers at the Gauss points, or None
+    xy : (e, 2, a) nodes of the elements [m]
+    elasticity : (e, 3, 3) elasticity matrices times the width [N/m]
+    p : degree of the elements
+    along : (e, 2, q) unit vectors along the layers at the Gauss points; None where all layers are
+        isotropic
     u : (e, 8 p, m) displacements of the boundary nodes [m]
     inner_forces : (e, 2 i, m) forces on the inner nodes [N]; None if no force acts on them
     """
     inner_count = 2 * xy.shape[2] - 8 * p
     found = np.empty((len(xy), inner_count, u.shape[2]))
     for part, _, coupling, inner in _stiffness_blocks_of_element_batches(xy, elasticity, p, along):
-        # Equilibrium of the inner nodes: inner stiffness times inner displacements = -`right`.
+        # The inner nodes are in equilibrium if the inner stiffness times their displacements is
+        # -`right`.
         right = coupling @ u[part]
         if inner_forces is not None:
             right -= inner_forces[part]

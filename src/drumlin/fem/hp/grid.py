@@ -298,7 +298,7 @@ class Skeleton:
         return np.asarray((2 * self.nodes[:, None] + np.arange(2)).ravel())
 
     def indices_in_this_basis_of_grid_nodes(self, nodes: Ints) -> Ints:
-        """The numbers in the skeleton of nodes that are given by their numbers in the grid."""
+        """The numbers of nodes in the skeleton, from their numbers in the grid."""
         return self.number[nodes]
 
     def stiffness(self, layers: Mapping[str, ElasticLayer]) -> Any:
@@ -416,9 +416,10 @@ nodes on the boundaries of elements (its skeleton).
 class GridUnknowns:
     """The displacements of a body in hp elements that its condensation has eliminated.
 
-    They are computed again from the contact forces, the unit loads and the motion of the frame:
-    first on the skeleton (the nodes on the boundaries of elements), then inside the elements one by
-    one. The class is a `substructure.body.InnerEquations`.
+    They are computed again from the contact forces, the unit loads and the motion of the frame (the
+    rigid face that the hinge holds): first on the skeleton (the nodes on the boundaries of
+    elements), then inside the elements one by one. The class is a
+    `substructure.body.InnerEquations`.
 
     Attributes
     ----------
@@ -442,7 +443,7 @@ class GridUnknowns:
         layers: Mapping[str, ElasticLayer],
         whole_system: WholeSystem,
     ) -> "GridUnknowns":
-        """The eliminated displacements of a body that has only the unit loads in its equations."""
+        """The `GridUnknowns` of a body without unit loads besides those of `whole_system`."""
         return cls(grid, layers, whole_system, np.zeros((2 * grid.N, 0)))
 
     def equations_of_body_before_condensation(self) -> InnerSystem:
@@ -454,10 +455,10 @@ class GridUnknowns:
         return replace(self, further=np.hstack([self.further, forces]))
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
-        """The unit loads and the stiffness, condensed to the contact nodes and the hinge's frame.
+        """The unit loads and the stiffness, condensed to the contact nodes and the frame.
 
-        The inner nodes of elements are eliminated first, and then the skeleton's nodes outside
-        contact and hinge.
+        The frame is the rigid face that the hinge holds. The inner nodes of elements are eliminated
+        first, and then the skeleton's nodes outside contact and hinge.
         """
         sides = self.grid.grid_without_inner_element_nodes
         on_sides, inner_work = sides.condensed_forces_on_element_boundaries_and_inner_work(
@@ -476,8 +477,9 @@ class GridUnknowns:
     ) -> Floats:
         """The displacements (2 grid nodes, m) [m] of all nodes in m load cases.
 
-        In each load case act forces `nodal` (2n, m) [N] on the n contact nodes and the unit loads
-        times `loads` (l, m), while the hinge's frame moves by `frame` (3, m).
+        In each load case, forces `nodal` (2n, m) [N] act on the n contact nodes, and the unit loads
+        act with the factors `loads` (l, m). The rigid face that the hinge holds moves by `frame`
+        (3, m).
         """
         sides, count = self.grid.grid_without_inner_element_nodes, self.further.shape[1]
         system = self.whole_system(sides)
@@ -494,5 +496,5 @@ class GridUnknowns:
         return sides.displacements_of_all_grid_nodes(self.layers, on_sides, forces)
 
     def _system_with_further_unit_loads(self, system: InnerSystem, forces: Floats) -> InnerSystem:
-        """The system of equations with the further unit loads added as nodal forces (2 N, k)."""
+        """The system of equations with k more unit loads, given as nodal forces (2 N, k)."""
         return system.body_system_with_further_loads(forces) if forces.shape[1] else system

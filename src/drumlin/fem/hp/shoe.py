@@ -93,7 +93,7 @@ def unit_actuation_loads_on_end_face(
     p : degree of the elements
     share : (e,) factor by which the traction on each element of the end face is multiplied
     """
-    # The ends of the elements along the end face, as positions from -1/2 to 1/2.
+    # `ends` are the ends of the elements along the end face, as positions from -1/2 to 1/2.
     ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5
     at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
     psi, _ = shape_functions_and_derivatives_at_gauss_points(p)
@@ -101,7 +101,8 @@ def unit_actuation_loads_on_end_face(
     where = ends[:-1, None] + half * (1 + GAUSS)
     weights = half * WEIGHTS * np.reshape(share, (-1, 1))
     even = np.bincount(at.ravel(), (weights @ psi.T).ravel())
-    # The traction of a unit couple on an end of length 1 is 12 times the position.
+    # On an end face of length 1 the traction of a unit couple is 12 times the position, counted
+    # from the centre of the face.
     linear = np.bincount(at.ravel(), ((weights * where) @ psi.T).ravel()) * 12
     end = xy[:, -1] - xy[:, 0]
     centre = 0.5 * (xy[:, -1] + xy[:, 0])
@@ -113,11 +114,11 @@ def unit_actuation_loads_on_end_face(
 
 
 class CondensedShoe(NamedTuple):
-    """A shoe condensed to its hinge's frame and its n contact nodes, with round-off estimates.
+    """A shoe condensed to its frame and its n contact nodes, with estimates of round-off.
 
-    The frame has three unknowns, the rigid-body motions of the face that the hinge holds, and each
-    contact node has x and y. For a shoe whose back is fixed to a rigid grip or body the estimates
-    of round-off are unknown and set to zero.
+    The frame is the rigid face that the hinge holds, with three rigid-body motions as unknowns.
+    Each contact node has the unknowns x and y. For a shoe whose back is fixed to a rigid grip or
+    body the estimates of round-off are unknown and set to zero.
 
     Attributes
     ----------
@@ -227,7 +228,7 @@ def node_coordinates_of_layers_and_columns(
     along : (c, p + 1) positions of the columns' nodes along the lining
     p : degree of the elements
     """
-    # The array xy (2, layers, columns, p + 1, p + 1) has the points of the nodes of all elements.
+    # `xy` (2, layers, columns, p + 1, p + 1) are the nodes of all elements.
     xy = place(
         node_positions_in_each_element_of_row(depths, p)[:, None, :, None], along[:, None, :]
     )
@@ -236,7 +237,7 @@ def node_coordinates_of_layers_and_columns(
 
 
 def distinct_sizes_and_index_of_each_size(sizes: Floats) -> tuple[Floats, Ints]:
-    """The k distinct values (k,) among `sizes` (m,), and the number (m,) of each size's value.
+    """The k distinct values (k,) among `sizes` (m,), and for each size the index (m,) of its value.
 
     Sizes that agree in twelve digits count as equal.
     """
@@ -368,8 +369,8 @@ def _condensed_hp_columns_of_shoe(
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     body = div.index_of_first_body_layer
     rigid = body == div.number_of_element_layers
-    # In the slots between linings the columns begin with the body, as beyond the linings. A rigid
-    # body has no columns there.
+    # In the slots between linings the columns consist of the body's layers alone, as beyond the
+    # linings. A rigid body has no columns there.
     in_slot = np.zeros(under, dtype=bool)
     for first, last in div.slots:
         in_slot[first:last] = True
@@ -389,7 +390,7 @@ def _condensed_hp_columns_of_shoe(
 def _condensed_hp_columns_of_row(
     whole: _ShoeInElements, row: Ints, layer: int, *, contact: bool, held: bool
 ) -> list[ColumnSubstructure]:
-    """The condensed element columns of a row, without the layers of elements before `layer`.
+    """The condensed element columns of one row of a shoe, with the layers from number `layer` on.
 
     Parameters
     ----------
@@ -496,7 +497,7 @@ def condense_shoe_to_contact_nodes(
     div: ShoeDivision,
     layers: dict[str, ElasticLayer],
 ) -> CondensedShoe:
-    """The shoe condensed to its hinge's frame and its contact nodes, in the order of their angle.
+    """The shoe condensed to the rigid face at its hinge, and to its contact nodes by angle.
 
     Parameters
     ----------
@@ -533,9 +534,9 @@ def condense_shoe_to_contact_nodes(
 def condensed_shoe_held_at_its_back(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     """The condensed shoe whose back is held by a grip, or is bonded to a rigid body.
 
-    The actuation force then acts on the frame: the rigid grip or body. `S` (2n, 2n) is the
-    stiffness of the contact nodes while the frame is fixed, and `R` (2n, 3) are the rigid-body
-    modes of the contact nodes.
+    The actuation force then acts on the frame, which is the rigid grip or the rigid body. `S` (2n,
+    2n) is the stiffness of the contact nodes while the frame is fixed, and `R` (2n, 3) are the
+    rigid-body modes of the contact nodes.
     """
     zeros = np.zeros((len(R), FRAME))
     return CondensedShoe(
@@ -568,8 +569,8 @@ def _condense_shoe_that_hinge_holds(
     """
     faces = _hinge_face_modes_and_end_face_loads(shoe, radius, div)
     # The parts of the body before and behind the lining are attached to the first and the last
-    # column under the lining. The assembled columns have the unknowns [frame | contact nodes | unit
-    # loads].
+    # column under the lining. The assembled columns have the unknowns [rigid face at the hinge |
+    # contact nodes | unit loads].
     columns = row.under.copy()
     columns[0] = _join_first_column_to_body_at_hinge(columns[0], row.before, faces.hinge_modes)
     loaded = condensed_stiffness_of_body_beyond_lining_end(row.after, faces.end_forces)
@@ -649,14 +650,15 @@ def condensed_shoe_corrected_for_round_off(
 
     Parameters
     ----------
-    A : stiffness of the assembled columns, with the unknowns [frame | contact | unit loads]
+    A : stiffness of the assembled columns, with the unknowns [rigid face at the hinge | contact |
+        unit loads]
     end : the unit loads on the loaded end face
     R : (2n, 3) rigid-body modes of the contact nodes
-    pin : (2,) point that the frame turns about [m]
-    forces_in_frame : function from forces (m, .) on the contact's unknowns in `A` to
-        forces (m, 2n) on the contact nodes in the shoe's frame
-    stiffness_in_frame : function that turns the stiffness on the contact's unknowns to the shoe's
-        frame in the same way
+    pin : (2,) point about which the rigid face at the hinge turns [m]
+    forces_in_frame : function that turns forces (m, .) on the contact's unknowns in `A` into forces
+        (m, 2n) on the contact nodes along the axes of the shoe
+    stiffness_in_frame : function that turns the stiffness on the contact's unknowns into the
+        stiffness (2n, 2n) along the axes of the shoe
     """
     extra = end.columns.number_of_load_columns
     frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
@@ -664,7 +666,8 @@ def condensed_shoe_corrected_for_round_off(
     load = -forces_in_frame(A[loads, contact]).T
     on_frame = -A[frame, loads]
 
-    # Add small forces on the contact nodes, so that loads and reactions are in equilibrium.
+    # Small forces on the contact nodes are added to the loads. Loads and reactions are then in
+    # equilibrium.
     imbalance = end.forces_and_moments_of_unit_loads_about_pin(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
     corrected = contact_stiffness_without_strain_in_rigid_motion(
@@ -741,8 +744,8 @@ def _assemble_columns_of_linings_and_slots(
     Parameters
     ----------
     columns : element columns in the order of their positions. The nodes on the left side of the
-        first column and on the right side of the last column are eliminated already; kept unknowns
-        such as those of the frame may stand in their place.
+        first column and on the right side of the last column are eliminated already; other
+        unknowns, such as the motions of the rigid face at the hinge, may stand in their place.
     div : division of the shoe into columns and layers of elements
     """
     before: ColumnSubstructure | None = None
@@ -903,10 +906,11 @@ def contact_stiffness_without_strain_in_rigid_motion(
 
 
 def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
-    """The stiffness on the frame and the contact nodes, from the contact nodes' stiffness S alone.
+    """The stiffness on the frame and the contact nodes, from the stiffness S on the contact nodes.
 
-    S (2n, 2n) is enough, since a rigid-body motion of frame and contact nodes together, by the
-    modes R (2n, 3), causes no forces. The three unknowns of the frame come first.
+    The frame is the rigid face that the hinge holds; its three motions are the first unknowns. S
+    (2n, 2n) alone is enough, because no forces arise if frame and contact nodes move together as a
+    rigid body, by the modes R (2n, 3).
     """
     SR = S @ R
     whole = np.empty((FRAME + len(S), FRAME + len(S)))
@@ -918,5 +922,5 @@ def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
 
 
 def rotate_axes_of_all_nodes_by_one_angle(V: Floats, angle: Floats) -> Floats:
-    """The vectors V (2n, m) with the x and y of all nodes in axes turned by `angle` [rad]."""
+    """The vectors V (2n, m), with the components of all nodes in axes turned by `angle` [rad]."""
     return rotate_node_axes_of_vectors(V.T, np.reshape(angle, 1)).T

@@ -43,7 +43,7 @@ class ActuatedBody(Protocol):
 
     @property
     def load_matrix_columns_by_load_name(self) -> LoadColumns:
-        """The load columns of the body: which columns belong to which named load."""
+        """Which columns of the body's load matrix belong to each load, by the load's name."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class ShoeSubstructure:
 
     @property
     def load_matrix_columns_by_load_name(self) -> LoadColumns:
-        """The load columns of the body: which columns belong to which named load."""
+        """Which columns of the body's load matrix belong to each load, by the load's name."""
         return self.condensed.columns
 
     @property
@@ -119,7 +119,8 @@ class ShoeSubstructure:
     def resultants_of_unit_nodal_pressures_and_tractions(self) -> Floats:
         """Resultants (2, 3, n) of the nodal forces N^T p and T^T p due to each unit nodal pressure.
 
-        A resultant has force x, force y and the moment about the drum's centre.
+        The first index is 0 for N^T p and 1 for T^T p. A resultant has force x, force y and the
+        moment about the drum's centre.
         """
         x, y = self.line.xy
         count = self.line.xy.shape[1]
@@ -159,7 +160,7 @@ class BodyNodes(NamedTuple):
 
 
 def couple_shoe_with_drum_or_plane(line: ContactLine, shoe: Shoe) -> Coupling:
-    """The weak coupling of a shoe's contact line with the drum or the plane."""
+    """The `Coupling` matrices between a shoe's contact line and the drum or the plane."""
     directions = (
         plane_normals_and_tangents
         if shoe.flat
@@ -201,8 +202,8 @@ def make_shoe_substructure(
 
     reaction_to_load = reaction[:, loaded] - condensed.load_on_frame
     # The nodal forces of free thermal strains have no resultant, and the frame alone supports the
-    # body in a statically determinate way. So heat causes no reaction, and the computed one is
-    # round-off.
+    # body in a statically determinate way. So heat causes no reaction, and the computed reaction is
+    # round-off, which is set to zero.
     if HEAT in condensed.columns.column_slice_of_each_load:
         reaction_to_load[:, condensed.columns.column_slice_of_each_load[HEAT]] = 0.0
     x, y = line.xy - shoe.pin_position_in_shoe_frame[:, None]
@@ -281,8 +282,9 @@ def nodal_forces_of_unit_loads_besides_actuation(
 ) -> dict[str, Floats]:
     """The nodal forces (2 nodes, l) of all unit loads of a shoe except its actuation, by name.
 
-    The unit loads are the load of free thermal strains, unit forces at the points of further
-    forces, and unit loads on the shoe's mass. Loads that the shoe lacks are left out.
+    The unit loads are the load of free thermal strains, unit forces at the points of further forces
+    (all forces at points besides the actuation), and unit loads on the shoe's mass. Loads that the
+    shoe lacks are left out.
 
     Parameters
     ----------
@@ -334,10 +336,11 @@ def load_column_factors_of_loads_besides_actuation(body: ActuatedBody, shoe: Sho
 def load_column_factors_of_force_at_point(
     body: ActuatedBody, shoe: Shoe, index: int, force: ForceAtPoint
 ) -> Floats:
-    """The factors (l,) of a body's load columns under one of the further forces on a shoe.
+    """The factors (l,) by which a body's load columns make up a further force on a shoe.
 
-    `force` is the force and its point in the frame of the brake. `index` is the number of the force
-    among the further forces of the shoe, counted from 0.
+    Further forces are all forces at points of the shoe besides the actuation. `force` is one of
+    them with its point, in the frame of the brake. `index` is its number among them, counted from
+    0.
     """
     columns = body.load_matrix_columns_by_load_name
     at_place = columns.column_slice_of_each_load.get(FURTHER_FORCES)

@@ -33,7 +33,7 @@ def cache_key_of_shoe_shape(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     lining, body = shoe.lining, shoe.body
     behind: tuple[object, ...] | None = None
     if isinstance(body, Beam):
-        # A beam ends at the point of the force, so that its shape depends on this point.
+        # A beam ends at the point of the actuation force, so that its shape depends on this point.
         loaded = np.round(
             shoe.frame.convert_vectors_to_shoe_frame(shoe.actuation.point.xy) / brake.size, 12
         )
@@ -142,7 +142,8 @@ def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
     `brake_without_loads_and_clearances`.
     """
     actuation: dict[str, Any] = {"force": 1.0, "direction": 0.0}
-    # A beam ends at the point of its force, and a guide has its pin there.
+    # The body depends on the point of the actuation force if it is a beam, which ends at this
+    # point, or if the shoe has a guide, whose pin lies at this point.
     point_matters = isinstance(shoe.body, Beam) or shoe.guide is not None
     if not point_matters:
         actuation["point"] = Point(x=0.0, y=0.0)

@@ -194,7 +194,7 @@ def _rule_for_dividing_shoes_of_one_shape(
 
 
 def _refinement_level_for_loads_on_body(shoe: Shoe, radius: float, level: Level) -> Level:
-    """The level, with element columns no wider than the body is thick if forces act on the body.
+    """The level, limited to columns no wider than the body is thick if forces act on the body.
 
     A force at a place of the body is spread over about the body's thickness, which wider columns
     would not resolve.

@@ -228,9 +228,9 @@ def _unit_loads_on_mass(
     even = whole.integrals_with_shape_functions(density)
     arms = whole.xy - centre[:, None, None]
     zero = np.zeros_like(even)
-    # A load on the uniform density has a resultant (fx, fy, moment). The wanted resultant is a
-    # force that acts at `place`, the centre of mass of the brake file. The difference acts on the
-    # body's cross-section at `place`.
+    # A load on the uniformly distributed mass has a resultant (fx, fy, moment). The wanted
+    # resultant is a force that acts at `place`, the centre of mass of the brake file. The
+    # difference acts on the body's cross-section at `place`.
     loads = [np.array([even, zero]), np.array([zero, even])]
     loads.append(np.array([whole.integrals_with_shape_functions(density * arm) for arm in arms]))
     corrected = []
@@ -245,7 +245,7 @@ def _unit_loads_on_mass(
 
 
 def load_column_factors_of_forces_and_mass(shoe: Shoe) -> dict[str, Floats]:
-    """The factors of the loads of `unit_loads_at_points_and_mass` under a shoe's loads, by name."""
+    """The factors by which `unit_loads_at_points_and_mass` make up a shoe's loads, by load name."""
     found = {}
     forces = shoe.forces_at_points_besides_actuation
     if forces:

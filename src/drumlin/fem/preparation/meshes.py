@@ -83,7 +83,7 @@ The arguments of the function are the shoe and the drum's radius [m].
 MOST_RAISED_NODES = 150_000
 """Largest number of nodes of a shoe whose mesh gets elements of a higher degree than in the file.
 
-A solve with this number takes a minute. A degree that needs more nodes is refused.
+A solve with this number of nodes takes a minute. A degree that needs more nodes is refused.
 """
 
 
@@ -284,7 +284,7 @@ class AssembledShoe:
 
     @cached_property
     def load_matrix_columns_by_load_name(self) -> LoadColumns:
-        """The load columns of the shoe: which columns belong to which named load."""
+        """Which columns of the shoe's load matrix belong to each load, by the load's name."""
         return LoadColumns.load_columns_of_named_loads(self.loads)
 
 
@@ -379,7 +379,7 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
     """
     if raised.degree is None:
         return nodal_basis_of_mesh(mesh)
-    # The modules load scikit-fem, which takes long.
+    # The imported modules load scikit-fem, which takes long. So they are imported only here.
     from drumlin.fem.mesh import smooth_outline, splitting  # noqa: PLC0415
 
     nodes = number_of_nodes_at_degree(mesh, raised.degree)
@@ -412,14 +412,19 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
 def _largest_allowed_sides_at_singular_points(
     mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float
 ) -> Any:
-    """The singular points of a shoe with a mesh from a file, and the longest allowed sides there.
-
-    No element at a singular point may have a longer side.
+    """The singular points of a shoe's mesh, and the longest side that an element may have there.
 
     Singular points are the corners of the mesh and the singular points of the pressure. The result
-    is a `splitting.FinestSides`. The parameters are those of `_basis_of_raised_degree`.
+    is a `splitting.FinestSides`.
+
+    Parameters
+    ----------
+    mesh : the mesh, which was read from a file
+    raised : sizes of the elements at singular points, and the singular points of the pressure
+    shoe : the shoe
+    radius : radius of the drum [m], on a plane the length of the pad
     """
-    # The modules load scikit-fem, which takes long.
+    # The imported modules load scikit-fem, which takes long. So they are imported only here.
     from drumlin.fem.mesh.smooth_outline import singular_corners_of_mesh  # noqa: PLC0415
     from drumlin.fem.mesh.splitting import FinestSides  # noqa: PLC0415
 
@@ -472,7 +477,14 @@ def _mesh_condense_and_couple_shoe(
 ) -> ShoeSubstructure:
     """Mesh and condense a shoe, and couple it with the drum or the plane.
 
-    The parameters are those of `mesh_and_assemble_shoe`.
+    Parameters
+    ----------
+    brake : the brake
+    shoe : the shoe
+    mesher : function that makes the mesh of a shoe without a file
+    seconds : time of each phase [s], which this function adds to
+    raised : degree of the displacements on a mesh from a file, and how its elements are split
+    cache : cache of meshes that were read from files
     """
     parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds, raised, cache)
     with add_elapsed_time_of_block_to_phase(seconds, "condensation"):

@@ -92,7 +92,7 @@ class PreparedModel:
 
     @cached_property
     def cache_keys_of_shoe_shapes(self) -> list[tuple[object, ...]]:
-        """The `cache_key_of_shoe_shape` of each shoe; shoes that share a body have equal keys."""
+        """The key of each shoe's shape; shoes that share a condensed body have equal keys."""
         return [cache_key_of_shoe_shape(self.brake, shoe) for shoe in self.brake.shoes]
 
     @cached_property
