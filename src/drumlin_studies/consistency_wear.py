@@ -53,8 +53,8 @@ Round-off reaches 1e-5."""
 LAW_TORQUE = 1e-3
 """Allowed relative difference between the torques of the rigid-shoe law and of the worn-in state.
 
-It is the error of a mesh with WORN_ELEMENTS. This error falls with the square of the number of
-elements if the law has partial contact, and else faster.
+It allows for the error of a mesh with WORN_ELEMENTS. This error falls with the square of the number
+of elements if only a part of the lining is in contact, and else faster.
 """
 LAW_PRESSURE = 0.02
 """Allowed relative L2 distance between the pressures of the rigid-shoe law and the worn-in state.
@@ -68,7 +68,7 @@ A run ends at a difference of WEAR_SETTLED. The factor allows for the mesh and t
 """
 
 TRUE_REASONS = ("small displacements hold up to", "without its ever touching", "lost digits")
-"""Words of error messages with which one path may refuse a brake although the other solves it.
+"""Words of error messages with which one path may refuse a brake that the other path solves.
 
 With the first two, wear has left a very soft shoe so much clearance that the shoe would have to
 rotate too far. With the third, `solve` finds too large a round-off error of static condensation,
@@ -130,7 +130,7 @@ def _draw_random_brake_for_wear_check(seed: int, kind: str) -> Brake:
 
 
 def _rows_comparing_unworn_linings_with_solve(name: str, brake: Brake) -> list[Check]:
-    """Compare the start of wear with `solve`, on the finest mesh of `solve`."""
+    """Compare the first state of a wear run with `solve`, both on the finest mesh of `solve`."""
     scene = prepared_model_with_finest_elements(brake)
     setup = wear_setup_by_finite_elements(scene, brake)
 
@@ -261,7 +261,7 @@ def _rows_comparing_wear_and_solve_after_reversal(
 
 
 def _raise_error_of_refused_path(error: NoAnswer) -> _TorqueAndPressure:
-    """Raise `error`; the function stands for a path that refuses the brake."""
+    """Raise `error`. This function stands in for a path of the check that has refused the brake."""
     raise error
 
 

@@ -31,11 +31,15 @@ from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 
 MESHES = 60
-"""Number of meshes if the command line gives none: eight or nine of each form in FORMS."""
+"""Number of meshes if the command line gives no number: eight or nine of each form in FORMS."""
 FINE = 1e-4
 """Relative tolerance of the solution in hp elements that serves as the truth."""
 UNSURE = 3.0
-"""True error above which a stated error is judged, relative to the truth's own stated error."""
+"""Smallest true error with which a stated error is compared, relative to the stated error of the
+solution in hp elements that serves as the truth.
+
+A smaller true error may be an error of this solution instead.
+"""
 WIDTH = 0.04
 """Width [m] of lining and body of every random shoe.
 

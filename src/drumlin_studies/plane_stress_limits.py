@@ -54,7 +54,7 @@ def lining_width_over_thickness(brake: Brake) -> float:
 
 
 def brake_with_lining_width_over_thickness(brake: Brake, ratio: float) -> Brake:
-    """The brake whose linings are `ratio` times as wide as thick.
+    """The brake with linings whose width is `ratio` times their thickness.
 
     The width of the bodies changes in the same proportion.
     """
@@ -87,7 +87,8 @@ def overhang_over_table_thickness(brake: Brake) -> float:
 
 
 def brake_with_overhang_over_table_thickness(brake: Brake, ratio: float) -> Brake:
-    """The brake whose linings overhang their webs by `ratio` times the thickness of the table."""
+    """The brake whose linings extend beyond their webs by `ratio` times the thickness of the table.
+    """
     shoe = brake.shoes[0]
     assert shoe.backing is not None
     thickness = shoe.backing.thickness * overhang_over_table_thickness(brake) / ratio
