@@ -136,8 +136,7 @@ def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -
     size = new.effect
 
     def largest_pressure_error_of_law_on_any_shoe(by: Response) -> float:
-        """Largest relative L2 distance, over all shoes, from the pressure in `by` to the law's.
-        """
+        """Largest relative L2 distance, over all shoes, from the pressure in `by` to the law's."""
         # A shoe without contact has no pressure to which a distance could be relative.
         pairs = zip(found.law.shoes, by.shoes, strict=True)
         return max(

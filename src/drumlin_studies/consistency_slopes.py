@@ -195,8 +195,7 @@ def all_torque_sensitivities_printed_for_brake(brake: Brake, found: Sensitivity)
 
 
 def _torque_slopes_by_ring_stiffness(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
-    """Yield the torque's derivatives by the moduli and bending stiffness of the drum's ring.
-    """
+    """Yield the torque's derivatives by the moduli and bending stiffness of the drum's ring."""
     ring = brake.ring
     if ring is None:
         return
@@ -216,8 +215,7 @@ def _torque_slopes_by_ring_stiffness(brake: Brake, found: Sensitivity) -> Iterat
 
 
 def _torque_slopes_by_common_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
-    """Yield the torque's derivative by the common force, pressure or torque of all shoes.
-    """
+    """Yield the torque's derivative by the common force, pressure or torque of all shoes."""
     drive = brake.actuation
     if drive is None or found.drive is None:
         return

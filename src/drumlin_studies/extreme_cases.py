@@ -228,8 +228,7 @@ def _shoe_mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any
 
 
 def _points_with_tenfold_growing_distance(first: float, whole: float) -> Floats:
-    """Points at 0, at `first`, then each ten times as far from 0 as the last, and at `whole`.
-    """
+    """Points at 0, at `first`, then each ten times as far from 0 as the last, and at `whole`."""
     steps = max(0, math.ceil(math.log10(whole / first) - 0.5)) if first < whole else 0
     return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
 

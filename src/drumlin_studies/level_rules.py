@@ -69,8 +69,7 @@ class LevelsOfRule(NamedTuple):
 
 
 def far_finer_solution_of_random_brake_or_none(seed: int) -> Truth | None:
-    """The far finer solution of the random brake of a seed; None if the brake has no equilibrium.
-    """
+    """The far finer solution of the random brake of a seed, or None without an equilibrium."""
     try:
         return solve_brake_by_finer_hp_meshes(
             draw_random_calibration_brake_and_name_of_kind(seed)[1]
@@ -139,8 +138,7 @@ def find_mesh_at_which_refinement_stops(
 def _errors_stated_on_mesh_by_safety_factors(
     level: LevelRecord, factors: Factors
 ) -> dict[str, float]:
-    """The errors by quantity that drumlin would state on a mesh (level) with given safety factors.
-    """
+    """Errors, by quantity, that drumlin would state on a mesh (level) by given safety factors."""
     # Pressure and peak have factors of their own; torque and reaction share the factor of forces.
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}

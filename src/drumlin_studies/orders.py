@@ -43,10 +43,9 @@ mm, which is R/50 in the brake of the study.
 
 
 def largest_pressure_distance_of_shoes(response: Response, reference: Response) -> float:
-    """Relative L2 distance of the pressures of a response from a reference.
+    """Largest relative L2 distance, over all shoes, of a response's pressure from the reference.
 
-    The largest distance of all shoes counts. The zones at the ends of the linings, in which the
-    pressure is singular, are left out.
+    The zones at the ends of the linings, in which the pressure is singular, are left out.
     """
     return max(map(relative_distance_of_pressures, response.shoes, reference.shoes))
 

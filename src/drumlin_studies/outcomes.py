@@ -38,9 +38,7 @@ TIME_KEYS = ("seconds", "seconds_whole", "pointwise_seconds", "steps", "pointwis
 
 
 def trial_rows_with_fault_as_outcome(rows: Sequence[Row]) -> list[Row]:
-    """The rows of trials that ended with a fault: neither a right answer nor a refusal with a
-    reason.
-    """
+    """Rows of trials that ended with a fault: neither right answer nor refusal with a reason."""
     return [row for row in rows if row["outcome"] in TRIAL_FAULTS]
 
 

@@ -449,9 +449,7 @@ def _list_brake_models_with_their_solve_functions(
 def _largest_torque_and_pressure_error(
     brake: Brake, response: Response, truth: Response
 ) -> tuple[float, float]:
-    """The largest relative error of any shoe's torque, and the largest error of any shoe's
-    pressure.
-    """
+    """The largest relative error of any shoe's torque, and the largest of any shoe's pressure."""
     torque, pressure = 0.0, 0.0
     for found, true, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True):
         torque = max(torque, abs(relative_error_of_number(found.torque, true.torque)))
@@ -551,8 +549,7 @@ def wear_solid_linings(
 def _response_with_worn_lining_pressure(
     line: Any, first: ShoeResponse, forward: slice, p: Floats
 ) -> ShoeResponse:
-    """The response of a shoe before wear, in which the worn lining's pressure replaces the
-    pressure.
+    """The response of a shoe before wear, with its pressure replaced by the worn lining's.
 
     Parameters
     ----------

@@ -87,8 +87,7 @@ def overhang_over_table_thickness(brake: Brake) -> float:
 
 
 def brake_with_overhang_over_table_thickness(brake: Brake, ratio: float) -> Brake:
-    """The brake whose linings extend beyond their webs by `ratio` times the thickness of the table.
-    """
+    """The brake whose linings extend beyond the web by `ratio` times the table's thickness."""
     shoe = brake.shoes[0]
     assert shoe.backing is not None
     thickness = shoe.backing.thickness * overhang_over_table_thickness(brake) / ratio

@@ -305,9 +305,7 @@ def _quadrature_points_of_shoe_friction_face(
 
 
 def _nodal_displacements_per_turn_about_pin(parts: AssembledShoe, shoe: Shoe) -> Floats:
-    """Displacements (2 n,) of the n contact nodes per angle by which the shoe turns about its pin
-    [m/rad].
-    """
+    """Displacements (2 n,) [m/rad] of the n contact nodes as the shoe turns about its pin."""
     x, y = parts.line.xy - shoe.pin_position_in_shoe_frame[:, None]
     return np.column_stack([-y, x]).ravel()
 

@@ -118,8 +118,7 @@ def torques_of_all_shoes_of_response(response: Response) -> Floats:
 
 
 def largest_relative_torque_error_of_shoes(response: Response, true: Response) -> float:
-    """The relative error, with its sign, of the torque of the shoe whose torque has the largest
-    error.
+    """The largest relative error of a shoe's torque, with its sign.
 
     response : the response that is judged; true : the response that serves as the truth.
     """
