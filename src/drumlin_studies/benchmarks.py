@@ -42,7 +42,9 @@ blocks, and shoes on a plane.
 """
 
 COUNTED_BRAKES = ("double_shoe", "post_brake")
-"""Example brakes, without and with an elastic ring, whose unknowns and iterations are counted."""
+"""Example brakes whose unknowns and iterations are counted: one with a rigid drum, and one with an
+elastic drum ring.
+"""
 
 USUAL_REPEATS = 9
 """Number of times that each calculation is timed by default.
@@ -169,7 +171,7 @@ def count_unknowns_of_default_solve(brake: Brake) -> int:
 
 
 def counts_of_unknowns_and_iterations_of_default_solves() -> dict[str, float]:
-    """Numbers of unknowns and of active-set iterations of default solves, by name.
+    """Counts of unknowns and of active-set iterations of default solves, by the name of the figure.
 
     These numbers do not depend on the machine.
     """

@@ -94,7 +94,9 @@ they are too small.
 """
 
 SIGNIFICANT_DIGITS = 2
-"""Number of significant digits of a safety factor. Further digits depend on the brakes drawn."""
+"""Number of significant digits of a safety factor. Further digits would depend on which random
+brakes were drawn.
+"""
 
 
 class LevelRecord(NamedTuple):
@@ -291,8 +293,8 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     elements contributed with random signs. Of the weights CHANCE_WEIGHTS of this term, the one with
     the smallest median ratio of stated to true error is taken.
     """
-    # The weight multiplies the force change that contributions with random signs would cause. The
-    # safety factor of forces depends on this weight.
+    # The weight of the change with random signs is chosen first, because the safety factor of
+    # forces depends on it.
     forces = [
         true_and_estimated_errors_of_quantity(levels, name) for name in ("torque", "reaction")
     ]

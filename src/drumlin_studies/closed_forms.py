@@ -202,7 +202,7 @@ def pressure_exponent_at_sliding_corner(mu: float, nu: float) -> float:
         a, b = e + 1, e - 1
         sa, ca = math.sin(a * right), math.cos(a * right)
         sb, cb = math.sin(b * right), math.cos(b * right)
-        # s_rtheta = -e F' and s_thetatheta = e (e + 1) F.
+        # On a ray the stresses are s_rtheta = -e F' and s_thetatheta = e (e + 1) F, times r^(e-1).
         rows = [
             [0.0, a, 0.0, k + e],
             [mu * (e + 1), a, mu * (e + 1), b],
@@ -248,7 +248,7 @@ def locking_friction_of_hinged_shoe_with_sine_pressure(
     phi_1, phi_2 : float
         Angles of the lining's ends from the line to the hinge [rad].
     """
-    # Moments about the hinge of the pressure, and of friction divided by mu. Both are divided by
+    # Moments about the hinge: of the pressure, and of friction divided by mu. Both are divided by
     # p_0 b R, with the width b.
     normal = a * ((phi_2 - phi_1) / 2 - (math.sin(2 * phi_2) - math.sin(2 * phi_1)) / 4)
     friction = (

@@ -81,7 +81,8 @@ def draw_random_brake_with_blocks(seed: int, steps: int | None = None) -> Brake:
         depth = 10 ** rng.uniform(*STEP_DEPTH_DECADES)
         try:
             brake = draw_random_brake_of_kind(seed + len(BLOCK_KINDS) * (attempt + 1), kind)
-            # The drawn number of steps must fit, so that `steps` never changes the brake.
+            # The brake must have room for the number of steps that the seed gives, also if `steps`
+            # is another number. The same seed then gives the same brake for any `steps`.
             found = _brake_with_random_blocks(brake, rng, drawn, depth)
             return found if steps is None else _brake_with_random_blocks(brake, rng, steps, depth)
         except (BadInput, NoAnswer):

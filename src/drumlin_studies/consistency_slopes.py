@@ -137,7 +137,7 @@ class DivisionForSlopes:
         return make_prepared_model(own, elements=self.elements, cache=self.cache)
 
     def solve_brake_for_torque(self, brake: Brake) -> "TorqueOnDivision":
-        """Solve a brake; returns its torque with mesh size and contact set. Raises as `solve`."""
+        """Solve a brake and return its torque, mesh size and contact set. Raises like `solve`."""
         scene = self.meshed_and_condensed_model_of_brake(brake)
         response = solve_prepared_model(scene, brake)
         # Two meshes count as equal if their numbers of unknowns are equal.
@@ -148,7 +148,7 @@ class DivisionForSlopes:
         return TorqueOnDivision(response.torque, tuple(bodies), touching)
 
     def compute_derivatives_of_brake_torque(self, brake: Brake) -> Sensitivity:
-        """The derivatives of a brake's torque. Raises as `compute_torque_sensitivity` does."""
+        """The derivatives of a brake's torque. Raises like `compute_torque_sensitivity`."""
         return compute_torque_sensitivity(self.meshed_and_condensed_model_of_brake(brake), brake)
 
 

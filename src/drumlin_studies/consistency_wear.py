@@ -59,10 +59,12 @@ of elements if only a part of the lining is in contact, and else faster.
 LAW_PRESSURE = 0.02
 """Allowed relative L2 distance between the pressures of the rigid-shoe law and the worn-in state.
 
-The pressure of the law has a kink at the end of its contact, inside an element.
+The pressure of the law has a kink at the end of its contact. The kink lies inside an element, whose
+pressure is smooth.
 """
 END_REACHED = 1.1 * WEAR_SETTLED
-"""Allowed relative difference of torque and pressure at the end of a wear run from their limits.
+"""Allowed relative difference of torque and pressure at the end of a wear run from the final values
+that wear approaches.
 
 A run ends at a difference of WEAR_SETTLED. The factor allows for the mesh and the penalty.
 """
@@ -213,7 +215,7 @@ def _torque_and_pressure_of_worn_in_brake(
 
 
 def _torque_and_pressure_by_rigid_law(setup: WearSetup) -> _TorqueAndPressure:
-    """Torque and pressure of the rigid-shoe law on the mesh of the setup, the limit of wear."""
+    """Torque and pressure that wear approaches: the rigid-shoe law on the mesh of the setup."""
     goal = final_wear_pressure_and_torque_by_rigid_shoe_law(setup)
     return _TorqueAndPressure(goal.torque, goal.pressure)
 

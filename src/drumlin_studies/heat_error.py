@@ -142,7 +142,7 @@ def _text_on_outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
 def judge_brakes_of_seeds_and_print_summary(
     draw: Callable[[int], Brake], first: int, last: int
 ) -> None:
-    """Judge the brakes with the seeds from `first` to below `last`, and print the summary.
+    """Judge the stated errors of brakes with the seeds `first` to `last` - 1, and print a summary.
 
     `draw` is a function that draws the brake of a seed, and may raise BadInput.
     """

@@ -96,8 +96,7 @@ def solve_nodal_displacements(K: Any, f: Floats, held: Any, at: Floats | float =
     """
     u = np.zeros(len(f))
     u[held] = at
-    # The prescribed displacements load the free unknowns with the forces -K u of their columns of
-    # K.
+    # The prescribed displacements u act on the free unknowns as the nodal forces -K u.
     free = np.setdiff1d(np.arange(len(f)), held)
     u[free] = splu(K[free][:, free].tocsc()).solve(f[free] - K[free][:, held] @ u[held])
     return u

@@ -333,7 +333,7 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
 
 
 def _largest_pressure_in_patch_test(turned: float) -> float:
-    """Largest pressure [Pa] on a strip that is pressed 0.05 m deep on an inclined plane.
+    """Largest pressure [Pa] on a strip into which an inclined plane is pressed by 0.05 m.
 
     The strip is 1 m high and has nu = 0, so that the exact pressure is uniform. `turned` is the
     inclination of the plane [rad].
@@ -440,7 +440,7 @@ class _SymmetricPlate(NamedTuple):
 
 
 def _plate_with_plane_of_symmetry() -> _SymmetricPlate:
-    """The plate of Raous, Chabrand & Lebon, fixed along x at x = 0, and along y in the corner."""
+    """The plate of Raous, Chabrand & Lebon, fixed along x at x = 0, and along y at the origin."""
     L = PLATE_EDGE
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
     mesh = _quadratic_mesh_of_mapped_grid(

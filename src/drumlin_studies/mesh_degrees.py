@@ -75,7 +75,7 @@ FORMS = (
     MeshForm(3, straight=False, recombined=False),
     MeshForm(3, straight=False, recombined=True),
 )
-"""The forms of meshes. The mesh of a seed has the form number seed modulo the number of forms."""
+"""The forms of meshes. The seed modulo the number of forms is the number of a mesh's form."""
 DECIMALS = (None, 2, 3, 4, 5, 6)
 """Numbers of decimals of coordinates in mm, from which one is drawn for each mesh.
 

@@ -129,7 +129,7 @@ class OmissionChange(NamedTuple):
 def relative_change_from_whole_to_simpler_brake(
     simple: Response, whole: Response
 ) -> OmissionChange:
-    """Relative changes from the response of the whole brake to the one of the simpler brake."""
+    """Relative changes from the whole brake's response to the simpler brake's response."""
     torques, pressures, reactions, peaks, each = [], [], [], [], []
     # If torque, peak or reaction of the whole brake is zero, the absolute change is taken in place
     # of the relative one.

@@ -31,15 +31,11 @@ from drumlin_studies.tables import values_of_key_in_rows
 RIGID_CHANGES = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}
 """Changes of a brake file that make a shoe nearly rigid.
 
-Its body has 1e4 times Young's modulus of steel, its lining a thickness of 3 mm, R/50 in the brake
-of the study.
-"""
-Row = dict[str, Any]
-"""Changes of a brake file that make a shoe nearly rigid.
-
 Young's modulus of its body becomes 1e4 times that of steel. The thickness of its lining becomes 3
 mm, which is R/50 in the brake of the study.
 """
+Row = dict[str, Any]
+"""A row of a table: its values by key."""
 
 
 def largest_pressure_distance_of_shoes(response: Response, reference: Response) -> float:

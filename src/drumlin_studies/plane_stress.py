@@ -63,9 +63,11 @@ WIDTH_QUANTITIES = {
 SAID = {"torque": "the torque of each shoe", "pressure": "its mean pressure"}
 """Words for two keys of WIDTH_QUANTITIES in sentences of the report."""
 STUDY_DEGREE = 3
-"""Degree across the width of solid shoes."""
+"""Default degree of the polynomials across the width of solid shoes."""
 READER_LIMITS = (0.01, 0.05, 0.20)
-"""Limits of the relative error. The report states for each in which range plane stress keeps it."""
+"""Limits of the relative error. For each limit the report states the range of brakes in which the
+error of plane stress is within it.
+"""
 
 
 class SolidAndPlane(NamedTuple):
@@ -622,7 +624,7 @@ def sentences_on_maps_of_plane_stress_errors(charts: Sequence[PlaneErrorMap]) ->
 
 
 def _describe_map_ranges_within_limits(chart: PlaneErrorMap, key: str) -> list[str]:
-    """For each of READER_LIMITS the range of a map in which the errors are within it, in words.
+    """Texts, one for each of READER_LIMITS: the range of a map with errors within the limit.
 
     The list ends with the first limit that holds on the whole map.
     """

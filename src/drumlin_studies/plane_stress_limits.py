@@ -1,4 +1,4 @@
-"""Ranges in which plane stress is right to 1, 5 and 20 %, judged by a model of the shoe's width.
+"""Ranges in which plane stress is right to 1, 5 and 20 %, by comparison with shoes in 3D.
 
 Two brakes are varied: one whose shoes have one width, and one with shoes of T-section. Each error
 is the distance of plane stress from shoes whose displacements are polynomials of the degree
@@ -21,9 +21,11 @@ from drumlin.fem.width.ladder import (
 )
 
 LIMIT_DEGREE = 3
-"""Degree across the width of the shoes with which plane stress is compared."""
+"""Degree of the polynomials across the width of the shoes with which plane stress is compared."""
 LIMITS = (0.01, 0.05, 0.20)
-"""Limits of the relative error. For each, the range is stated in which plane stress keeps it."""
+"""Limits of the relative error. For each limit the range is stated in which the error of plane
+stress is within it.
+"""
 LIMIT_QUANTITIES = {"pressure": "mean p over the width", "torque": "torque"}
 """Names of the compared quantities by their key in the error of plane stress."""
 
@@ -141,7 +143,7 @@ VARIATIONS = (
         lambda brake, friction: vary(brake, {"friction": friction}),
     ),
 )
-"""The quantities of the figure, each varied alone."""
+"""The quantities in the panels of the figure. Each of them is varied alone."""
 
 
 def errors_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:

@@ -56,8 +56,8 @@ from drumlin.response.resultants import planar_cross_product
 POINTWISE_PENALTY = 1e3
 """Default penalty factor alpha in the penalty stiffness eps = alpha E/t [Pa/m].
 
-E and t are Young's modulus and thickness of the lining. There are more Gauss points than nodes.
-With a much larger factor the contact conditions at the points over-constrain the nodes.
+E and t are Young's modulus and thickness of the lining. There are more Gauss points than nodes, so
+that with a much larger factor the contact conditions at the points would over-constrain the nodes.
 """
 MOST_POINT_STEPS = 60
 """Number of Newton steps after which the method gives up, because the contact has not converged."""
@@ -212,7 +212,7 @@ def _solve_one_shoe_by_penalty(
 
 
 def _answer_of_shoe_without_contact(shoe: Shoe) -> PointwiseAnswer:
-    """The answer for a shoe that its force does not press on the drum."""
+    """The answer for a shoe that its actuation force does not press on the drum."""
     response = response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
     return PointwiseAnswer(response, Balance(0.0, 0.0), 0)
 

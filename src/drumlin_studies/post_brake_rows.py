@@ -34,7 +34,7 @@ from drumlin.response.norms import relative_error_of_number
 from drumlin.response.response import Merit, Response
 
 ALL_LIFTS = ("all",)
-"""Value of the option `lift` with which the foundation model includes every effect that the
+"""Value of the option `lift` with which the foundation model includes all effects that the
 published model neglects.
 """
 Solver = Callable[[Brake], Response]
@@ -44,7 +44,9 @@ Offsets = dict[str, dict[str, list[tuple[float, float]]]]
 relative difference of the shoe's torque from its torque by the sine law.
 """
 Merits = dict[str, dict[str, list[tuple[float, Merit]]]]
-"""For each shoe and model a list of pairs: coefficient of friction, and figures of merit."""
+"""For each shoe and model a list of pairs: coefficient of friction, and the shoe's figures of merit
+(`Merit`).
+"""
 Curve = tuple[Floats, Floats]
 """Abscissas (n,) and ordinates (n,) of a curve."""
 POST_MODELS: dict[str, Solver] = {
@@ -340,7 +342,7 @@ def error_rows_of_violated_assumptions(brake: Brake, elements: int) -> list[dict
         | brake_changes_for_lining_arc(brake, 40),
         "the brake of this study": brake.model_dump(by_alias=True),
     }
-    # Each brake is solved by finite elements, against which the models are judged.
+    # Each brake is also solved by finite elements, which serve as the truth for the models.
     rows = []
     for case, changes in cases.items():
         varied = brake if case == "the brake of this study" else vary(base, changes)
@@ -437,8 +439,8 @@ def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dic
     """A row for each of several grids of the foundation model: errors, iterations and time.
 
     The errors of torque, normal force and friction radius are against a grid of 2880 sections. They
-    are taken on a changed brake, whose whole linings are in contact. Iterations and time belong to
-    the given brake.
+    are taken on a changed brake, whose linings touch the drum along their whole length. Iterations
+    and time belong to the given brake.
 
     brake : the post brake; repeats : number of timings.
     """

@@ -591,8 +591,8 @@ def _draw_self_locking_or_opposed_brake(seed: int, kind: str, attempt: int = 0) 
 def _has_contact_without_friction(brake: Brake, locking: float) -> bool:
     """Whether the shoe of a brake touches the drum without friction, by finite elements.
 
-    locking : friction at which the brake locks itself by the sine law. Raises NoAnswer where the
-    sine law has no answer.
+    locking : friction at which the brake locks itself by the sine law. Raises NoAnswer if the sine
+    law has no answer.
     """
     # The sine law raises NoAnswer if the shoe is not pressed on the drum or the clearance is
     # uneven.

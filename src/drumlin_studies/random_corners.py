@@ -44,7 +44,7 @@ length.
 FACTOR_DIGITS = 2
 """Significant digits of the factor by which a gap is scaled.
 
-Two digits keep the brake of a seed the same after a change of the solver that moves the length of
+With two digits the brake of a seed stays the same if a change of the solver changes the length of
 the contact by some percent.
 """
 LENGTH_TOLERANCE_FACTOR = 1.25
@@ -297,7 +297,8 @@ def _scale_gaps_to_random_contact_length(
         The part of the lining that bears the force: "corner", "tip" (a kink that points to the
         drum), or "table" for either of them.
     """
-    # The wanted length of the contact is uniform in its logarithm; the first factor is 3.
+    # The wanted length of the contact is uniform in its logarithm. The first tried factor on the
+    # gaps is 3.
     low, high = SHORT_CONTACT if rng.random() < SHORT_SHARE else LONG_CONTACT
     wanted, factor = math.exp(rng.uniform(math.log(low), math.log(high))), 3.0
     for _ in range(MOST_SCALINGS):
@@ -350,7 +351,7 @@ def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str
 
 def is_lining_corner_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether the contact of a shoe reaches an end of its lining."""
-    # Distances of all ends of contact arcs from both ends of the lining.
+    # Distances between all ends of contact arcs and both ends of the lining.
     ends = np.array(found.contact_arcs).ravel()
     corners = np.array([shoe.lining.start, shoe.lining.end])
     distances = np.abs(ends[:, None] - corners)

@@ -16,7 +16,9 @@ TARGETS = {
     "torque_error": (0.1, 0.05, 0.01, 1e-3, 1e-4),
     "pressure_error": (0.1, 0.05, 0.01, 5e-3, 1e-3, 1e-4),
 }
-"""Relative errors for which a method is recommended, by the error's key in a row."""
+"""Targets: the largest allowed relative errors, for each of which a method is recommended, by the
+error's key in a row.
+"""
 TARGET_NAMES = {"torque_error": "torque", "pressure_error": "p (L2)"}
 """Names of the quantities of TARGETS in tables, by the error's key in a row."""
 HALF_PERCENT = 5e-3
@@ -149,7 +151,7 @@ def recommended_methods_by_brake_and_target(best: Sequence[Row]) -> list[Matrix]
         for row in best:
             if row["quantity"] == TARGET_NAMES[key]:
                 lines.setdefault(row["brake"], []).append(_matrix_cell_with_recommended_method(row))
-        # Number of brakes for each target on which a law is recommended.
+        # For each target the number of brakes on which a law is recommended.
         by_law = []
         for k in range(len(targets)):
             by_law.append(sum(cells[k].sort == "law" for cells in lines.values()))
@@ -274,7 +276,7 @@ def _compare_times_with_peers_on_brake(
                     peer, target, best, _fastest_row_within_pressure_error(own, target, floors), aim
                 )
             )
-    # The finest solve of a peer on a uniform mesh is compared with the fastest solve of drumlin.
+    # A peer's finest solve on a uniform mesh is compared with the fastest solve of drumlin.
     of_peers = [row for row in rows if row["family"] in PEER_FAMILIES]
     of_peers = [row for row in of_peers if row["status"] == "converged"]
     even = [row for row in of_peers if row.get("even")]
@@ -293,7 +295,7 @@ def _row_pairs_of_peer_and_drumlin_on_mesh(
 
     Rows of peers with an error of the pressure above HALF_PERCENT are left out.
     """
-    # Rows of drumlin on graded meshes, by kind and number of elements.
+    # Rows of drumlin on graded meshes, by the mesh: kind and number of elements.
     meshes = {(row["kind"], row["elements"]): row for row in own if row["family"] == "graded mesh"}
     pairs = []
     for row in of_peers:

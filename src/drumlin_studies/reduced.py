@@ -57,8 +57,8 @@ With this number a predicted change is right within a factor of two.
 SKETCH_SECTIONS = 4 * SKETCH_ELEMENTS
 """Number of sections into which the bar of a shoe is divided.
 
-There are several sections for each element of the lining, because a shoe is longer than its lining.
-Half as many sections would still pass the tests of the predictions.
+Each element of the lining has several sections, because a shoe is longer than its lining. Half as
+many sections would still pass the tests of the predictions.
 """
 CONTACT_WAVES = 8
 """Number of waves of the ring's Fourier series along the shortest contact.
@@ -75,7 +75,7 @@ MOST_RING_MODES = 4000
 RING_DEGREE = 6
 """Degree of the polynomials for the displacement through the thickness of the ring.
 
-A higher degree changes no digit that is used.
+A higher degree changes no significant digit of a prediction.
 """
 HALF_PLANE_WAVE = 7.0
 """Limit of k h/R for mode k of a ring of radius R and thickness h. Above the limit the ring deforms
@@ -272,9 +272,10 @@ class _Bar(NamedTuple):
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 
         def rows_of_flexibility_square_root(part: Floats, root: Floats) -> Floats:
-            """Rows of S from a section force per unit load (m, n, 2) and `root` (m,).
+            """Rows of S for a force in the sections: `part` (m, n, 2) times `root` (m,).
 
-            part : moment, normal or shear force; root : square root of the section's compliance.
+            part : moment, normal or shear force in each section by unit loads at the points; root :
+            square root of the section's compliance.
             """
             # Only the sections between the hinge and the point of a force carry the force.
             scaled = part * (beyond * root[:, None])[..., None]
@@ -483,7 +484,8 @@ def radial_ring_compliances_under_two_tractions_by_mode(
     section = ring.section
     assert section is not None
     assert isinstance(section.material, Material)
-    # Modes with waves much shorter than the thickness follow from the formulas of a half-plane.
+    # Modes whose waves are much shorter than the thickness follow from the formulas of a
+    # half-plane.
     long = modes * section.thickness <= HALF_PLANE_WAVE * radius
     if not long.all():
         E, nu = section.material.E, section.material.nu

@@ -67,7 +67,8 @@ SPENT_WITHIN = 0.01
 run in.
 """
 AT_LAW = "at the law"
-"""Status of a brake whose pressure and torque end at its rigid-shoe law."""
+"""Status of a brake whose pressure and torque end, after wear, at the values of its rigid-shoe law.
+"""
 PRESSURE_AT_LAW, TORQUE_AT_LAW = 0.01, 0.001
 """Largest relative differences of pressure and of torque from the rigid-shoe law with which a
 worn-in brake counts as "at the law"."""
@@ -294,8 +295,8 @@ def row_comparing_run_with_halved_wear_steps(one: Run) -> dict[str, Any]:
     the sliding distance of the run.
     """
     s = [state.s for state in one.states]
-    # The run is repeated with a further state in the middle of each step; every second state of the
-    # new run then belongs to a state of the old run.
+    # The run is repeated with a further state in the middle of each step. Every second state of the
+    # new run then has the sliding distance of a state of the old run.
     middles = [(a + b) / 2 for a, b in pairwise(s)]
     halved = wear_linings_in_given_steps(one.setup.interfaces, ARCHARD, sorted([*s[1:], *middles]))[
         ::2

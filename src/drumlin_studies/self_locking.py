@@ -177,8 +177,8 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     counts, disagreeing = _agreement_counts_and_disagreeing_friction_fractions(
         problems, top, starts
     )
-    # Beyond the friction limit no contact set should be a stable answer, and a solve of drumlin
-    # should raise NoAnswer.
+    # Beyond the friction limit the contact iteration should find no stable answer, and a solve of
+    # drumlin should raise NoAnswer.
     beyond = answered = None
     if end.friction <= 10:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
@@ -219,7 +219,7 @@ def _smallest_singular_friction_on_coarse_mesh(brake: Brake) -> float:
 
 
 def _starting_contact_sets(n: int, seed: int) -> list[Bools]:
-    """Contact sets (n,) to start from: all nodes, no node, and random sets by a seed."""
+    """Contact sets (n,) from which the iteration starts: all nodes, no node, and random sets."""
     rng = np.random.default_rng([START_SEED, seed])
     random_sets = [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
     return [np.ones(n, bool), np.zeros(n, bool), *random_sets]

@@ -110,7 +110,7 @@ thickness, to the distance of the break. Pieces much shorter than the elements o
 add unknowns.
 """
 STEEL = {"E": 210e9, "nu": 0.3}
-"""Material of the tables and webs of the "built" shoes: Young's modulus [Pa], Poisson's ratio."""
+"""Material of tables and webs of the "built" shoes: Young's modulus [Pa] and Poisson's ratio."""
 TABLE = (1 / 30, 1 / 8)
 """Smallest and largest thickness of a "built" shoe's table, relative to the lining's width."""
 WEB = (1 / 12, 1 / 4)
@@ -118,7 +118,7 @@ WEB = (1 / 12, 1 / 4)
 BOUNDED_ERRORS = ("torque", "pressure")
 """Names, in the `error` of a response, of the errors that a tolerance bounds."""
 JUDGED_ERRORS = (*BOUNDED_ERRORS, "reaction")
-"""Names of the stated errors that are compared with true errors."""
+"""Names, in the `error` of a response, of the stated errors that are compared with true errors."""
 LEAST_MODEL_ERROR = 0.01
 """Smallest true relative error of plane stress for which drumlin's estimate of this error is
 judged.

@@ -95,7 +95,7 @@ class TimedModel(NamedTuple):
 
 
 class SolidSetting(NamedTuple):
-    """The solves that are made and compared.
+    """The settings of the solves that are compared.
 
     Attributes
     ----------
@@ -138,8 +138,8 @@ def relative_uncertainty_of_solid_shoe_reference(
 ) -> dict[str, float]:
     """The relative uncertainty of the torque and the mean pressure of a solid truth.
 
-    It is the distance between two degrees across the width on one level, plus the distance between
-    two levels with the lower degree.
+    It is the distance between the answers with two degrees across the width on one level, plus the
+    distance between the answers on two levels with the lower degree.
     """
     by_degree = relative_distance_of_plane_stress_from_width_solution(
         brake, truth.lower, truth.response

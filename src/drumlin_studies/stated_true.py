@@ -53,7 +53,7 @@ GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 TRUTH_FINENESS = 0.1
 """Fraction of the tolerance by which the pressure may still change on the last level of the truth.
 
-The truth is solved on finer and finer levels until the pressure changes by less.
+The truth is solved on finer and finer levels until the pressure changes by less than this.
 """
 PEAK_ANGLES = 4001
 """Number of evenly spaced angles at which the peak pressure is searched, in addition to the nodes.
@@ -152,7 +152,7 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth
 
 
 def largest_round_off_errors_of_shoes(shoes: Sequence[ShoeResponse]) -> ShoeChange:
-    """Relative round-off errors of the elimination: the largest of any shoe, by quantity."""
+    """Relative round-off errors of static condensation, by quantity: the largest over all shoes."""
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
     return ShoeChange(*(max(parts) for parts in by_quantity))
 
@@ -250,7 +250,8 @@ def relative_pressure_error_of_shoe(
         true.theta, true.pressure, true.order, edge
     )
     first, last = true.theta[0] + zone, true.theta[-1] - zone
-    # The nodes of both pressures divide the lining into intervals.
+    # The nodes of both pressures divide the lining into intervals, over which the error is
+    # integrated.
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
     knots = knots[(knots >= first) & (knots <= last)]
     # Within an interval both pressures are smooth, so that Gauss quadrature is exact enough.

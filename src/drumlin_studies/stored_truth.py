@@ -107,8 +107,8 @@ on two brakes.
 """
 
 CERTAIN = 4.0
-"""Ratio of a true error to its uncertainty above which the true error is used to judge the stated
-error.
+"""Smallest ratio of a true error to its uncertainty with which the true error is used to judge the
+stated error.
 
 At smaller ratios the difference between answer and truth may be an error of the truth.
 """
@@ -150,7 +150,7 @@ class DrawnBrake(NamedTuple):
     changes: Mapping[str, Any] = {}
 
     def brake(self) -> Brake:
-        """The random brake of `kind` and `seed` after `changes`."""
+        """The random brake of `kind` and `seed`, with the values of `changes`."""
         drawn = (
             draw_random_brake
             if self.kind in DRAWN_KINDS
@@ -354,7 +354,8 @@ def _shoe_solution_with_power_law_at_corner(
 
     Only corners with an unbounded pressure are changed.
     """
-    # The power law reaches over a fixed fraction of the contact arc that ends at the corner.
+    # The power law replaces the pressure over a fixed fraction of the contact arc that ends at the
+    # corner.
     for corner in corners_with_unbounded_pressure(brake, index, found):
         at_corner = found.theta[0 if corner.at_start else -1]
         arc = next((float(b - a) for a, b in found.arcs if at_corner in {a, b}), 0.0)

@@ -263,7 +263,8 @@ def time_and_error_rows_of_coarser_meshes(
     fine : int
         Elements along each lining of the mesh against which errors are taken.
     """
-    # Torques on the fine mesh, against which the errors of the coarser meshes are taken.
+    # Torques on the fine mesh. The errors of the coarser meshes are the differences from these
+    # torques.
     true = torques_of_solved_sweep_cases(
         solve_all_cases_of_sweep([case._replace(options={"elements": fine}) for case in cases])
     )

@@ -54,7 +54,7 @@ products of pressure and gap.
 TORQUE_DIGITS = 6
 """Number of digits of the torque that must agree with the refined solution."""
 OTHER_ORDER = "MMD_AT_PLUS_A"
-"""Name of the order in which the library SuperLU eliminates the unknowns of the refined solution.
+"""Name, in the library SuperLU, of the order in which the refined solution eliminates its unknowns.
 
 It differs from the order that the model uses, so that both solutions have different round-off.
 """
@@ -213,7 +213,7 @@ def accuracy_of_answer_of_all_groups(
 
 
 def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[str, Any]:
-    """The keys of `accuracy_of_answer_of_all_groups` for one group of coupled shoes.
+    """The values of `accuracy_of_answer_of_all_groups`, by key, for one group of coupled shoes.
 
     `whole` is the reason why the refined solution of the group failed, or empty.
     """

@@ -82,7 +82,7 @@ The true error of the first level of the mesh is its distance from the second le
 WIDTH_QUANTILE = 0.99
 """Fraction of the solves in the fit whose true errors must not exceed their stated errors."""
 LARGEST_SHORTFALL = 2.0
-"""Largest ratio of a true error to its stated error that the fit allows."""
+"""Largest ratio of a true error to its stated error that the fit allows on any solve."""
 LEAST_FITTED = {"pressure": 1e-3, "torque": 1e-5, "reaction": 1e-5}
 """Smallest true relative error with which a row enters the fit, by quantity.
 

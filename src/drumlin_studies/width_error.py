@@ -38,7 +38,9 @@ from drumlin.fem.width.prepare import (
 from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 
 LEAST_JUDGED = 1e-3
-"""True relative error above which an estimate is judged. Smaller errors are of no interest."""
+"""Smallest true relative error of plane stress for which the estimate of this error is judged.
+Smaller errors are of no interest.
+"""
 TRUE_WIDTH_DEGREE = 5
 """Default degree of the polynomials across the width in the model that serves as the truth."""
 KINDS_WITH_WIDTHS = tuple(kind for kind in SHAPE_KINDS if not kind.endswith("on ring"))

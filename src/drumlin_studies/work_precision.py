@@ -60,7 +60,7 @@ LEAST_SECONDS = 0.1
 LEAST_SAMPLE = 2e-3
 """Shortest time [s] of one repeat of a timing. If a call takes less, a repeat has several calls."""
 EQUAL_TIMES = 1.2
-"""Ratio of two times up to which both methods count as equally fast."""
+"""Ratio of the times of two methods up to which both count as equally fast."""
 FURTHER_FRICTION = 0.9
 """Coefficient of friction of the further load case, divided by the coefficient of the first load
 case.
@@ -312,7 +312,7 @@ def _cold_solve_by_pointwise_penalty(brake: Brake, *, elements: int, penalty: fl
         return _count_unknowns_of_prepared_model(make_prepared_model(brake, elements=elements))
 
     def solve_further_case_anew() -> Response:
-        """The response to the further load case; the method reuses nothing."""
+        """The response to the further load case, solved anew: the method reuses nothing."""
         return solver(_brake_of_further_load_case(brake))
 
     return ColdSolve(solver(brake), solve_further_case_anew, count_unknowns_of_mesh)

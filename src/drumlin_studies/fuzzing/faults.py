@@ -76,7 +76,7 @@ def make_input_with_scaled_quantities(rng: random.Random) -> BrokenInput:
     The file often still describes a valid but extreme brake.
     """
     text = content_of_brake_file(rng.choice(SOUND_BRAKES)).decode()
-    # A number that is followed by a unit or that ends its value.
+    # Pattern of a number that is followed by a unit or by the end of the value.
     number = r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))"
     places = list(re.finditer(number, text, re.MULTILINE))
     chosen = rng.sample(places, min(len(places), rng.choice([1, 1, 2, 4])))

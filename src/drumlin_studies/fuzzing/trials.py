@@ -125,7 +125,8 @@ def run_and_judge_input(generator: str, number: int, apart: bool = False) -> Inp
 
     If `apart` is true, the input runs in a new process, else in this one.
     """
-    # A word with a NUL byte cannot be given to a new process.
+    # A command line with a NUL byte or a letter outside of UTF-8 cannot start a new process. It
+    # runs in this process.
     given = make_input_of_generator_with_number(generator, number)
     apart = apart and all(map(can_be_process_argument, given.words))
     end = run_command_of_input_in_new_process(given) if apart else run_input_in_this_process(given)
@@ -155,7 +156,7 @@ def can_be_process_argument(word: str) -> bool:
 
 
 def _run_chunk_of_inputs_and_return_verdicts(case: Case) -> dict[str, Any]:
-    """Run several inputs of a generator, the case of one journal entry; returns their verdicts."""
+    """Run several inputs of a generator; returns their verdicts, which make one journal entry."""
     numbers = range(case["first"], case["first"] + case["count"])
     generator, apart = case["generator"], case["apart"]
     return {
