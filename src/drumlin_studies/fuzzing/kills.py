@@ -113,7 +113,7 @@ def _sweep_command_options_for_way_of_running(way: str, folder: Path) -> Iterato
 
 
 def _start_python_process(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
-    """Start Python in a folder with the arguments `words`; it finds modules as this process does."""
+    """Start Python in a folder with arguments `words`; it finds modules as this process does."""
     env = os.environ | {
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
         "OMP_NUM_THREADS": "1",
