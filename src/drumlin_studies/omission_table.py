@@ -120,6 +120,9 @@ def predicted_over_true_changes_by_omission(
 
     Rows on exact omissions, on the curvature of the elements, and on all omissions with curvature
     are left out.
+
+    rows : rows of `table_rows_for_each_part_omitted_from_brake`; key : attribute of
+        `OmissionChange` that is compared.
     """
     ratios = []
     for row in rows:
@@ -132,7 +135,11 @@ def predicted_over_true_changes_by_omission(
 def saved_time_ranges_by_omission(
     rows: Sequence[Mapping[str, Any]], least: float
 ) -> dict[str, tuple[float, float]]:
-    """Smallest and largest fraction of the time that each omission alone saves, by its name."""
+    """Smallest and largest fraction of the time that each omission alone saves, by its name.
+
+    rows : rows of `table_rows_for_each_part_omitted_from_brake`; least : fraction of the time that
+    an omission must save on at least one brake. Other omissions are left out of the result.
+    """
     saving: dict[str, list[float]] = {}
     for row in rows:
         if row["exact"] == "no" and "seconds" in row and not row["part"].startswith("all"):

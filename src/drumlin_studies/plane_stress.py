@@ -316,7 +316,10 @@ class TorqueOnLevels(NamedTuple):
 def solve_torque_on_refinement_levels(
     torque: Callable[[Level], float], levels: Sequence[Level]
 ) -> TorqueOnLevels:
-    """The torque of a brake on several levels, which are finer and finer meshes."""
+    """The torque of a brake on several levels, which are finer and finer meshes.
+
+    torque : function that returns the torque [N m] on a level; levels : the levels, coarse to fine.
+    """
     return TorqueOnLevels(tuple(level.degree for level in levels), tuple(map(torque, levels)))
 
 

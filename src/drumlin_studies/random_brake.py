@@ -40,7 +40,7 @@ The test uses finite elements, because the elastic brake may lock itself at a lo
 the sine law. A brake that fails this test is drawn again.
 """
 SHAPE_ATTEMPTS = 400
-"""Number of draws for one seed after which NoAnswer is raised.
+"""Number of brakes that are drawn for one seed before the generator gives up with NoAnswer.
 
 Extreme sizes make many draws impossible.
 """

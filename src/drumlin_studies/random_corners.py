@@ -30,7 +30,7 @@ from drumlin_studies.random_brake import SHAPE_KINDS as OF_SHAPE
 from drumlin_studies.random_kinds import HOLDING_KINDS as OF_HOLDING
 
 MOST_ATTEMPTS = 200
-"""Number of draws for one seed after which NoAnswer is raised."""
+"""Number of brakes that are drawn for one seed before the generator gives up with NoAnswer."""
 MORE_FRICTION = 1.2
 """Factor by which a brake's friction is raised for a test, in which all shoes must still press on
 the drum.

@@ -23,7 +23,7 @@ from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 
 HOLDING_ATTEMPTS = 200
-"""Number of draws for one seed after which NoAnswer is raised."""
+"""Number of brakes that are drawn for one seed before the generator gives up with NoAnswer."""
 HOLDING_FRICTION_MARGIN = 1.2
 """Factor by which a random brake's friction is raised for a test, in which all shoes must touch the
 drum.

@@ -219,7 +219,7 @@ def _smallest_singular_friction_on_coarse_mesh(brake: Brake) -> float:
 
 
 def _starting_contact_sets(n: int, seed: int) -> list[Bools]:
-    """Contact sets (n,) from which the iteration starts: all nodes, no node, and random sets."""
+    """Contact sets (n,) to start the iteration from: all nodes, no node, random sets by a seed."""
     rng = np.random.default_rng([START_SEED, seed])
     random_sets = [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
     return [np.ones(n, bool), np.zeros(n, bool), *random_sets]
