@@ -99,8 +99,8 @@ def solve_brake_by_all_models(
         models.append(MODELS["solid"])
     others: dict[str, Outcome] = {}
     for model in models:
-        # The law and the default finite elements are left out: other attributes of the result hold
-        # them.
+        # The law and the default finite elements are left out, because the result holds them
+        # elsewhere.
         if model.name not in {"fem", by_law.model}:
             others[model.name] = solve_and_time_model(model.name, partial(model.solve, brake))
     worn = worn_in.solve_worn_in_brake(brake, elements=elements)

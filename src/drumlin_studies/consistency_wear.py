@@ -72,9 +72,9 @@ A run ends at a difference of WEAR_SETTLED. The factor allows for the mesh and t
 TRUE_REASONS = ("small displacements hold up to", "without its ever touching", "lost digits")
 """Words of error messages with which one path may refuse a brake that the other path solves.
 
-With the first two, wear has left a very soft shoe so much clearance that the shoe would have to
-rotate too far. With the third, `solve` finds too large a round-off error of static condensation,
-which the wear simulation does not check.
+The first two texts mean that wear has left a very soft shoe so much clearance that the shoe would
+have to rotate too far. The third text means that `solve` finds too large a round-off error of
+static condensation, which the wear simulation does not check.
 """
 EXACT_CONTACT = partial(solve_prepared_model, penalty=math.inf)
 """Function that solves a prepared model with exact contact, as the wear simulation does."""

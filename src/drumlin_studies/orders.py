@@ -184,8 +184,8 @@ def estimated_and_true_error_row(
     reference : Response
         The far finer response against which true errors are taken.
     floor : float
-        Relative uncertainty of the reference. The `status` of the row says so where the true error
-        of the pressure is smaller.
+        Relative uncertainty of the reference. If the true error of the pressure is smaller than
+        this, the `status` of the row says so.
     """
     start = time.perf_counter()
     row: Row = {"case": case, "tolerance": tolerance}

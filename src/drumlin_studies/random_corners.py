@@ -331,9 +331,9 @@ def _total_contact_angle_of_shoe(shoe: ShoeResponse) -> float:
 
 
 def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str) -> bool:
-    """Whether all shoes press, and at least one with the part of its lining that was drawn.
+    """Whether all shoes press, at least one of them with the part of its lining that was drawn.
 
-    The shoes must press with MORE_FRICTION times the friction as well.
+    The shoes must press on the drum also at MORE_FRICTION times the friction.
 
     found : response of the brake; presses : the part of the lining that must bear the force:
         "corner", "tip" (a kink that points to the drum), or "table" for either of them.

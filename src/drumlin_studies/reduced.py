@@ -477,7 +477,7 @@ def radial_ring_compliances_under_two_tractions_by_mode(
     radius : float
         Radius of the drum [m].
     sign : int
-        1 where the ring lies outside the friction surface, -1 inside.
+        1 if the ring lies outside the friction surface, -1 if it lies inside.
     modes : array of int (m,)
         Orders k of the modes, in growing order.
     """

@@ -75,7 +75,7 @@ def plane_mesh_of_ring_sector(angles: Floats, depths: Floats, radius: float, sig
     radius : float
         Radius of the contact surface [m].
     sign : int
-        1 where the body lies outside the contact surface, -1 inside.
+        1 if the body lies outside the contact surface, -1 if it lies inside.
     """
     # A rectangular grid of depth and angle is bent to the sector. The boundaries are found by
     # depth.

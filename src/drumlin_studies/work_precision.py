@@ -113,7 +113,7 @@ class ColdSolve(NamedTuple):
         The response of the brake.
     further : function
         Returns the response to the further load case, with other friction. It reuses the prepared
-        model of the cold solve where the method has one.
+        model of the cold solve, if the method has a prepared model.
     unknowns : function, optional
         Returns the number of unknowns.
     """
