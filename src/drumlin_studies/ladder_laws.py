@@ -181,7 +181,7 @@ def _two_block_torque_over_one_block() -> float:
 
 
 def _response_of_short_shoe_on_lever() -> Response:
-    """Response of a brake with a short shoe on a lever of 1 m."""
+    """Response, by the short-shoe law, of a brake with a short shoe on a lever of 1 m."""
     return _solve_brake_by_law_of_given_name(
         "short",
         brake_with_block_on_lever(
@@ -288,7 +288,7 @@ SHORT_SHOE: dict[str, Any] = {
 
 
 def _friction_sensitivity_by_differences() -> float:
-    """Relative change of a short shoe's torque per relative change of friction, by differences."""
+    """Relative change of a short shoe's torque per relative change of friction, from two solves."""
     return torque_sensitivity_to_friction_by_differences(
         brake_with_one_hinged_shoe(**SHORT_SHOE, moment=50.0), MODELS["short"].solve
     )

@@ -42,7 +42,8 @@ LOAD_SHARES = (0.02, 0.2)
 def draw_random_brake_with_loads_and_lining_friction(seed: int) -> Brake:
     """Draw the random brake of a seed, with some of the features that this module judges.
 
-    Raises BadInput if a feature is not modelled for the brake.
+    The features are springs, masses, heat, and friction that depends on the pressure or differs
+    between linings. Raises BadInput if a feature is not modelled for the brake.
     """
     rng = np.random.default_rng([seed, 42])
     if rng.random() < DUO_SERVO_SHARE:

@@ -331,7 +331,7 @@ def _total_contact_angle_of_shoe(shoe: ShoeResponse) -> float:
 
 
 def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str) -> bool:
-    """Whether all shoes press, at least one of them with the part of its lining that was drawn.
+    """Whether all shoes press, at least one of them with the lining's part that `presses` names.
 
     The shoes must press on the drum also at MORE_FRICTION times the friction.
 
@@ -341,8 +341,8 @@ def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str
     more = solve(vary(brake, {"friction": MORE_FRICTION * brake.friction}), elements=16)
     if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):
         return False
-    # At least one shoe must press with the part of its lining that was drawn: with a corner or with
-    # a tip, which is a kink that points to the drum.
+    # At least one shoe must press with the part of its lining that `presses` names: with a corner,
+    # or with a tip, which is a kink that points to the drum.
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     corner = any(is_lining_corner_in_contact(shoe, response) for shoe, response in pairs)
     tip = any(is_kink_towards_drum_in_contact(shoe, response) for shoe, response in pairs)

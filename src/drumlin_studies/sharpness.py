@@ -365,7 +365,7 @@ class Written(NamedTuple):
 
 
 def read_stored_spreads_of_stated_errors(folder: Path) -> Written:
-    """The contents of FILE, the numbers at the last fit, in a folder of far finer solutions."""
+    """The contents of FILE in a folder of far finer solutions: the numbers at the last fit."""
     data = json.loads((folder / FILE).read_text(encoding="utf-8"))
     spreads = {of: Spread(**values) for of, values in data[SHARPNESS_KEY].items()}
     quick_spreads = {of: Spread(**values) for of, values in data[QUICK_SHARPNESS_KEY].items()}

@@ -89,8 +89,8 @@ OTHER_WIDTHS = "the widths of its parts are those of another kind"
 or several where one is asked for.
 """
 TRUTH_STEP_DEGREE = 2
-"""Degree across the width of the truth's second part, the difference between the answers on a finer
-level and on the first level of the section.
+"""Degree across the width in the second part of the truth (the reference solution): the answer on a
+finer level of the section minus the answer on its first level.
 
 With degree 3 the solve of a shoe with table and web on the finer level takes minutes.
 """
