@@ -31,7 +31,8 @@ from drumlin_studies.stated_true import (
 )
 
 LINING_STRAINS, BODY_STRAINS = (1e-4, 1e-2), (3e-5, 1e-3)
-"""Smallest and largest free thermal strain, of a hot lining, and of a hot body or drum.
+"""Ranges (smallest and largest) of the free thermal strain of hot linings, and of hot bodies and
+drums.
 
 Steel has a strain of 1e-4 if it is 10 K warmer, and of 1e-3 if it is 80 K warmer. An organic lining
 has a strain of 1e-2 if it is 300 K warmer.

@@ -238,7 +238,7 @@ def _prepared_model_without_friction_deformation(
                 closure_by_friction=np.zeros_like(body.closure_by_pressure),
                 reaction_to_friction=-rigid @ body.coupling.T.T,
             )
-        # Shoes of equal shape share one condensed body before and after this change.
+        # Shoes of equal shape still share one condensed body after this change.
         bodies.append(made[id(body)])
     ring = scene.ring
     if ring is not None:

@@ -139,7 +139,7 @@ def trial_rows_with_varied_penalty(rows: Sequence[Row]) -> list[Row]:
 def log_slope_of_error_over_penalty(
     values: Sequence[tuple[float, float]], low: float = 1e2, high: float = 1e6
 ) -> float:
-    """Slope of the logarithm of the error over the logarithm of the penalty factor.
+    """Slope of the logarithm of the error against the logarithm of the penalty factor.
 
     values : pairs of a penalty factor and an error; low, high : range of factors that is used.
     """

@@ -365,8 +365,8 @@ class Reversals:
         For each state the relative distance of its pressure from the rigid-shoe law for the present
         sense of rotation.
     mean : float
-        Relative distance of the wear over the last two stretches, one in each sense of rotation,
-        from the wear that the mean of the law's pressures in both senses would cause.
+        Relative distance of the wear in the last two runs between reversals, one in each sense of
+        rotation, from the wear that the mean of the law's pressures in both senses would cause.
     """
 
     every: float

@@ -140,7 +140,8 @@ def torque_times_distance_to_locking_friction_and_its_change(row: Row) -> tuple[
     """The product T (mu_lock - mu) [N m] at the friction limit, and its change near the limit.
 
     If the torque T has a pole at the friction mu_lock, the product is constant near mu_lock. The
-    second result is the relative change of the product over the last 1e-5 of the friction.
+    second result is the relative change of the product from the friction (1 - 1e-5) mu_lock up to
+    mu_lock.
 
     row : a row of `row_of_torque_curves_by_friction`.
     """

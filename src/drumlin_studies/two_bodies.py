@@ -101,9 +101,9 @@ def plane_mesh_of_closed_ring(angles: Floats, depths: Floats, radius: float, sig
 
 
 def scikit_fem_basis_of_mesh(mesh: Any) -> Any:
-    """scikit-fem's own basis of one displacement component on a mesh.
+    """scikit-fem's basis of the scalar shape functions on a mesh.
 
-    Its nodes have the numbers of drumlin's own basis of the same degree, and its quadrature has
+    The nodes have the same numbers as in drumlin's basis of the same degree. The quadrature has
     order 4, or 2 on linear elements.
     """
     of_mesh = {

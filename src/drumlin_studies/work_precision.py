@@ -734,7 +734,7 @@ def mesh_series_name_of_row(row: Mapping[str, Any]) -> str:
 
 
 def median_seconds_of_unit_workload(rows: Iterable[Mapping[str, Any]]) -> float:
-    """The time of the unit of work [s]: the median over all rows of their time over ratio."""
+    """The time of the unit of work [s]: the median over all rows of time divided by ratio."""
     return median(row["seconds"] / row["ratio"] for row in rows if "ratio" in row)
 
 
