@@ -207,7 +207,7 @@ def measure_models_against_solid_shoes(
     solid: Response,
     say: Callable[[str], None] = lambda _: None,
 ) -> list[SolidWorkRow]:
-    """The run time and both errors of all models on a brake.
+    """Run times of all models on a brake, and errors against the solid and the plane truth.
 
     Models that give no answer have no row.
 
