@@ -1,12 +1,13 @@
-"""The iteration of Barecki's paper for a post brake, which finds the contact and the displacements.
+"""Barecki's iteration, which finds the contact and the displacements of a post brake.
 
 A post is a beam whose lining is divided into sectors; each sector is a spring between the beam and
-the elastic ring of the drum. The unknowns are the deflection w of the beam and the displacement z
-of the ring's rim. The equations are (12) for each station inside the beam, (17) for each sector,
-and M_0 = 0 (19), the moment about the hinge. By (20) a sector has the stiffness k* = k if it is
-compressed, t = w cos(theta) - z - Delta > 0 with the gap Delta, and else k* = 0. This module gives
-the terms in z and Delta the signs that follow from t; the paper prints them with the sign of the
-terms in w. The set of compressed sectors is revised until it agrees with the displacements.
+the elastic ring of the drum. The stations are the places along the beam at which its deflection is
+computed. The unknowns are the deflection w of the beam and the displacement z of the ring's rim.
+The equations are (12) for each station inside the beam, (17) for each sector, and M_0 = 0 (19), the
+moment about the hinge. By (20) a sector has the stiffness k* = k if it is compressed, t = w
+cos(theta) - z - Delta > 0 with the gap Delta, and else k* = 0. This module gives the terms in z and
+Delta the signs that follow from t; the paper prints them with the sign of the terms in w. The set
+of compressed sectors is revised until it agrees with the displacements.
 """
 
 from typing import NamedTuple
@@ -68,8 +69,8 @@ def solve_post_brake_by_paper_iteration(brake: Brake, index: int, sections: int)
     # The first guess of the contact is the whole lining.
     pressed = np.ones(len(p.theta), dtype=bool)
     for rounds in range(1, MOST_REVISIONS + 1):
-        # A sector is in contact if the displacements, computed with the last contact set, compress
-        # it.
+        # The displacements follow from the last guess of the contact. A sector is then in contact
+        # if these displacements compress it.
         w, z = _beam_and_rim_displacements(p, c, np.where(pressed, p.k, 0.0))
         t = w[p.under] * np.cos(p.theta) - z - p.gap
         if np.array_equal(t > 0, pressed):
@@ -94,11 +95,11 @@ def _beam_and_rim_displacements(p: SectionedShoe, c: Floats, k: Floats) -> tuple
         Stiffness k* of the sectors [N/m], 0 for those without contact.
     """
     m, n = p.pressed.shape
-    # Bending moments (m, n) at the stations by a unit compression of each sector: B of eq. 11,
-    # times dx.
+    # The bending moments (m, n) at the stations by a compression of 1 m of each sector: the matrix
+    # B of eq. 11, times the length dx of a sector.
     bent = (p.pressed + p.drag * p.dragged) * k
     matrix, right = np.zeros((m + n, m + n)), np.zeros(m + n)
-    # Bending of the beam, by second differences of w at the stations inside the beam (eq. 12).
+    # Equilibrium of bending at the stations inside the beam (eq. 12), with second differences of w.
     inner = np.arange(1, m - 1)
     before, after = np.diff(p.x)[:-1], np.diff(p.x)[1:]
     stiff = p.EI[inner] / p.step[inner]
@@ -112,7 +113,8 @@ def _beam_and_rim_displacements(p: SectionedShoe, c: Floats, k: Floats) -> tuple
     matrix[0, p.under] = bent[0] * np.cos(p.theta)
     matrix[0, m:] = -bent[0]
     right[0] = p.loaded[0] + bent[0] @ p.gap
-    # The last equation of the beam is w_0 = 0, scaled to the size of the other equations.
+    # The last equation of the beam says that the hinge does not move, w_0 = 0. Its coefficient has
+    # the size of the other equations' coefficients, so that the matrix is well conditioned.
     matrix[m - 1, 0] = stiff.mean()
     # Displacement z of the rim under the forces of all sectors (eq. 17).
     matrix[m:, p.under] = -(c * k) * np.cos(p.theta)

@@ -42,12 +42,14 @@ blocks, and shoes on a plane.
 """
 
 COUNTED_BRAKES = ("double_shoe", "post_brake")
-"""Example brakes, without and with an elastic ring, whose unknowns and iterations are counted."""
+"""Example brakes whose unknowns and iterations are counted: one with a rigid drum, and one with an
+elastic drum ring.
+"""
 
 USUAL_REPEATS = 9
 """Number of times that each calculation is timed by default.
 
-The median of nine times varies by some 2 % on a busy machine.
+The median of nine measurements varies by some 2 % on a busy machine.
 """
 
 WORKLOAD_SYSTEM_SIZE = 60
@@ -56,18 +58,18 @@ WORKLOAD_SYSTEM_SIZE = 60
 A shoe has about as many contact nodes."""
 
 WORKLOAD_SYSTEMS = 80
-"""Number of linear systems in the fixed calculation, which takes some 5 ms in all."""
+"""Number of linear systems in the fixed calculation. The whole calculation takes some 5 ms."""
 
 WORKLOAD_ADDITIONS = 100_000
 """Number of additions in the fixed calculation.
 
-They represent the large part of a solve's time that the Python interpreter takes.
+They stand for the work of the Python interpreter, which takes a large part of a solve's time.
 """
 
 IMPORT_PROGRAM = "import numpy, scipy.linalg, pydantic"
 """Program that only imports the other packages that every command of drumlin needs.
 
-The times of the commands are divided by its time.
+The times of drumlin's commands are divided by the time of this program.
 """
 
 COMMAND_LINE_PROGRAM = "from drumlin.cli import main; main()"
@@ -83,10 +85,11 @@ class Benchmark(NamedTuple):
 
 
 def run_fixed_calculation() -> float:
-    """Do the fixed calculation by whose time other times are divided.
+    """Do the fixed calculation by whose time drumlin's times are divided.
 
-    The returned number depends on every step, so that no step can be optimised away. If this
-    function changes, earlier lines of the history cannot be compared with later ones.
+    The calculation solves linear systems and adds numbers. The returned number depends on every
+    step, so that no step can be optimised away. If this function changes, earlier lines of the
+    history cannot be compared with later ones.
     """
     matrix = np.eye(WORKLOAD_SYSTEM_SIZE) + 1 / (
         1 + np.arange(WORKLOAD_SYSTEM_SIZE**2).reshape(WORKLOAD_SYSTEM_SIZE, -1)
@@ -141,7 +144,7 @@ def solve_times_over_fixed_calculation(repeats: int = USUAL_REPEATS) -> dict[str
             drumlin.solve, drumlin.read_brake(paths_of_example_brakes()[name])
         )
     first = drumlin.read_brake(paths_of_example_brakes()[TIMED_SOLVES[0]])
-    # Other functions of drumlin are timed on the first brake.
+    # The sine law, `sensitivity` and `hold` are timed on the first brake.
     calls |= {
         "sine law": partial(drumlin.solve, first, "sine"),
         "sensitivity": partial(drumlin.sensitivity, first),
@@ -168,7 +171,7 @@ def count_unknowns_of_default_solve(brake: Brake) -> int:
 
 
 def counts_of_unknowns_and_iterations_of_default_solves() -> dict[str, float]:
-    """Numbers of unknowns and of active-set iterations of default solves, by name.
+    """Counts of unknowns and of active-set iterations of default solves, by the name of the figure.
 
     These numbers do not depend on the machine.
     """
@@ -224,7 +227,7 @@ def measure_all_benchmarks(repeats: int = USUAL_REPEATS) -> Benchmark:
         **counts_of_unknowns_and_iterations_of_default_solves(),
         **command_times_over_import_time(repeats),
     }
-    # More than four digits of a time would be random.
+    # Times are rounded to four digits, because further digits would be random.
     rounded = {name: float(f"{value:.4g}") for name, value in figures.items()}
     return Benchmark(short_commit_hash(), f"{datetime.now(UTC):%Y-%m-%d}", rounded)
 

@@ -99,7 +99,8 @@ def solve_brake_by_all_models(
         models.append(MODELS["solid"])
     others: dict[str, Outcome] = {}
     for model in models:
-        # The law and the default finite elements are other attributes of the result.
+        # The law and the default finite elements are left out, because the result holds them
+        # elsewhere.
         if model.name not in {"fem", by_law.model}:
             others[model.name] = solve_and_time_model(model.name, partial(model.solve, brake))
     worn = worn_in.solve_worn_in_brake(brake, elements=elements)
@@ -111,8 +112,8 @@ def self_locking_friction_by_finite_elements(
 ) -> float:
     """The coefficient of friction at which the brake with elastic linings locks itself.
 
-    The result is inf if the brake has an equilibrium up to the friction `most`, and nan if it has
-    none even without friction. `elements` is the number of elements along a lining.
+    The result is inf if the brake has an equilibrium at every friction up to `most`, and nan if it
+    has no equilibrium even without friction. `elements` is the number of elements along a lining.
     """
     try:
         found = self_locking_friction_of_shoe_groups(
@@ -127,16 +128,16 @@ def self_locking_friction_by_finite_elements(
 def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
     """A row of a table with the errors of a brake's law, for new and for worn-in linings.
 
-    `new` and `worn` are relative errors of the torque (on a plane, of the braking force) against
-    finite elements; `p` and `p_worn` are relative L2 distances of the pressure from finite
-    elements. `factor` and `factor_worn` are brake factors by finite elements. `limit` is the
-    friction at which the brake locks itself.
+    `new` and `worn` are relative errors of the law's torque (on a plane, of its braking force)
+    against finite elements with new and with worn-in linings; `p` and `p_worn` are relative L2
+    distances of the law's pressure from the finite elements' pressure. `factor` and `factor_worn`
+    are brake factors by finite elements. `limit` is the friction at which the brake locks itself.
     """
     brake, new = found.brake, found.new
     size = new.effect
 
     def largest_pressure_error_of_law_on_any_shoe(by: Response) -> float:
-        """Largest relative L2 distance, of all shoes, from the pressure by `by` to the law's."""
+        """Largest relative L2 distance, over all shoes, from the pressure in `by` to the law's."""
         # A shoe without contact has no pressure to which a distance could be relative.
         pairs = zip(found.law.shoes, by.shoes, strict=True)
         return max(
@@ -193,7 +194,7 @@ def brake_factor_of_cam_brake(brake: Brake) -> float:
     """
 
     def shoe_factor_of_shoe_alone_in_brake(shoe: Shoe) -> float:
-        """The shoe factor T/(F R) of a shoe that is alone in the brake, under a force of 1 kN."""
+        """The shoe factor T/(F R) of a shoe that is alone in the brake, for a force F of 1 kN."""
         alone = brake.model_copy(
             update={"actuation": None, "shoes": (shoe.shoe_with_changed_actuation_force(1e3),)}
         )
@@ -214,7 +215,8 @@ def sentence_on_whether_law_can_be_trusted(rows: list[dict[str, Any]]) -> str:
     def verdict_on_error_of_law(key: str) -> str:
         """A verdict such as "can be trusted (off by up to 3 %)".
 
-        The law is judged by the larger of its errors `key` in both rows.
+        `key` names an error of the law in the rows, such as "worn". The larger error of the two
+        senses of motion decides.
         """
         error = np.abs(values_of_key_in_rows(rows, key)).max()
         word = "is an estimate" if error <= ROUGH_LAW_ERROR else "cannot be trusted"

@@ -94,7 +94,9 @@ they are too small.
 """
 
 SIGNIFICANT_DIGITS = 2
-"""Number of significant digits of a safety factor. Further digits depend on the brakes drawn."""
+"""Number of significant digits of a safety factor. Further digits would depend on which random
+brakes were drawn.
+"""
 
 
 class LevelRecord(NamedTuple):
@@ -104,7 +106,7 @@ class LevelRecord(NamedTuple):
     ----------
     step : relative change from the level before to this one, the largest of all shoes
     chance : change that a force would have if the elements contributed to it with random signs
-    beside : sum of the error by the finite contact stiffness (penalty) and of the round-off error
+    beside : error by the finite contact stiffness (penalty) plus round-off error, without factor
     true : true error, relative to a far finer solution
     unsure : uncertainty of the true error
     """
@@ -154,7 +156,8 @@ def true_and_estimated_errors_of_random_brake(seed: int) -> dict[str, Any]:
             ),
         )
     except (NoAnswer, AssertionError) as error:
-        # An AssertionError means that round-off has inverted a tiny triangle.
+        # drumlin raises an AssertionError if round-off has inverted a tiny triangle of the finer
+        # solution.
         return {"seed": seed, "kind": kind, "reason": str(error), "levels": []}
     return {
         "seed": seed,
@@ -172,8 +175,8 @@ def true_errors_and_estimates_on_each_mesh(
     The true error of a quantity is nan if drumlin itself says that the quantity is not known, such
     as the peak of a pressure without bound.
     """
-    # Stated errors of zero are given to drumlin. Only the error of a quantity that drumlin calls
-    # unknown, such as an unbounded peak, then becomes larger than 0.
+    # drumlin gets stated errors of zero for all quantities. An error that it returns larger than 0
+    # then marks a quantity that it calls unknown, such as a peak without bound.
     nothing = Errors.brake_errors_from_torque_and_shoe_errors(
         0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes)
     )
@@ -208,10 +211,10 @@ def true_errors_and_estimates_on_each_mesh(
 
 
 def _largest_value_of_each_quantity_over_shoes(values: Floats) -> dict[str, float]:
-    """The largest value over all shoes for each quantity; for the torque, the value of the brake.
+    """For each quantity its largest value over all shoes; for the torque, the value of the brake.
 
-    `values` (1 + 4 shoes,) are in the order of `LevelDifferences`: the torque of the brake comes
-    first.
+    `values` (1 + 4 shoes,) are errors or changes in the order of `LevelDifferences`: the torque of
+    the brake comes first, then four quantities of each shoe.
     """
     most = values[1:].reshape(-1, len(QUANTITIES)).max(axis=0).tolist()
     return dict(zip(QUANTITIES, most, strict=True)) | {"torque": float(values[0])}
@@ -220,7 +223,7 @@ def _largest_value_of_each_quantity_over_shoes(values: Floats) -> dict[str, floa
 class Samples(NamedTuple):
     """The attributes of `LevelRecord` for one quantity, as arrays (m,).
 
-    Each of the m entries is a level of a brake.
+    Each of the m entries belongs to one brake on one of its meshes (levels).
     """
 
     step: Floats
@@ -233,18 +236,18 @@ class Samples(NamedTuple):
     def which_true_errors_are_usable(self) -> Bools:
         """Whether each true error (m,) is large enough and certain enough to be used in the fit.
 
-        A smaller true error may be the error of the far finer solution from which it is taken.
+        A smaller or less certain value may be an error of the far finer solution instead.
         """
         return np.asarray((self.true >= RELEVANT) & (self.true > CERTAIN * self.unsure))
 
     def smallest_safety_factor(self, weight: float) -> float:
-        """The smallest safety factor with which few enough stated errors are too small.
+        """The smallest safety factor for which nearly all stated errors cover the true errors.
 
         STATED_QUANTILE and HALF_STATED_QUANTILE say how many stated errors may be too small. The
         stated error is factor * (step + weight * chance) + beside, with the attributes of
-        `LevelRecord`. For a true error that is not certain, any factor counts as large enough.
+        `LevelRecord`. Any factor counts as large enough for a true error that is not usable.
         """
-        # The factor that each sample needs, so that its stated error equals its true error.
+        # The part of each true error that factor * (step + weight * chance) must cover.
         most = np.where(
             self.which_true_errors_are_usable, self.true - self.unsure - self.beside, 0.0
         )
@@ -259,7 +262,7 @@ class Samples(NamedTuple):
         )
 
     def stated_over_true_errors(self, factor: float, weight: float) -> Floats:
-        """Ratios (k,) of the stated error to the true error, of the k usable samples.
+        """Ratios (k,) of the stated to the true error, for the k entries with a usable true error.
 
         See `which_true_errors_are_usable`.
         """
@@ -270,7 +273,7 @@ class Samples(NamedTuple):
 
 
 def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
-    """The errors of one quantity on all meshes of all brakes.
+    """True errors of one quantity and the terms of their estimate, on all meshes of all brakes.
 
     Meshes on which the true error is nan are left out.
     """
@@ -282,7 +285,7 @@ def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantit
 
 
 def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
-    """The smallest safety factors with which few enough stated errors are too small.
+    """The smallest safety factors for which nearly all stated errors cover the true errors.
 
     The fractions of stated errors that may be too small are set by STATED_QUANTILE and
     HALF_STATED_QUANTILE. Torque and reaction have the same factor, the larger of their two factors.
@@ -290,8 +293,8 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     elements contributed with random signs. Of the weights CHANCE_WEIGHTS of this term, the one with
     the smallest median ratio of stated to true error is taken.
     """
-    # The weight multiplies the force change that contributions with random signs would cause. The
-    # safety factor of forces depends on this weight.
+    # The weight of the change with random signs is chosen first, because the safety factor of
+    # forces depends on it.
     forces = [
         true_and_estimated_errors_of_quantity(levels, name) for name in ("torque", "reaction")
     ]
@@ -319,7 +322,7 @@ def _largest_safety_factor_of_quantities(quantities: Sequence[Samples], weight: 
 
 
 def _median_stated_over_true_error(quantities: Sequence[Samples], weight: float) -> float:
-    """The median ratio of stated to true error of several quantities, with their safety factor.
+    """The median ratio of stated to true error over several quantities with a common safety factor.
 
     `weight` multiplies the change that a force would have if elements contributed with random
     signs.
@@ -331,7 +334,8 @@ def _median_stated_over_true_error(quantities: Sequence[Samples], weight: float)
 
 def round_up_to_significant_digits(value: float) -> float:
     """The value rounded up to SIGNIFICANT_DIGITS significant digits."""
-    # The subtraction of 1e-9 keeps a value that is already rounded from being rounded up again.
+    # The subtraction of 1e-9 protects a value that already has the right digits: round-off above it
+    # would otherwise raise its last digit.
     scale = 10.0 ** (math.floor(math.log10(value)) - SIGNIFICANT_DIGITS + 1)
     return float(f"{math.ceil(value / scale - 1e-9) * scale:.{SIGNIFICANT_DIGITS}g}")
 
@@ -379,7 +383,7 @@ def safety_factors_as_json_text(
     provenance: Mapping[str, Any],
     reader: str,
 ) -> str:
-    """The JSON text of a file of safety factors: provenance, and each factor with its meaning.
+    """The JSON text of a file of safety factors: each factor, its meaning, and their origin.
 
     Parameters
     ----------

@@ -1,7 +1,8 @@
 """Closed-form solutions of elasticity, contact, friction and wear, as references for drumlin.
 
-The benchmark ladder compares drumlin with them. They hold for plane stress and, unless a docstring
-says otherwise, for unit width. They use no part of drumlin that they are compared with.
+The benchmark ladder compares drumlin with these solutions. They hold for plane stress and, unless a
+docstring says otherwise, for unit width. They use no code of drumlin, so that they are independent
+of it.
 """
 
 import math
@@ -34,7 +35,7 @@ def hertz_half_width_and_peak_pressure(
 
 
 def persson_clearance_of_disc_in_hole(b: float) -> float:
-    """Dimensionless clearance E dR/Q of a loaded disc in a hole of the same material.
+    """Dimensionless clearance E dR/Q of a disc pressed into a hole of the same material.
 
     dR is the difference of the radii and Q the force per width. b = tan(eps/2), with eps the
     half-angle of contact (Persson 1964; Ciavarella & Decuzzi 2001).
@@ -43,9 +44,10 @@ def persson_clearance_of_disc_in_hole(b: float) -> float:
 
 
 def persson_pressure_of_disc_in_hole(b: float, theta: Floats) -> Floats:
-    """Dimensionless pressure p R/Q (n,) of a disc in a hole, at the angles theta (n,) [rad].
+    """Dimensionless pressure p R/Q (n,) of a loaded disc in a hole, at the angles theta (n,) [rad].
 
-    b = tan(eps/2), with eps the half-angle of contact. Beyond the contact the pressure is zero.
+    R is the radius, Q the force per width, and theta counts from the line of force. b = tan(eps/2),
+    with eps the half-angle of contact. Beyond the contact the pressure is zero.
     """
     y = np.tan(theta / 2)
     root = np.sqrt(np.maximum(b**2 - y**2, 0))
@@ -111,8 +113,9 @@ def ring_displacement_per_harmonic_pressure(
     """
     two_mu = E / (1 + nu)
     if n == 0:
-        # The displacement is a sum of the terms r and 1/r that vanishes at the fixed edge; u and s
-        # are displacement and radial stress of the two terms at the free edge.
+        # The displacement is a sum of the terms r and 1/r that vanishes at the fixed edge. The
+        # arrays u and s hold the displacement and the radial stress of the two terms at the free
+        # edge.
         u = np.array([free, 1 / free])
         s = np.array([E / (1 - nu), -two_mu / free**2])
         held_u = np.array([held, 1 / held])
@@ -145,8 +148,8 @@ def _michell_displacements_and_stresses(n: int, r: float, nu: float) -> Floats:
     """
     k = (3 - nu) / (1 + nu)
     if n == 1:
-        # The terms r theta sin theta and r ln r cos theta, combined so that displacements have one
-        # value at each point.
+        # For n = 1 the terms r theta sin theta and r ln r cos theta are combined, so that
+        # displacements have one value at each point.
         log = math.log(r)
         fourth = [2 * k * log - 1, -1 - 2 * k * log, (k + 3) / r, -(k - 1) / r]
     else:
@@ -180,18 +183,18 @@ def _michell_displacements_and_stresses(n: int, r: float, nu: float) -> Floats:
 def pressure_exponent_at_sliding_corner(mu: float, nu: float) -> float:
     """The exponent lambda of p ~ r^(lambda - 1) at a right-angled corner on a rigid sliding plane.
 
-    r is the distance from the corner. The plane enters the contact at the corner, and its friction
-    drags the body away from there. Williams' (1952) stress function is r^(lambda + 1) F(theta),
-    without traction on the free side theta = pi/2. On the contact side theta = 0 the displacement
-    u_theta is zero and the shear is mu times the pressure. The result is the smallest root above
-    1/4, or 1 without friction.
+    r is the distance from the corner. The plane slides from the corner into the contact, so that
+    its friction drags the body away from the corner. Williams' (1952) stress function is r^(lambda
+    + 1) F(theta), without traction on the free side theta = pi/2. On the contact side theta = 0 the
+    displacement u_theta is zero and the shear is mu times the pressure. The result is the smallest
+    root above 1/4, or 1 without friction.
     """
     if mu == 0:
         return 1.0
     k, right = (3 - nu) / (1 + nu), math.pi / 2
 
     def determinant_of_corner_boundary_conditions(e: float) -> float:
-        """Determinant of the four boundary conditions for the exponent e; it is zero at a root.
+        """Determinant of the four boundary conditions for the exponent e; 0 for a solution.
 
         The stress function is r^(e+1) F(theta), with F = A cos((e+1) theta) + B sin((e+1) theta) +
         C cos((e-1) theta) + D sin((e-1) theta).
@@ -199,7 +202,7 @@ def pressure_exponent_at_sliding_corner(mu: float, nu: float) -> float:
         a, b = e + 1, e - 1
         sa, ca = math.sin(a * right), math.cos(a * right)
         sb, cb = math.sin(b * right), math.cos(b * right)
-        # s_rtheta = -e F' and s_thetatheta = e (e + 1) F.
+        # On a ray the stresses are s_rtheta = -e F' and s_thetatheta = e (e + 1) F, times r^(e-1).
         rows = [
             [0.0, a, 0.0, k + e],
             [mu * (e + 1), a, mu * (e + 1), b],
@@ -231,7 +234,7 @@ def capstan_tension_ratio(mu: float, angle: float) -> float:
 def locking_friction_of_hinged_shoe_with_sine_pressure(
     R: float, a: float, phi_1: float, phi_2: float
 ) -> float:
-    """Coefficient of friction at which a rigid hinged shoe with a lining of springs locks itself.
+    """Coefficient of friction at which a rigid hinged shoe on a lining of springs locks itself.
 
     At this friction the moment of the pressure p ~ sin phi about the hinge equals the moment of
     friction.
@@ -245,7 +248,7 @@ def locking_friction_of_hinged_shoe_with_sine_pressure(
     phi_1, phi_2 : float
         Angles of the lining's ends from the line to the hinge [rad].
     """
-    # Moments about the hinge of the pressure, and of friction divided by mu. Both are divided by
+    # Moments about the hinge: of the pressure, and of friction divided by mu. Both are divided by
     # p_0 b R, with the width b.
     normal = a * ((phi_2 - phi_1) / 2 - (math.sin(2 * phi_2) - math.sin(2 * phi_1)) / 4)
     friction = (

@@ -94,13 +94,14 @@ def counts_of_comparison_outcomes_by_check(rows: Sequence[Check]) -> list[Count]
         counts.append(
             Count(
                 check=check,
-                # If both paths refuse the brake, there are no values to compare.
+                # A comparison without a value on either path is not counted as compared.
                 compared=len(own) - outcomes["refused"],
                 agree=outcomes["agrees"],
                 said=outcomes["said"],
                 differ=outcomes["differs"],
                 refused=outcomes["refused"],
-                # The value 1 would mean that a difference is as large as the allowed difference.
+                # The largest ratio of a difference to its allowed difference; at 1 the allowance is
+                # used up.
                 largest=max(used, default=0.0),
             )
         )

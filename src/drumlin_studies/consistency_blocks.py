@@ -2,8 +2,8 @@
 
 Random brakes of every kind get linings with FEWEST_BLOCK_STEPS to MOST_BLOCK_STEPS steps in the
 height of their surface, one at the beginning of each block. The steps are smaller or larger than
-the compression of the lining under load, so that in some brakes all blocks press on the drum, in
-others few of them. The errors that drumlin states are compared with true errors: the differences
+the compression of the lining under load, so that in some brakes all blocks press on the drum and in
+others only a few. The errors that drumlin states are compared with true errors: the differences
 from a far finer solution.
 """
 
@@ -31,9 +31,8 @@ from drumlin_studies.stated_true import (
 BLOCKS_CHECK = "blocks: error stated by the default solve, error against finer levels"
 """Name of this check in tables."""
 FEWEST_BLOCK_STEPS, MOST_BLOCK_STEPS = 7, 30
-"""Smallest and largest number of steps on a lining. Each step is a row of `misfit.blocks`.
-
-Each step makes two kinks in the gap.
+"""Smallest and largest number of steps on a lining. Each step is a row of `misfit.blocks` in the
+brake file, and makes two kinks in the gap.
 """
 BLOCK_ATTEMPTS = 200
 """Number of brakes that are drawn for one seed before the generator gives up."""
@@ -42,9 +41,9 @@ BLOCK_TRIAL_ELEMENTS = 40
 This solve gives the compression of the linings, and shows whether every shoe is in contact.
 """
 STEP_SPACING = 1.05
-"""Smallest distance between two steps, relative to the arc over which a step extends.
-
-`misfit.blocks` needs more than 1."""
+"""Smallest distance between the beginnings of two steps, relative to the short arc over which the
+height changes at a step. `misfit.blocks` needs more than 1.
+"""
 STEP_DEPTH_DECADES = (-1.0, 1.0)
 """Range of the largest step's depth relative to the lining's compression, as powers of ten."""
 BLOCKS_TRUTH_TOLERANCE = 2.5e-3
@@ -82,7 +81,8 @@ def draw_random_brake_with_blocks(seed: int, steps: int | None = None) -> Brake:
         depth = 10 ** rng.uniform(*STEP_DEPTH_DECADES)
         try:
             brake = draw_random_brake_of_kind(seed + len(BLOCK_KINDS) * (attempt + 1), kind)
-            # The drawn number of steps must fit, so that `steps` never changes the brake.
+            # The brake must have room for the number of steps that the seed gives, also if `steps`
+            # is another number. The same seed then gives the same brake for any `steps`.
             found = _brake_with_random_blocks(brake, rng, drawn, depth)
             return found if steps is None else _brake_with_random_blocks(brake, rng, steps, depth)
         except (BadInput, NoAnswer):
@@ -131,7 +131,7 @@ def _brake_with_random_blocks(brake: Brake, rng: Rng, steps: int, depth: float) 
 
 
 def _random_start_angles_of_lining_blocks(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
-    """Random angles (steps,) [rad] at which the blocks of a lining begin, far enough apart.
+    """Random angles (steps,) [rad] where a lining's blocks begin, with room for a step at each.
 
     Raises BadInput if the lining is too short for the steps.
     """
@@ -139,7 +139,8 @@ def _random_start_angles_of_lining_blocks(rng: Rng, shoe: Shoe, steps: int) -> n
     free = lining.end - lining.start - (steps + 1) * room
     if free <= 0:
         raise BadInput(f"no room for {steps} steps")
-    # Random angles in the free arc are sorted and shifted by the room of the steps before them.
+    # Sorted random angles in the arc that the steps leave free. Each angle is shifted by the room
+    # of the steps before it.
     return lining.start + np.sort(rng.uniform(0, free, steps)) + room * np.arange(1, steps + 1)
 
 

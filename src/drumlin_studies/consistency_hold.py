@@ -75,7 +75,8 @@ def _row_comparing_torques_of_hold_and_solve(
         difference=math.inf,
         allowed=LARGEST_TORQUE_DIFFERENCE,
     )
-    # If `solve` refuses the brake, the brake must stick even after a large rotation.
+    # If `solve` refuses the brake, the brake must be self-locking: it must still stick after a
+    # large rotation.
     try:
         sliding = solve_prepared_model(scene, brake).torque
     except NoAnswer as error:
@@ -96,7 +97,7 @@ def _row_comparing_torques_of_hold_and_solve(
 def _holding_state_after_rotation(
     scene: PreparedModel, brake: Brake, rotation: float
 ) -> Hold | None:
-    """The holding state of the brake after a rotation of the drum [rad], or None without one."""
+    """The holding state of the brake after a drum rotation [rad], or None if none is found."""
     try:
         return turn_holding_brake_and_return_states_at_rotations(
             scene, brake, np.linspace(0.0, rotation, HOLD_STEPS + 1)

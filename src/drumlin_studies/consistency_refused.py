@@ -19,15 +19,16 @@ from drumlin_studies.standing_off import draw_random_brake_with_clearances
 MESH_SIZES = 20, 40, 80
 """Number of elements along a lining of the three uniform meshes."""
 SAME_FORCE = 0.05
-"""Relative spread of the shoes' total normal force up to which the three meshes agree.
+"""Relative spread of the sums of normal forces up to which the three meshes agree.
 
-With a larger spread the meshes are too coarse for the contact, and prove nothing.
+With a larger spread the meshes are too coarse for the contact, and do not tell whether the brake
+has an equilibrium.
 """
 BRAKES_PER_MESH_CHECK = 10
 """Of this many brakes that the default solve can solve, one is also solved on the uniform meshes.
 
-A brake that the default solve refuses is always solved on them. The uniform meshes of a brake take
-about one second.
+The uniform meshes take about one second for a brake. A brake that the default solve refuses is
+always solved on them.
 """
 
 
@@ -42,7 +43,7 @@ def rows_comparing_default_solve_with_meshes(seed: int) -> list[Check]:
     refused = isinstance(found, str)
     if not refused and seed // 2 % BRAKES_PER_MESH_CHECK:
         return []
-    # If the three meshes agree on the contact force, the brake has an equilibrium.
+    # If the three meshes give nearly the same contact force, the brake has an equilibrium.
     on_meshes = [_solve_brake_or_return_refusal_message(brake, elements) for elements in MESH_SIZES]
     forces = [
         sum_of_normal_forces_of_shoes(mesh) for mesh in on_meshes if not isinstance(mesh, str)
@@ -66,8 +67,8 @@ def rows_comparing_default_solve_with_meshes(seed: int) -> list[Check]:
     if not one_answer:
         return []
     difference = max(abs(each / sum_of_normal_forces_of_shoes(found) - 1) for each in forces)
-    # The error of the coarsest mesh is about the spread of the forces; the factor 2 allows for slow
-    # convergence.
+    # No mesh should differ from the default solve by more than the error of the coarsest mesh,
+    # which is about the spread of the forces. The factor 2 allows for slow convergence.
     return [
         _row_comparing_default_solve_with_meshes(
             brake, "contact force", difference, max(2 * relative_spread_of_values(forces), 1e-3)

@@ -48,7 +48,8 @@ A larger step may change the contact set, and has a larger truncation error. A s
 larger error by round-off, which is some 1e-11 of the torque in a solve.
 """
 STEP_FACTORS = (1.0, 0.1, 0.01)
-"""Factors that multiply all DIFFERENCE_STEPS, tried in turn until no step changes the contact set.
+"""Factors that shrink all DIFFERENCE_STEPS. They are tried in turn until no step changes the
+contact set.
 """
 ALLOWED_SLOPE_DIFFERENCE = 0.01
 """Largest relative difference between a slope and a central difference that counts as agreement.
@@ -56,9 +57,9 @@ ALLOWED_SLOPE_DIFFERENCE = 0.01
 It is the accuracy that drumlin aims at for printed slopes.
 """
 SMALLEST_SLOPE = 1e-3
-"""Slope below which differences are relative to this slope instead of to the slope itself.
+"""Slope below which differences are relative to SMALLEST_SLOPE and not to the slope itself.
 
-Its unit is the torque divided by the size of the varied quantity. Central differences cannot
+It is relative to the torque divided by the size of the varied quantity. Central differences cannot
 resolve smaller slopes: ALLOWED_SLOPE_DIFFERENCE of this slope is 1e-5 of the torque.
 """
 SLOPES_PER_BRAKE = 3
@@ -72,7 +73,7 @@ Changes = Callable[[float], dict[str, Any]]
 
 
 class Slope(NamedTuple):
-    """A derivative of the torque that drumlin prints, and the change of the brake file for it.
+    """A derivative of the torque that drumlin prints, and the brake file's keys to vary for it.
 
     Attributes
     ----------
@@ -93,7 +94,7 @@ class Slope(NamedTuple):
 
 
 class TorqueOnDivision(NamedTuple):
-    """A torque, with the mesh size and the contact set with which it was computed.
+    """A torque, with data by which two solves are seen to share the mesh and the contact set.
 
     Attributes
     ----------
@@ -136,7 +137,7 @@ class DivisionForSlopes:
         return make_prepared_model(own, elements=self.elements, cache=self.cache)
 
     def solve_brake_for_torque(self, brake: Brake) -> "TorqueOnDivision":
-        """Solve a brake; returns its torque with mesh size and contact set. Raises as `solve`."""
+        """Solve a brake and return its torque, mesh size and contact set. Raises like `solve`."""
         scene = self.meshed_and_condensed_model_of_brake(brake)
         response = solve_prepared_model(scene, brake)
         # Two meshes count as equal if their numbers of unknowns are equal.
@@ -147,7 +148,7 @@ class DivisionForSlopes:
         return TorqueOnDivision(response.torque, tuple(bodies), touching)
 
     def compute_derivatives_of_brake_torque(self, brake: Brake) -> Sensitivity:
-        """The derivatives of a brake's torque. Raises as `compute_torque_sensitivity` does."""
+        """The derivatives of a brake's torque. Raises like `compute_torque_sensitivity`."""
         return compute_torque_sensitivity(self.meshed_and_condensed_model_of_brake(brake), brake)
 
 
@@ -204,7 +205,8 @@ def _torque_slopes_by_ring_stiffness(brake: Brake, found: Sensitivity) -> Iterat
             found.ring,
             make_function_that_scales_material_moduli("drum.ring.", ring.material),
         )
-    # A bending stiffness that follows from the modulus has no slope of its own.
+    # A bending stiffness that drumlin computes from the modulus is no key of the file, and has no
+    # slope.
     if found.ring_bending_stiffness is not None and ring.bending_stiffness is not None:
         EI = make_function_that_scales_value_of_key(
             "drum.ring.bending_stiffness", ring.bending_stiffness
@@ -213,7 +215,7 @@ def _torque_slopes_by_ring_stiffness(brake: Brake, found: Sensitivity) -> Iterat
 
 
 def _torque_slopes_by_common_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
-    """Yield the torque's derivative by the force, pressure or torque of a common drive, if any."""
+    """Yield the torque's derivative by the common force, pressure or torque of all shoes."""
     drive = brake.actuation
     if drive is None or found.drive is None:
         return
@@ -287,10 +289,10 @@ def _lining_compression_under_actuation(brake: Brake, shoe: Shoe) -> float:
 def _sensitivities_of_torque_to_shoe_support(
     brake: Brake, i: int, what: str, value: Floats
 ) -> Iterator[Slope]:
-    """Yield the torque's derivatives by a number or a point of the support of shoe number i.
+    """Yield the torque's derivatives by a number or a point that defines the support of shoe i.
 
-    `what` is the path of the number or the point below the shoe in the brake file. `value` holds
-    the slope by the number (1,) or the slopes by the coordinates of the point (2,).
+    `what` is the key path of this number or point, relative to the shoe in the brake file. `value`
+    holds the slope by the number (1,) or the slopes by the coordinates of the point (2,).
     """
     at: Any = brake.shoes[i]
     for name in what.split("."):

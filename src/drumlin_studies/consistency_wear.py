@@ -53,26 +53,28 @@ Round-off reaches 1e-5."""
 LAW_TORQUE = 1e-3
 """Allowed relative difference between the torques of the rigid-shoe law and of the worn-in state.
 
-It is the error of a mesh with WORN_ELEMENTS. This error falls with the square of the number of
-elements if the law has partial contact, and else faster.
+It allows for the error of a mesh with WORN_ELEMENTS. This error falls with the square of the number
+of elements if only a part of the lining is in contact, and else faster.
 """
 LAW_PRESSURE = 0.02
 """Allowed relative L2 distance between the pressures of the rigid-shoe law and the worn-in state.
 
-The pressure of the law has a kink at the end of its contact, inside an element.
+The pressure of the law has a kink at the end of its contact. The kink lies inside an element, whose
+pressure is smooth.
 """
 END_REACHED = 1.1 * WEAR_SETTLED
-"""Allowed relative difference of torque and pressure at the end of a wear run from their limits.
+"""Allowed relative difference of torque and pressure at the end of a wear run from the final values
+that wear approaches.
 
 A run ends at a difference of WEAR_SETTLED. The factor allows for the mesh and the penalty.
 """
 
 TRUE_REASONS = ("small displacements hold up to", "without its ever touching", "lost digits")
-"""Words of error messages with which one path may refuse a brake although the other solves it.
+"""Words of error messages with which one path may refuse a brake that the other path solves.
 
-With the first two, wear has left a very soft shoe so much clearance that the shoe would have to
-rotate too far. With the third, `solve` finds too large a round-off error of static condensation,
-which the wear simulation does not check.
+The first two texts mean that wear has left a very soft shoe so much clearance that the shoe would
+have to rotate too far. The third text means that `solve` finds too large a round-off error of
+static condensation, which the wear simulation does not check.
 """
 EXACT_CONTACT = partial(solve_prepared_model, penalty=math.inf)
 """Function that solves a prepared model with exact contact, as the wear simulation does."""
@@ -130,7 +132,7 @@ def _draw_random_brake_for_wear_check(seed: int, kind: str) -> Brake:
 
 
 def _rows_comparing_unworn_linings_with_solve(name: str, brake: Brake) -> list[Check]:
-    """Compare the start of wear with `solve`, on the finest mesh of `solve`."""
+    """Compare the first state of a wear run with `solve`, both on the finest mesh of `solve`."""
     scene = prepared_model_with_finest_elements(brake)
     setup = wear_setup_by_finite_elements(scene, brake)
 
@@ -213,7 +215,7 @@ def _torque_and_pressure_of_worn_in_brake(
 
 
 def _torque_and_pressure_by_rigid_law(setup: WearSetup) -> _TorqueAndPressure:
-    """Torque and pressure of the rigid-shoe law on the mesh of the setup, the limit of wear."""
+    """Torque and pressure that wear approaches: the rigid-shoe law on the mesh of the setup."""
     goal = final_wear_pressure_and_torque_by_rigid_shoe_law(setup)
     return _TorqueAndPressure(goal.torque, goal.pressure)
 
@@ -261,7 +263,7 @@ def _rows_comparing_wear_and_solve_after_reversal(
 
 
 def _raise_error_of_refused_path(error: NoAnswer) -> _TorqueAndPressure:
-    """Raise `error`; the function stands for a path that refuses the brake."""
+    """Raise `error`. This function stands in for a path of the check that has refused the brake."""
     raise error
 
 

@@ -29,22 +29,23 @@ FIRST_JUDGED = 420_000
 Other brakes were used for development: the seeds 400000 to 400099 for the rules at corners, and
 those from `calibration.FIRST_CORNER` on for the safety factors."""
 STEEPEST_JUDGED = -0.3
-"""Exponent a of the pressure p ~ x^a at a corner below which no solution reaches 0.1 % of p.
+"""Exponent a of the pressure p ~ x^a at a corner. Below this value no solution reaches an error of
+0.1 % of p.
 
-The limit exists because angles are floating-point numbers. The smallest element of p has 1e-12 rad
-(`corner.SMALLEST_PIECE`), which is 1e-10 of a contact of half a degree. In it, p has an error of
-about (1e-10)^(a + 1/2) (`polynomial_error_of_power_function`): with degree 7 the error is 0.13 %
-for a = -0.3, 0.8 % for -0.38 and 5 % for -0.45. For -0.5 p is not square-integrable. On a rigid
-drum the three exponents belong to friction coefficients of 0.31, 0.42 and 0.52, with friction that
-drags the lining away from the corner.
+The limit exists because angles are floating-point numbers. The smallest element has 1e-12 rad
+(`corner.SMALLEST_PIECE`), which is 1e-10 of a contact of half a degree. In this element p has an
+error of about (1e-10)^(a + 1/2) (`polynomial_error_of_power_function`): with degree 7 the error is
+0.13 % for a = -0.3, 0.8 % for -0.38 and 5 % for -0.45. For -0.5 p is not square-integrable. On a
+rigid drum these three exponents (-0.3, -0.38, -0.45) belong to friction coefficients of 0.31, 0.42
+and 0.52, with friction that drags the lining away from the corner.
 """
 
 
 def rows_of_stated_and_true_errors_of_corner_brake(seed: int) -> list[dict[str, Any]]:
     """Rows of stated and true errors of the random brake of a seed, one for each tolerance.
 
-    A row has the stated and the true error of each quantity, the `kind` of the brake, and the
-    smallest exponent (`power`) of the pressure at its corners that are in contact; 0 without such a
+    A row has the stated and the true error of each quantity, the `kind` of the brake, and `power`:
+    the smallest exponent a of the pressure p ~ x^a at its corners in contact, or 0 without such a
     corner.
     """
     base: dict[str, Any] = {"seed": seed, "kind": "none", "power": 0.0}
@@ -82,8 +83,8 @@ def error_summary_rows_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[s
     """Summarise rows of errors in a table with a row for each kind of brake and each tolerance.
 
     A row has the number of brakes, the fraction that reaches the tolerance, and the smallest and
-    the median ratio of stated to true error of p. Two further groups follow: all brakes, and the
-    brakes whose exponent is at least STEEPEST_JUDGED.
+    the median ratio of stated to true error of p. Below the kinds follow rows for all brakes, and
+    for the brakes whose exponent is at least STEEPEST_JUDGED.
     """
     kinds: dict[str, list[Mapping[str, Any]]] = {}
     for kind in sorted(set(values_of_key_in_rows(rows, "kind"))):

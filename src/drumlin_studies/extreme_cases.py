@@ -24,13 +24,14 @@ from drumlin.fem.mesh.grading import LiningDivision, divide_lining_into_elements
 HYPERCUBE_SEED = 7
 """Seed of the random numbers of the Latin hypercube sample."""
 SHORT_ELEMENTS = 12
-"""Largest number of elements along a lining in the short set of cases."""
+"""Largest number of elements along a lining in the short set of cases, which runs in little time.
+"""
 CASE_RADIUS, CASE_WIDTH = 0.15, 0.04  # m
-"""Radius of the drum, and width of shoe and lining, of the unchanged case."""
+"""Radius of the drum, and width of shoe and lining [m], of the case that all others change."""
 CASE_PIN = (0.125, math.radians(-75.0))  # radius [m], angle [rad]
-"""Polar coordinates of the hinge of the unchanged case."""
+"""Polar coordinates (radius [m], angle [rad]) of the hinge of the case that all others change."""
 CASE_MODULUS = 3e8  # Pa
-"""Young's modulus of the lining of the unchanged case."""
+"""Young's modulus [Pa] of the lining of the case that all others change."""
 CLEARANCE_TABLES: dict[str, tuple[tuple[float, float], ...]] = {
     "toe": ((0, 3.0), (0.7, 1.0), (1, 0.0)),
     "heel": ((0, 0.0), (0.3, 1.0), (1, 6.0)),
@@ -47,7 +48,7 @@ the clearance there [mm].
 
 @dataclass(frozen=True)
 class KnobCase:
-    """A case of the set: the parameters of a brake and of its solve, in SI units.
+    """A case of the set: the parameters of a brake and of its solve, in SI units (arc in degrees).
 
     Attributes
     ----------
@@ -109,7 +110,7 @@ class KnobCase:
 
     @property
     def parameters_changed_from_default_case(self) -> dict[str, Any]:
-        """The parameters of the case that differ from the unchanged case, by name."""
+        """The parameters of the case that differ from the default values, by name."""
         base, own = dataclasses.asdict(KnobCase()), dataclasses.asdict(self)
         del own["knob"]
         return {key: value for key, value in own.items() if value != base[key]}
@@ -200,11 +201,12 @@ class KnobCase:
 def _shoe_mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any:
     """The mesh of a shoe whose elements at the heel have the case's aspect ratio at the surface.
 
-    From there each further element is ten times as large as the element before: through the lining
-    for ratios from 1 on, else along the lining within the first usual element.
+    Each further element is ten times as large as the element before. For ratios from 1 on the
+    elements grow through the lining; for smaller ratios they grow along the lining, within the
+    first element of the usual mesh.
     """
-    # For a ratio from 1 on the surface elements become flatter, else the elements at the heel
-    # become shorter.
+    # A ratio of 1 or more makes the elements at the surface flatter; a smaller ratio makes the
+    # elements at the heel shorter.
     division = divide_lining_into_elements(shoe, radius, case.elements)
     start, end = shoe.arc
     step = (end - start) / case.elements
@@ -226,7 +228,7 @@ def _shoe_mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any
 
 
 def _points_with_tenfold_growing_distance(first: float, whole: float) -> Floats:
-    """Points from 0 to `whole`: the second at `first`, each further one ten times as far."""
+    """Points at 0, at `first`, then each ten times as far from 0 as the last, and at `whole`."""
     steps = max(0, math.ceil(math.log10(whole / first) - 0.5)) if first < whole else 0
     return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
 
@@ -270,7 +272,7 @@ def _powers_of_ten(first: int, last: int, step: int = 1) -> list[float]:
 def _parameter_changes_for_values_of_one_parameter(
     name: str, values: list[Any], **rest: Any
 ) -> list[dict[str, Any]]:
-    """Changes of parameters of KnobCase: one dictionary for each value of the parameter `name`.
+    """Dictionaries of changed parameters of KnobCase, one for each value of the parameter `name`.
 
     `rest` are values of other parameters, the same in each dictionary.
     """
@@ -437,7 +439,7 @@ def _case_from_hypercube_sample(sample: list[float]) -> KnobCase:
         """The next number of the sample, scaled logarithmically to 10^low ... 10^high."""
         return float(f"{10 ** (low + (high - low) * next(u)):.3g}")
 
-    # The numbers are used up in the order of these lines.
+    # Each call takes the next number of the sample, so that the order of these lines matters.
     shoe = next_log_uniform_number(-8, 8)
     penalty = next_log_uniform_number(-2, 16)
     thickness = next_log_uniform_number(-5, math.log10(1 / 3))

@@ -34,10 +34,11 @@ from drumlin_studies.stated_true import (
 )
 
 LINING_STRAINS, BODY_STRAINS = (1e-4, 1e-2), (3e-5, 1e-3)
-"""Smallest and largest free thermal strain of a hot lining and of a hot body or drum.
+"""Ranges (smallest and largest) of the free thermal strain of hot linings, and of hot bodies and
+drums.
 
-Steel has a strain of 1e-4 if it is 10 K warmer, and 1e-3 if it is 80 K warmer. An organic lining
-has 1e-2 if it is 300 K warmer.
+Steel has a strain of 1e-4 if it is 10 K warmer, and of 1e-3 if it is 80 K warmer. An organic lining
+has a strain of 1e-2 if it is 300 K warmer.
 """
 HOT_TOLERANCES = (1e-2, 1e-3)
 """Relative tolerances to which each hot brake is solved."""
@@ -85,7 +86,7 @@ def _draw_random_temperature_rises_of_part(
 ) -> dict[str, float]:
     """Draw the temperature rises [K] of a part whose thermal expansion is 1e-5 1/K.
 
-    The result holds the changed values of the brake by their keys.
+    The result holds the drawn temperature rises by the brake's keys for them.
 
     Parameters
     ----------
@@ -109,7 +110,7 @@ def _draw_random_temperature_rises_of_part(
 def rows_of_stated_and_true_errors_of_drawn_brake(
     draw: Callable[[int], Brake], seed: int
 ) -> list[dict[str, Any]]:
-    """The rows of stated and true errors of one brake, one for each judged tolerance.
+    """The rows of stated and true errors of one brake, one for each of HOT_TOLERANCES.
 
     `draw` is a function that draws the brake of a seed, and may raise BadInput. A brake that is not
     drawn has no rows.
@@ -134,7 +135,7 @@ def rows_of_stated_and_true_errors_of_drawn_brake(
 
 
 def _text_on_outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
-    """Text on a solve: its outcome, and the smallest ratio of a stated to a true error."""
+    """Text on a solve: its outcome, and its smallest ratio of a stated to a true error."""
     ratios = {name: stated_over_true_error_of_row(row, name) for name in JUDGED_QUANTITIES}
     known = {name: ratio for name, ratio in ratios.items() if not math.isnan(ratio)}
     if not known:

@@ -1,4 +1,4 @@
-"""Table rows on the effect of heat in each part of a brake alone, and in all parts."""
+"""Table rows on the effect of heat: in each part of a brake alone, and in all parts together."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any

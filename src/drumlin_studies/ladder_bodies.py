@@ -1,6 +1,6 @@
 """Cases of the benchmark ladder on elastic bodies and on numerical methods, without contact.
 
-They test the stiffness of elements, the order of convergence, rings, and extrapolation.
+The cases test the stiffness of elements, the order of convergence, rings, and extrapolation.
 """
 
 import math
@@ -96,7 +96,7 @@ def solve_nodal_displacements(K: Any, f: Floats, held: Any, at: Floats | float =
     """
     u = np.zeros(len(f))
     u[held] = at
-    # The prescribed displacements act on the free unknowns as forces.
+    # The prescribed displacements u act on the free unknowns as the nodal forces -K u.
     free = np.setdiff1d(np.arange(len(f)), held)
     u[free] = splu(K[free][:, free].tocsc()).solve(f[free] - K[free][:, held] @ u[held])
     return u
@@ -197,7 +197,7 @@ def _edge_displacements_of_lame_ring() -> EdgeDisplacements:
 
 
 class DiameterChanges(NamedTuple):
-    """Changes of a ring's diameters along and across two opposite forces, times EI/(F R^3)."""
+    """Changes of the ring's diameters along and across two opposite forces F, times EI/(F R^3)."""
 
     closing: float
     widening: float
@@ -275,10 +275,10 @@ def _displacements_of_manufactured_solution(x: Floats, y: Floats) -> Floats:
 
 
 def _largest_pressure_of_murty_problem() -> float:
-    """Largest pressure of Murty's contact problem, on which a simpler active-set method cycles.
+    """Largest pressure of Murty's contact problem, on which a simpler active-set method fails.
 
-    The simpler method changes the state of all wrong nodes at once, and so returns to earlier
-    contact sets for ever.
+    The simpler method changes the state of all wrong nodes at once, and so repeats the same contact
+    sets for ever.
     """
     A = np.array([[1.0, 2, 0], [0, 1, 2], [2, 0, 1]])
     none = np.zeros((3, 0))

@@ -4,14 +4,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 ROUND_OFF_TIER = "round-off"
-"""Reason of a tolerance: round-off, since drumlin computes the same formula or equilibrium."""
+"""Reason of a case's tolerance: only round-off, since drumlin computes the same formula or
+equilibrium.
+"""
 PRINTED_DIGITS_TIER = "digits given"
-"""Reason of a tolerance: half a unit of the last digit that the source prints."""
+"""Reason of a case's tolerance: half a unit of the last digit that the source prints."""
 DISCRETISATION_TIER = "discretisation"
-"""Reason of a tolerance: the discretisation error of drumlin's mesh."""
+"""Reason of a case's tolerance: the discretisation error of drumlin's mesh."""
 MODEL_LIMIT_TIER = "limit of the model"
-"""Reason of a tolerance: the closed form holds in a limit, such as zero lining thickness, that the
-case approaches but does not reach.
+"""Reason of a case's tolerance: the closed form holds in a limit, such as zero lining thickness,
+that the case approaches but does not reach.
 """
 
 

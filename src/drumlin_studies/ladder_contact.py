@@ -1,6 +1,7 @@
 """Cases of the benchmark ladder on contact without sticking.
 
-The bodies are half-planes, discs, rings, thin layers and layers with sharp sliding edges.
+The bodies in contact are half-planes, discs, rings, thin layers, and layers whose sharp edges
+slide.
 """
 
 import math
@@ -40,7 +41,7 @@ GAP_RADIUS = 2.0
 CONTACT_LINING = Material(E=3e8, nu=0.25)
 """Material of the thin lining on a rigid back."""
 RING_WAVES = 40
-"""Number of waves around the circumference of a wavy ring."""
+"""Number of waves around the circumference of the ring with a wavy surface."""
 
 
 def condensed_half_plane_body(
@@ -116,15 +117,15 @@ def _peak_pressure_and_contact_width_of_cylinder() -> PeakAndWidth:
     p = solve_nodal_contact_pressures(
         pair.frictionless_contact_problem(s**2 / (2 * 0.05 / scale), [load])
     )
-    # p^2 falls linearly with s^2 and vanishes at the half-width. A line through values away from
-    # the end gives the half-width independently of the nodes there.
+    # Hertz's p^2 falls linearly with s^2 and vanishes at the half-width. The line through values
+    # away from the end therefore gives the half-width without the inexact values at the end.
     near = np.abs(s) < 0.8 * HALF_WIDTH
     slope, top = np.polyfit(s[near] ** 2, p[near] ** 2, 1)
     return PeakAndWidth(float(p.max() * 1e-6), math.sqrt(-top / slope) * scale * 1e3)
 
 
 def _mean_punch_pressure_over_closed_form() -> float:
-    """Mean pressure under the middle half of a rigid flat punch, relative to the closed form."""
+    """Mean pressure under the middle half of a rigid flat punch, divided by the closed form."""
     pair = BodyPair.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 24), None, motions="x"
     )
@@ -141,7 +142,10 @@ def _mean_punch_pressure_over_closed_form() -> float:
 
 
 class DiscInHole(NamedTuple):
-    """Middle pressure and contact half-angle of a disc in a hole, relative to Persson's values."""
+    """Results of a loaded disc in a hole, each divided by its value by Persson's closed form.
+
+    The results are the pressure in the middle of the contact and the half-angle of the contact.
+    """
 
     pressure: float
     half_angle: float
@@ -194,7 +198,8 @@ def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHole:
 def _node_angles_around_circle(count: int, eps: float) -> Floats:
     """Angles [rad] of nodes around a circle, closest together at the ends of a contact.
 
-    The contact reaches from -eps to eps [rad]; `count` is the number of nodes on it and beside it.
+    The contact reaches from -eps to eps [rad]. `count` is the number of nodes in the contact, and
+    again the number of nodes on the rest of the circle.
     """
     inner = points_graded_to_both_ends(-eps, eps, count, eps / 2, 1 / 40)
     outer = points_graded_to_both_ends(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
@@ -202,10 +207,9 @@ def _node_angles_around_circle(count: int, eps: float) -> Floats:
 
 
 def _wavy_ring_pressure_over_westergaard(share: float) -> float:
-    """Pressure at the crests of a wavy ring in another ring, relative to the closed form.
+    """Pressure at the crests of a wavy ring in another ring, divided by Westergaard's closed form.
 
-    The closed form is Westergaard's. `share` is roughly the mean pressure divided by the pressure
-    p* of full contact.
+    `share` is roughly the mean pressure divided by the pressure p* of full contact.
     """
     count = 12 * RING_WAVES
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
@@ -219,7 +223,7 @@ def _wavy_ring_pressure_over_westergaard(share: float) -> float:
     pair = BodyPair.couple_two_bodies_at_contact_nodes(inner, outer)
     height = 1e-6
     full = math.pi * LADDER_STEEL.E / 2 * height * RING_WAVES / (2 * math.pi)
-    # Radial displacement between the two rings under a uniform unit pressure [m/Pa].
+    # Radial displacement of the two rings towards each other under a uniform pressure of 1 Pa.
     E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
     soft = sum(
         abs(closed_forms.ring_displacement_per_harmonic_pressure(0, 1.0, held, E, nu))
@@ -260,7 +264,7 @@ def _make_concentric_rings() -> BodyPair:
 
 
 class Harmonics(NamedTuple):
-    """The mean and the amplitude of one harmonic of the pressure around a ring [Pa]."""
+    """The mean of the pressure around a ring, and the amplitude of one of its harmonics [Pa]."""
 
     mean: float
     harmonic: float
@@ -311,7 +315,7 @@ def _computed_bonded_layer_stiffness() -> float:
 def _make_lining_strip_on_rigid_back(nu: float) -> BodyPair:
     """A lining with sharp edges on a rigid back, against a rigid opposite body.
 
-    The elements shrink to some 1e-7 of the lining's thickness at its ends and its face.
+    Towards the lining's ends and its face the elements shrink to some 1e-7 of its thickness.
     """
     fine = points_with_steps_growing_to_end(1e-8, 1.45, 0.1)
     angles = np.concatenate([-0.1 + fine, (0.1 - fine)[::-1][1:]])

@@ -1,6 +1,6 @@
 """Cases of the benchmark ladder on friction and wear.
 
-They are on stick and slip, a belt, a plate, self-locking, running in, and whole brakes.
+The cases treat stick and slip, a belt, a plate, self-locking, running in, and whole brakes.
 """
 
 import math
@@ -52,7 +52,7 @@ from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, first_contact_set
 
 
 def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
-    """The frictional contact problem of one node on springs, which is pressed on a moved drum.
+    """The frictional contact problem of one node on springs that is pressed on a moving drum.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> 
     k : float
         Stiffness of the normal and of the tangential spring [N/m].
     """
-    # The arguments are the blocks of the equations of `FrictionalProblem`.
+    # The arguments are the blocks of the equations of `FrictionalProblem`, here of size 1 or 0.
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     across, along = np.zeros((1, 0)), np.zeros((0, 1))
     return FrictionalProblem(
@@ -105,7 +105,8 @@ def _energy_dissipated_in_slip_loop() -> float:
         answer = stick_slip.solve_stick_slip_load_increment(
             _problem_of_node_on_springs(10.0, shift), 0.5, history, state
         )
-        # The first 21 positions lead from zero to the loop; their dissipation does not count.
+        # The first 21 positions lead to the start of the closed loop; energy dissipated there is
+        # left out.
         if i > 20:
             dissipated += float(answer.t[0] * (answer.s[0] - history.s[0]))
         history, state = answer.tractions_and_slips_for_next_increment, answer.state
@@ -139,7 +140,8 @@ def _push_over_weight_on_wedge() -> float:
     coupling = weak_coupling_of_contact_line(
         line, 1.0, _make_function_of_constant_normal_and_tangent(np.array([up[1], -up[0]]), -up)
     )
-    # Forces on the block under a uniform pressure: the push and the weight balance them.
+    # Forces on the block under a uniform pressure of 7 Pa. The push and the weight balance these
+    # forces.
     p = np.full(5, 7.0)
     on_block = (-coupling.N.T @ p + 0.3 * coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
     return float(-on_block[0] / on_block[1])
@@ -149,8 +151,9 @@ def _push_over_weight_on_wedge() -> float:
 def _sticking_over_contact_half_width(share: float) -> float:
     """Half-width c of the sticking zone of two cylinders, divided by half-width a of their contact.
 
-    The tangential load is `share` times mu P. The ratio is computed from the tractions in the
-    middle, (1 - t/(mu p))^2 = c^2/a^2, because the ends of the zones depend on the nodes there.
+    The tangential load is `share` times mu P, with the normal load P. The ratio follows from the
+    pressure p and the traction t in the middle, (1 - t/(mu p))^2 = c^2/a^2, because the computed
+    ends of the zones depend on the nodes there.
     """
     mu, load = 0.3, HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
     pair = BodyPair.couple_two_bodies_at_contact_nodes(
@@ -182,8 +185,8 @@ def _sticking_over_contact_half_width(share: float) -> float:
         )
     middle = np.abs(s) < 0.2 * HALF_WIDTH
     ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
-    # At s = 0 the exact ratio t/(mu p) is 1 - c/a. The mean over a small interval differs by a term
-    # of second order, which is computed from the closed form and corrected.
+    # At s = 0 the exact ratio t/(mu p) is 1 - c/a. Its mean over a small interval around 0 differs
+    # by a term of second order. The closed form gives this difference, which is then subtracted.
     exact_p = np.sqrt(1 - (s[middle] / HALF_WIDTH) ** 2)
     c = math.sqrt(1 - share)
     exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * HALF_WIDTH)) ** 2)
@@ -287,7 +290,8 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
 
     `mu` is the coefficient of friction, `wrap` the angle of wrap [rad].
     """
-    # A belt of thickness 0.002 on a drum of radius 1, fixed at the angle `wrap`.
+    # A belt of thickness 0.002 m on a drum of radius 1 m. One end of the belt is fixed at the angle
+    # `wrap`.
     t = 0.002
     grid = skfem.MeshQuad.init_tensor(np.array([0.0, t]), np.linspace(0, wrap, 161))
     mesh = _quadratic_mesh_of_mapped_grid(
@@ -329,7 +333,7 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
 
 
 def _largest_pressure_in_patch_test(turned: float) -> float:
-    """Largest pressure [Pa] on a strip that is pressed 0.05 m deep on an inclined plane.
+    """Largest pressure [Pa] on a strip into which an inclined plane is pressed by 0.05 m.
 
     The strip is 1 m high and has nu = 0, so that the exact pressure is uniform. `turned` is the
     inclination of the plane [rad].
@@ -347,7 +351,7 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
     strip = FlexibleBody.elastic_body_of_mesh(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
     N, M = strip.coupling.N, strip.coupling.M
     n = len(M)
-    # Weighted opening of the gap by unit nodal pressures; at first the plane lies 0.05 m inside the
+    # Weighted opening of the gap by unit nodal pressures. At first the plane lies 0.05 m inside the
     # strip.
     closure = (
         N
@@ -361,11 +365,11 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
 
 
 PLATE_EDGE = 40.0
-"""Length of the edges of the plate of Raous, Chabrand & Lebon (1988)."""
+"""Length of the edges of the square plate of Raous, Chabrand & Lebon (1988)."""
 
 
 class Plate(NamedTuple):
-    """Results for an elastic plate on a rigid plane.
+    """Results for an elastic plate that is pressed on a rigid plane and pushed from its side.
 
     Attributes
     ----------
@@ -386,8 +390,8 @@ def solve_pressed_and_pushed_plate() -> Plate:
 
     The plate comes from Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa on its upper edge
     and 10 MPa on its side, with a plane of symmetry at x = 0. Moments are taken about the corner in
-    the origin. Friction on the rigid plane has no moment about this corner, nor has the vertical
-    force that fixes the plate there.
+    the origin. Friction on the rigid plane has no moment about this corner, and neither has the
+    vertical force that fixes the plate there.
     """
     body = _plate_with_plane_of_symmetry()
     plate, f = body.body, _forces_on_upper_edge_and_side(body.body.basis)
@@ -408,7 +412,8 @@ def solve_pressed_and_pushed_plate() -> Plate:
     )
     whole = u @ np.concatenate([[1.0], -found.p, found.t])
     total = f.copy()
-    # On the plane of symmetry the nodal forces include the reactions.
+    # On the plane of symmetry the nodal forces also contain the reactions of the fixed
+    # displacements.
     total[body.left] = (plate.K @ whole).reshape(-1, 2)[body.left]
     x, y = plate.basis.doflocs
     others = float((x * total[:, 1] - y * total[:, 0]).sum())
@@ -435,7 +440,7 @@ class _SymmetricPlate(NamedTuple):
 
 
 def _plate_with_plane_of_symmetry() -> _SymmetricPlate:
-    """The plate of Raous, Chabrand & Lebon, fixed along x at x = 0, and along y in the corner."""
+    """The plate of Raous, Chabrand & Lebon, fixed along x at x = 0, and along y at the origin."""
     L = PLATE_EDGE
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
     mesh = _quadratic_mesh_of_mapped_grid(
@@ -513,19 +518,21 @@ def _nodal_forces_of_unit_traction(along: Floats, nodes: Ints) -> Floats:
 
 
 SPRING_STIFFNESS = 4e10  # Pa/m
-"""Pressure per compression K of a lining of springs on a rigid shoe."""
+"""Pressure per compression K [Pa/m] of a lining that consists of springs, on a rigid shoe."""
 SPRING_RADIUS, SPRING_WIDTH, SPRING_PIN = 0.15, 0.04, 0.125  # m
-"""Radius of the drum, width of the lining, and distance of the hinge from the drum's centre."""
+"""Radius of the drum, width of the lining, and distance of the hinge from the drum's centre [m]."""
 SPRING_MOMENT = 250.0  # N m
-"""Moment of the actuation about the hinge of the shoe with a lining of springs."""
+"""Moment [N m] of the actuation about the hinge of the shoe with a lining of springs."""
 SPRING_MU = 0.25
 """Coefficient of friction of the lining of springs."""
 SPRING_ARC = (0.3, 2.2)  # rad
-"""Angles of the ends of the lining of springs, from the line to the hinge."""
+"""Angles [rad] of the ends of the lining of springs, counted from the line from the drum's centre
+to the hinge.
+"""
 SPRING_WEAR = WearLaw(1e-13)
 """Wear law of the lining of springs, with the wear coefficient k."""
 WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * SPRING_STIFFNESS)
-"""Sliding distance 1/(k K) [m] over which the deviation from the sine law falls to 1/e."""
+"""Sliding distance 1/(k K) [m] over which wear reduces the deviation from the sine law to 1/e."""
 
 
 def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
@@ -563,7 +570,8 @@ def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearInterf
 
 def _locking_friction_of_winkler_shoe() -> float:
     """Coefficient of friction at which the shoe with a lining of springs locks itself."""
-    # The equations are linear in friction: two problems give the equations at any friction.
+    # The equations are linear in the friction coefficient: the equations at two values give the
+    # equations at any value.
     still, unit = (
         _wear_problem_and_node_angles_of_winkler_shoe(0.0)[0].problem,
         _wear_problem_and_node_angles_of_winkler_shoe(-1.0)[0].problem,
@@ -593,7 +601,7 @@ def _wear_states_and_sine_pressure_of_winkler_shoe() -> tuple[list[WearState], F
 def _remaining_deviation_from_sine_law() -> float:
     """Deviation of the pressure from the sine law after sliding by 2/(k K).
 
-    It is divided by the deviation of the new lining's pressure.
+    The result is divided by the deviation of the new lining's pressure.
     """
     states, law = _wear_states_and_sine_pressure_of_winkler_shoe()
     first = states[0].pressure - SPRING_MOMENT * law

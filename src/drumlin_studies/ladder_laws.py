@@ -49,7 +49,8 @@ def _torque_of_shigley_example_16_2() -> float:
         "mu": 0.32,
         "width": 0.032,
     }
-    # The force is scaled until the peak pressure is 1 MPa; both shoes have this force.
+    # The force is scaled until the self-energising shoe has a peak pressure of 1 MPa. The other
+    # shoe then gets the same force.
     helped = brake_scaled_to_peak_pressure(
         brake_with_one_hinged_shoe(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6
     )
@@ -117,7 +118,8 @@ def _force_and_torque_of_bhandari_12_8() -> ForceAndTorque:
     helped = brake_scaled_to_peak_pressure(
         brake_with_one_hinged_shoe(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6
     )
-    # The shoe of `brake_with_one_hinged_shoe` has a unit arm, so that its force is the moment.
+    # In `brake_with_one_hinged_shoe` the force has a lever arm of 1 m about the hinge, so that its
+    # value is also that of the moment.
     moment = helped.shoes[0].actuation.force
     opposed = brake_with_one_hinged_shoe(**shoe, moment=moment, spin=1)
     arm = 0.1875
@@ -131,7 +133,7 @@ def _force_and_torque_of_bhandari_12_8() -> ForceAndTorque:
 def _brake_with_90_degree_block_on_lever(
     a: float = 0.05, spin: int = 1, mu: float = 0.35, x: float = 0.2
 ) -> Brake:
-    """A brake with a block on a lever, with a half-arc of 45 degrees.
+    """A brake with a block on a lever; the arc of the block has 90 degrees.
 
     `brake_with_block_on_lever` explains the lengths a and x [m].
     """
@@ -143,7 +145,8 @@ def _brake_with_90_degree_block_on_lever(
 def _torque_of_block_by_statics() -> float:
     """Torque [N m] of the block of `_brake_with_90_degree_block_on_lever` from equilibrium.
 
-    Under the pressure p_0 cos phi the friction acts at a distance psi R from the drum's centre.
+    Under the pressure p_0 cos phi the resultant of friction acts at a distance psi R from the
+    drum's centre.
     """
     psi = closed_forms.equivalent_friction_ratio_of_block(radians(45))
     # Moments about the pin of the lever give the normal force.
@@ -160,7 +163,7 @@ def _locking_friction_of_block() -> float:
 
 
 def _two_block_torque_over_one_block() -> float:
-    """Torque of a brake with two opposite blocks, relative to a brake with one block."""
+    """Torque of a brake with two opposite blocks, divided by the torque of one block alone."""
     one = brake_with_block_on_lever(
         R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1
     )
@@ -178,7 +181,7 @@ def _two_block_torque_over_one_block() -> float:
 
 
 def _response_of_short_shoe_on_lever() -> Response:
-    """Response of a brake with a short shoe on a lever of 1 m."""
+    """Response, by the short-shoe law, of a brake with a short shoe on a lever of 1 m."""
     return _solve_brake_by_law_of_given_name(
         "short",
         brake_with_block_on_lever(
@@ -188,9 +191,10 @@ def _response_of_short_shoe_on_lever() -> Response:
 
 
 def _torque_of_two_short_shoes() -> float:
-    """Torque [N m] of two short shoes opposite each other, at 90 degrees from their pins.
+    """Torque [N m] of two short shoes opposite each other, each at 90 degrees from its pin.
 
-    With a = R the normal forces are N = M/(R (1 -+ mu)): 400 N and 160 N.
+    With the pins at the distance a = R from the centre, the normal forces under the moment M are N
+    = M/(R (1 - mu)) = 400 N and M/(R (1 + mu)) = 160 N.
     """
     shoe: dict[str, Any] = {
         "R": 0.2,
@@ -208,11 +212,11 @@ def _torque_of_two_short_shoes() -> float:
 
 
 PAD_MOMENT = 90.0  # N m
-"""Moment of the actuation about the pin of the flat shoes."""
+"""Moment [N m] of the actuation about the pin of the flat shoes."""
 PIN_HEIGHT = 0.06  # m
-"""Height of the pin of the flat shoes above the plane."""
+"""Height [m] of the pin of the flat shoes above the plane."""
 PAD_START, PAD_END = 0.05, 0.2  # m from the pin
-"""Ends of the lining of the long flat shoe."""
+"""Places x [m] along the plane at which the lining of the long flat shoe starts and ends."""
 PAD_MU = 0.4
 """Coefficient of friction of the flat shoes."""
 
@@ -284,7 +288,7 @@ SHORT_SHOE: dict[str, Any] = {
 
 
 def _friction_sensitivity_by_differences() -> float:
-    """Relative change of a short shoe's torque per relative change of friction, by differences."""
+    """Relative change of a short shoe's torque per relative change of friction, from two solves."""
     return torque_sensitivity_to_friction_by_differences(
         brake_with_one_hinged_shoe(**SHORT_SHOE, moment=50.0), MODELS["short"].solve
     )
@@ -306,8 +310,8 @@ def _friction_sensitivity_by_formula() -> float:
 def _result_of_simscape_double_shoe(what: str) -> float:
     """A result of Simscape's double-shoe brake block with its default parameters.
 
-    It is the torque divided by the force [m] for `what` = "T/F", else the friction that locks the
-    brake.
+    For `what` = "T/F" the result is the torque divided by the force [m], else the coefficient of
+    friction at which the brake locks itself.
     """
     block = DoubleShoe()
     return float(sum(block.shoe_torques(1.0, 1.0))) if what == "T/F" else block.mu_lock

@@ -1,7 +1,7 @@
 """Cases of the benchmark ladder on pads on a plane, solved as whole brakes.
 
-They compare two results with closed forms: the compression of a thin lining, and the exponent of
-the pressure at a pad's edge.
+The cases compare two results with closed forms: the compression of a thin lining, and the exponent
+of the pressure at a pad's edge.
 """
 
 import math
@@ -20,9 +20,9 @@ from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import DISCRETISATION_TIER, KnownAnswer
 
 PAD_LENGTH, PAD_WIDTH = 0.12, 0.04  # m
-"""Length and width of the pad."""
+"""Length and width of the pad [m]."""
 PAD_FORCE = 500.0  # N
-"""Force that presses the pad on the plane."""
+"""Force that presses the pad on the plane [N]."""
 SOFT_LINING = Material(E=3e8, nu=0.25)
 """Material of the thin lining of the pad."""
 
@@ -72,7 +72,7 @@ def _lining_compression_over_closed_form() -> float:
         assert pad.motion is not None
         closed_form = pressure * t * (1 - SOFT_LINING.nu**2) / SOFT_LINING.E
         ratios.append(-pad.motion[1] / closed_form)
-    # An error that is in proportion to the thickness vanishes from this combination.
+    # In this combination of two thicknesses, an error in proportion to the thickness cancels.
     return 2 * ratios[1] - ratios[0]
 
 

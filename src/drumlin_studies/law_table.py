@@ -43,7 +43,7 @@ def rows_of_shoe_results_by_every_law(brake: Brake, file: str) -> list[Row]:
 
 
 def row_of_shoe_results(response: Response, index: int) -> Row:
-    """The results of one shoe of a response as a row of a table."""
+    """The results of the shoe number `index` of a response, as a row of a table."""
     shoe, merit = response.shoes[index], response.merits[index]
     row = {
         "shoe": shoe.name,
@@ -74,7 +74,7 @@ def rows_of_laws_that_cannot_solve_brakes(rows: Sequence[Row]) -> list[Row]:
     for row in rows:
         if row["status"] == "applies":
             continue
-        # A further law that fails for the same reason is added to the row of the first law.
+        # Laws that fail for the same reason on the same brake share one row.
         key = row["file"], row["reason"]
         names = f"{laws[key]['laws']}, {row['law']}" if key in laws else row["law"]
         laws[key] = {"file": row["file"], "laws": names, "reason": row["reason"]}
@@ -97,7 +97,7 @@ def rows_of_shoe_factors_of_post_brake(brake: Brake) -> list[Row]:
                 and merit.friction_radius is not None
             )
             R = brake.size
-            # Eq. 26 uses lengths relative to the drum's radius, and the angle from the hinge.
+            # Eq. 26 needs lengths divided by the drum's radius, and angles counted from the hinge.
             arm = abs(data.actuation.moment_of_force_about_point(data.pin) / data.actuation.force)
             angle = data.frame.phi(np.array(merit.resultant_angle))
             S = barecki_shoe_factor(
@@ -126,8 +126,8 @@ def first_shoe_responses_by_law(block: Brake, pad: Brake) -> dict[str, ShoeRespo
     """The response of one shoe by every law, by the names of the laws.
 
     Laws for drum brakes solve the first shoe of the brake `block`. For the law "pivoted" this shoe
-    gets a pivot away from the point about which its pressure would be symmetric. The law "linear"
-    solves the first shoe of the brake `pad`, which presses on a plane.
+    gets a pivot, which lies away from the point that would make the pressure symmetric. The law
+    "linear" solves the first shoe of the brake `pad`, which presses on a plane.
     """
     shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS}
     pivoted = vary(block, {"shoe.pivot": {"radius": "140 mm", "angle": "84 deg"}})

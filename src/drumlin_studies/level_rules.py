@@ -69,7 +69,7 @@ class LevelsOfRule(NamedTuple):
 
 
 def far_finer_solution_of_random_brake_or_none(seed: int) -> Truth | None:
-    """The far finer solution of the random brake of a seed, or None if it has no equilibrium."""
+    """The far finer solution of the random brake of a seed, or None without an equilibrium."""
     try:
         return solve_brake_by_finer_hp_meshes(
             draw_random_calibration_brake_and_name_of_kind(seed)[1]
@@ -107,7 +107,7 @@ def solve_random_brake_with_level_rule(
 
 
 class StoppingLevel(NamedTuple):
-    """The level at which a solve stops: the first one within the tolerance, or the last one.
+    """The level at which a solve stops: the first one within the tolerance, else the last one.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ def find_mesh_at_which_refinement_stops(
 def _errors_stated_on_mesh_by_safety_factors(
     level: LevelRecord, factors: Factors
 ) -> dict[str, float]:
-    """The errors that drumlin would state on a mesh (level) with given safety factors."""
+    """Errors, by quantity, that drumlin would state on a mesh (level) by given safety factors."""
     # Pressure and peak have factors of their own; torque and reaction share the factor of forces.
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
@@ -166,7 +166,7 @@ def report_text_on_refinement_rule(brakes: Sequence[LevelsOfRule]) -> str:
 
 def _error_ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
     """Text with the median ratio of stated to true error, and the number of ratios below 1."""
-    # True errors that are uncertain do not count.
+    # Levels whose true error is uncertain do not count.
     certain = [
         stop.stated[quantity] / stop.level.true[quantity]
         for stop in stops

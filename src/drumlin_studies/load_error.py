@@ -1,4 +1,4 @@
-"""Judge the errors that drumlin states for random brakes with further loads and measured friction.
+"""Judge drumlin's stated errors on random brakes with springs, masses, heat or measured friction.
 
     python -m drumlin_studies.load_error FIRST LAST FILE
 
@@ -26,17 +26,19 @@ from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 DUO_SERVO_SHARE = 0.25
 """Probability with which a brake is a duo-servo brake, whose shoes can leave their anchor."""
 FEATURE_SHARE = 0.5
-"""Probability with which a brake has each of the further features."""
+"""Probability with which a brake has a given feature, such as springs, masses or heated parts."""
 FADED_FRICTION = (0.4, 1.2)
-"""Smallest and largest ratio of the friction at a high pressure to the friction at no pressure."""
+"""Range of the ratio of the friction coefficient at a high pressure to that at zero pressure."""
 LOAD_SHARES = (0.02, 0.2)
-"""Smallest and largest spring pull and centrifugal force, relative to the largest actuation."""
+"""Smallest and largest spring force and centrifugal force, relative to the largest actuation force.
+"""
 
 
 def draw_random_brake_with_loads_and_lining_friction(seed: int) -> Brake:
     """Draw the random brake of a seed, with some of the features that this module judges.
 
-    Raises BadInput if a feature is not modelled for the brake.
+    The features are springs, masses, heat, and friction that depends on the pressure or differs
+    between linings. Raises BadInput if a feature is not modelled for the brake.
     """
     rng = np.random.default_rng([seed, 42])
     if rng.random() < DUO_SERVO_SHARE:
@@ -71,7 +73,7 @@ def _draw_duo_servo_brake(rng: np.random.Generator) -> Brake:
 
 
 def _draw_friction_data_of_linings(rng: np.random.Generator, brake: Brake) -> dict[str, Any]:
-    """Draw a friction table over the pressure for the brake, and friction of the first lining."""
+    """Draw a table of friction over pressure for the brake, and another friction for one lining."""
     changes: dict[str, Any] = {}
     if brake.friction == 0:
         return changes

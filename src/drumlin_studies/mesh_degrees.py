@@ -40,11 +40,15 @@ from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 
 MESHES = 60
-"""Number of meshes if the command line gives none: eight or nine of each form in FORMS."""
+"""Number of meshes if the command line gives no number: eight or nine of each form in FORMS."""
 FINE = 1e-4
 """Relative tolerance of the solution in hp elements that serves as the truth."""
 UNSURE = 3.0
-"""True error above which a stated error is judged, relative to the truth's own stated error."""
+"""Smallest true error with which a stated error is compared, relative to the stated error of the
+solution in hp elements that serves as the truth.
+
+A smaller true error may be an error of this solution instead.
+"""
 WIDTH = 0.04
 """Width [m] of lining and body of every random shoe.
 
@@ -80,7 +84,7 @@ FORMS = (
     MeshForm(3, straight=False, recombined=False),
     MeshForm(3, straight=False, recombined=True),
 )
-"""The forms of meshes. The mesh of a seed has the form number seed modulo the number of forms."""
+"""The forms of meshes. The seed modulo the number of forms is the number of a mesh's form."""
 DECIMALS = (None, 2, 3, 4, 5, 6)
 """Numbers of decimals of coordinates in mm, from which one is drawn for each mesh.
 

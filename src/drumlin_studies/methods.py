@@ -42,8 +42,8 @@ def list_solution_methods_to_compare(
 def _list_methods_of_foundation_model() -> Iterator[Method]:
     """Methods that solve a brake by the foundation model, with 20 to 180 sections along a lining.
 
-    Each number of sections gives two methods: the model as published, and the model that includes
-    all effects which the published model neglects ("lifted").
+    Each number of sections gives two methods: the model as published, and the model without its
+    simplifications ("lifted").
     """
     for sections in (20, 60, 180):
         options = {"model": "foundation", "sections": sections}
@@ -83,7 +83,7 @@ def _list_hp_element_methods(*, short: bool) -> Iterator[Method]:
 
 
 def _list_penalty_contact_methods(*, short: bool) -> Iterator[Method]:
-    """Methods that solve a brake with penalty contact, for several penalty stiffnesses.
+    """Methods that solve a brake with penalty contact, for several stiffnesses of the penalty.
 
     The penalty acts on the nodes of the lining ("weak penalty") or on the quadrature points of its
     edges ("pointwise penalty").
@@ -101,7 +101,8 @@ def _list_methods_of_peer_programs() -> Iterator[Method]:
 
     Two methods solve the brake by drumlin on the same meshes.
     """
-    # The two methods of drumlin: on both meshes the pressure p has an error of half a percent.
+    # These two methods are drumlin on the meshes on which the pressure p has an error of half a
+    # percent.
     yield _method_on_one_mesh("graded mesh", "quad2", 56)
     yield _method_on_one_mesh("graded mesh", "quad1", 112)
     for elements in (20, 40, 56, 80, 112):

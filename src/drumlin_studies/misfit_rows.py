@@ -1,4 +1,4 @@
-"""Table rows on misfit, which is any deviation of lining or drum from a lining that fits the drum.
+"""Table rows on misfit: any deviation of lining or drum from surfaces that fit each other.
 
 The rows show the effect of one misfit at a time, of an out-of-round drum over one revolution, and
 of random misfits within manufacturing tolerances.
@@ -40,8 +40,8 @@ STATES = ("new", "worn in")
 LOBES = {"run-out": 1, "oval": 2, "three lobes": 3, "five lobes": 5}
 """Number of lobes around the drum, by the name of the out-of-roundness. Run-out has one lobe."""
 EXPANSION, WARMING = 11e-6, 100.0
-"""Coefficient of thermal expansion of the drum [1/K]; temperature of the drum minus temperature of
-the shoes [K].
+"""Coefficient of thermal expansion of the drum [1/K], and the temperature of the drum minus the
+temperature of the shoes [K], of a warm brake.
 """
 
 
@@ -121,7 +121,7 @@ def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any
 
 
 def fraction_of_linings_in_contact(brake: Brake, response: Response) -> float:
-    """Fraction, from 0 to 1, of the linings' arcs of all shoes that touches the drum."""
+    """Length of all contact arcs, divided by the length of the linings of all shoes."""
     arcs: float = 0
     for shoe in response.shoes:
         for start, end in shoe.contact_arcs:
@@ -184,7 +184,7 @@ def maps_of_relative_deviation_from_law(
     dict
         The arrays of the given shape under the keys "torque" and "peak_pressure".
     """
-    # The law's values belong to the brake without the changes of the sweep.
+    # The law is evaluated for the brake without the changes of the sweep.
     nominal = results_of_response_by_name(brake, law)
     maps = {}
     for name in ("torque", "peak_pressure"):
@@ -256,7 +256,7 @@ class DrawnBrakes:
     def variance_removed_by_run_in(self) -> float:
         """Fraction of the torque's variance that disappears as the linings run in.
 
-        The variance that remains comes from tolerances of friction, force, levers and drum.
+        The remaining variance comes from the tolerances of friction, force, levers and drum.
         """
         new = mean_and_percentiles_of_sample(
             self.values_of_quantity_for_random_brakes("new", "torque")

@@ -4,9 +4,9 @@ An omission replaces for example the elastic drum ring by a rigid drum.
 `relative_change_from_whole_to_simpler_brake` compares the answers of the simpler and of the whole
 brake. `predict_response_change_by_omitting_parts` predicts the same change on two surrogates, which
 are coarse models of the whole and of the simpler brake (`reduced`). To first order the change is
-the response of the pressure p to the gap F p that the neglected flexibility F would open. The
-surrogates also contain the change of the contact. The prediction has no factor that is fitted to
-data.
+the response of the pressure p to the gap F p: the displacement that p would cause by the neglected
+flexibility F. The surrogates also contain the change of the contact. The prediction has no factor
+that is fitted to data.
 
 A solve of drumlin omits no part of the brake, because the prediction would take as long as the
 solve of the whole brake.
@@ -129,7 +129,7 @@ class OmissionChange(NamedTuple):
 def relative_change_from_whole_to_simpler_brake(
     simple: Response, whole: Response
 ) -> OmissionChange:
-    """Relative changes from the response of the whole brake to the one of the simpler brake."""
+    """Relative changes from the whole brake's response to the simpler brake's response."""
     torques, pressures, reactions, peaks, each = [], [], [], [], []
     # If torque, peak or reaction of the whole brake is zero, the absolute change is taken in place
     # of the relative one.
@@ -152,7 +152,7 @@ def relative_change_from_whole_to_simpler_brake(
 
 
 def _relative_pressure_change_of_shoe(a: ShoeResponse, b: ShoeResponse) -> float:
-    """L2 distance between the pressures of responses a and b of a shoe, relative to b.
+    """L2 distance of the pressure of response a of a shoe from b's, relative to b's L2 norm.
 
     The result is 1 if the shoe is in contact in response a only.
     """
@@ -238,7 +238,7 @@ def _prepared_model_without_friction_deformation(
                 closure_by_friction=np.zeros_like(body.closure_by_pressure),
                 reaction_to_friction=-rigid @ body.coupling.T.T,
             )
-        # Shoes of equal shape share one condensed body before and after this change.
+        # Shoes of equal shape still share one condensed body after this change.
         bodies.append(made[id(body)])
     ring = scene.ring
     if ring is not None:
@@ -271,7 +271,7 @@ def prepare_model_with_straight_element_edges(brake: Brake, *, elements: int) ->
 def predict_response_change_by_omitting_parts(
     brake: Brake, names: Sequence[str], respond: ResponseFunction, sketch: Make | None = None
 ) -> OmissionChange:
-    """The change of the answer by an omission, predicted on two surrogates in some milliseconds.
+    """The change of the answer by omitting parts, predicted on two coarse models (surrogates).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The table of omissions, which are parts of a brake that a simpler model neglects.
+"""The table of omissions: parts and effects of a brake that a simpler model neglects.
 
 For each omission the table has the change of the answer, the predicted change, and the fractions of
 time and memory that the omission saves.
@@ -46,7 +46,7 @@ EXACT_OMISSIONS = {
 }
 """Computations that a solve leaves out without any change of the answer.
 
-Each key names the computation, each value how the solve avoids it. The last one leaves out the
+Each key names the computation, and each value says how the solve avoids it. The last entry is the
 deformation by friction where the coefficient of friction mu is zero.
 """
 
@@ -116,9 +116,10 @@ def table_rows_for_each_part_omitted_from_brake(
 def predicted_over_true_changes_by_omission(
     rows: Sequence[Mapping[str, Any]], key: str
 ) -> list[float]:
-    """Predicted divided by true change, for each row with a true change from 0.01 % to 30 %.
+    """Predicted change divided by true change, for each row with a true change from 0.01 % to 30 %.
 
-    Exact omissions, the curvature of the elements, and all omissions with curvature are left out.
+    Rows on exact omissions, on the curvature of the elements, and on all omissions with curvature
+    are left out.
 
     rows : rows of `table_rows_for_each_part_omitted_from_brake`; key : attribute of
         `OmissionChange` that is compared.
@@ -189,8 +190,8 @@ def _list_part_omissions_computed_for_brake(brake: Brake) -> list[_OmissionRow]:
     together = []
     for part in names:
         rows.append(_OmissionRow(part, OMISSIONS[part].instead, [part]))
-        # A rigid drum does not couple the shoes. If the ring is neglected, to neglect the coupling
-        # as well changes nothing.
+        # A rigid drum does not couple the shoes. Without the ring, the omission of the coupling
+        # therefore changes nothing.
         if part != "curvature" and not (part == "coupling" and "ring" in names):
             together.append(part)
     if len(together) > 1:
@@ -212,7 +213,8 @@ def _omission_change_as_row(found: OmissionChange, prefix: str) -> dict[str, flo
 def fractions_of_time_and_memory_saved(pair: WholeAndSimple, repeats: int) -> dict[str, float]:
     """Fractions of the time and of the peak memory of the whole solve that the simpler solve saves.
 
-    Simpler and whole solves alternate. The saved time follows from the median ratio of the pairs.
+    Simpler and whole solves alternate. The saved time follows from the median of the pairs' ratios
+    of times.
 
     pair : functions that run the two solves; repeats : number of timed pairs.
     """
@@ -293,8 +295,9 @@ def _solvers_with_and_without_needless_computation(
         return WholeAndSimple(solve_and_recover_stresses, solve_brake_without_extra_computation)
     if part == "second of equal shoes":
         shapes = {cache_key_of_shoe_shape(brake, shoe) for shoe in brake.shoes}
-        # The omission does not apply where all shoes differ. Neither is it shown on an elastic
-        # ring, because the shoes are prepared one by one here and the ring belongs to all of them.
+        # The omission does not apply where no two shoes are equal. It is not shown on an elastic
+        # ring either, because the shoes are prepared one by one here and the ring belongs to all of
+        # them.
         if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
         return WholeAndSimple(
@@ -328,10 +331,10 @@ def _prepare_model_with_each_shoe_by_itself(
 def _predict_change_with_straight_edges(
     brake: Brake, names: Iterable[str], elements: int
 ) -> OmissionChange:
-    """The predicted change of the answer by some of OMISSIONS.
+    """The predicted change of the answer by some of OMISSIONS, which may include "curvature".
 
-    The surrogate predicts all omissions but "curvature". The effect of straight edges depends on
-    the number of elements along a lining and is predicted in closed form.
+    The surrogate predicts all other omissions. "curvature" means straight element edges: their
+    effect depends on the number of elements along a lining and is predicted in closed form.
     """
     names = list(names)
     if "curvature" not in names:
@@ -351,7 +354,8 @@ def _predict_change_with_straight_edges(
     found = relative_change_from_whole_to_simpler_brake(
         solve_prepared_model(scene, straight), whole
     )
-    # The mean gap leaves out the waves of the pressure within an element: a closed form adds them.
+    # The mean gap does not cause the waves of the pressure within an element. A closed form adds
+    # them.
     waves = []
     for shoe, answer in zip(brake.shoes, rest.shoes, strict=True):
         size = _root_mean_square_of_pressure(answer.theta, answer.pressure)
@@ -378,7 +382,8 @@ def _shoe_with_clearance_like_straight_edge_gap(brake: Brake, shoe: Shoe, elemen
     The mean gap of an element is 2/3 of its sagitta.
     """
     angles, height = _element_angles_and_chord_sagittas(brake, shoe, elements)
-    # In a mirrored frame the shoe's own angles fall as the brake's angles theta grow.
+    # In the frame of a mirrored shoe angles grow as the brake's angles theta fall, so the angles
+    # are sorted.
     middle = np.sort(shoe.frame.theta((angles[:-1] + angles[1:]) / 2))
     height = height[:: shoe.frame.sense]
     gap = shoe.sign * 2 / 3 * height + shoe.lining.clearances_at_surface_coordinates(middle)
@@ -404,7 +409,7 @@ def rms_pressure_waves_due_to_straight_edges(brake: Brake, shoe: Shoe, elements:
     kappa, G = (3 - nu) / (1 + nu), E / (2 * (1 + nu))
     h, m = brake.size * np.diff(angles)[:, None], np.arange(1, 9)
     k = 2 * math.pi * m / h
-    # From 2 k t = 50 on the layer acts as a half-plane. The limit keeps cosh from overflow.
+    # From 2 k t = 50 on the layer acts as a half-plane. The upper limit prevents overflow of cosh.
     a = np.minimum(2 * k * lining.thickness, 50.0)
     stiff = (2 * kappa * np.cosh(a) + 1 + kappa**2 + a**2) / (2 * kappa * np.sinh(a) - 2 * a)
     p = 4 * height[:, None] / (math.pi * m) ** 2 * 4 * G * k / (kappa + 1) * stiff

@@ -31,18 +31,17 @@ from drumlin_studies.tables import values_of_key_in_rows
 RIGID_CHANGES = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}
 """Changes of a brake file that make a shoe nearly rigid.
 
-Its body has 1e4 times Young's modulus of steel, its lining a thickness of 3 mm, R/50 in the brake
-of the study.
+Young's modulus of its body becomes 1e4 times that of steel. The thickness of its lining becomes 3
+mm, which is R/50 in the brake of the study.
 """
 Row = dict[str, Any]
 """A row of a table: its values by key."""
 
 
 def largest_pressure_distance_of_shoes(response: Response, reference: Response) -> float:
-    """Relative L2 distance of the pressures of a response from a reference.
+    """Largest relative L2 distance, over all shoes, of a response's pressure from the reference.
 
-    The largest distance of all shoes counts. The zones at the ends of the linings, in which the
-    pressure is singular, are left out.
+    The zones at the ends of the linings, in which the pressure is singular, are left out.
     """
     return max(map(relative_distance_of_pressures, response.shoes, reference.shoes))
 
@@ -52,8 +51,8 @@ def convergence_order_rows_of_meshes(
 ) -> list[Row]:
     """A row for each of several meshes: the errors of pressure and torque, with exact contact.
 
-    From the second row on, `order` is the observed order of convergence of the pressure between a
-    mesh and the next coarser mesh.
+    From the second row on, `order` is the order of convergence of the pressure, observed between
+    this mesh and the next coarser one.
 
     Parameters
     ----------
@@ -86,8 +85,8 @@ def convergence_order_rows_of_meshes(
     return rows
 
 
-# The arguments of Level are: degree, zone, edge, end, ratio, opening, largest, back, hinge,
-# through.
+# The arguments are degree, zone, edge, end, ratio, opening, largest, back, hinge, through: see
+# `Level`.
 COARSE_LEVEL = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1)
 """The first and coarsest hp mesh of `error_rows_of_hp_levels`. The errors on it are some percent.
 """
@@ -109,11 +108,11 @@ They are so fine that the errors of four coarser levels are known to within 50 %
 def error_rows_of_hp_levels(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[Row]:
     """A row for each level of hp elements: the errors of pressure and torque, with exact contact.
 
-    The elements are refined towards the ends of the contact in the reference. `root` is the cube
-    root of the number of unknowns of a shoe. The logarithm of the error falls linearly with `root`
-    if the elements are graded to all singular points (Babuska & Guo 1986). The rows end where the
-    error falls below twice the distance between the two hp meshes of the reference. Above this
-    floor an error is known to within 50 %.
+    The elements are refined towards the ends of the contact that the reference solution has. `root`
+    is the cube root of the number of unknowns of a shoe. The logarithm of the error falls linearly
+    with `root` if the elements are graded to all singular points (Babuska & Guo 1986). The rows end
+    where the error falls below twice the distance between the two hp meshes of the reference. Above
+    this floor an error is known to within 50 %.
     """
     reference = solve_brake_for_reference_values(brake, refinement)
     true, places = reference.value, singular_points_of_each_shoe_shape(brake, reference.value)
@@ -126,7 +125,8 @@ def error_rows_of_hp_levels(brake: Brake, refinement: Refinement = LEVEL_REFEREN
         unknowns = max(body.unknowns for body in made.bodies)
         error = largest_pressure_distance_of_shoes(response, true)
         torque = abs(relative_error_of_number(response.torque, true.torque))
-        # Below the floor the error of the reference is too large a part of the difference.
+        # At smaller errors the unknown error of the reference would be too large a part of the
+        # difference.
         if error < floor:
             break
         rows.append(
@@ -149,7 +149,7 @@ class FittedLine(NamedTuple):
     fall : float
         Powers of ten by which the error falls per unit of n^(1/3).
     correlation : float
-        Correlation of -log10(error) with n^(1/3); near 1 the errors lie on a straight line.
+        Correlation of -log10(error) with n^(1/3); near 1 if the errors lie on a straight line.
     decades : float
         Powers of ten between the largest and the smallest error.
     """
@@ -184,8 +184,8 @@ def estimated_and_true_error_row(
     reference : Response
         The far finer response against which true errors are taken.
     floor : float
-        Relative uncertainty of the reference. The `status` of the row says so where the true error
-        of the pressure is smaller.
+        Relative uncertainty of the reference. If the true error of the pressure is smaller than
+        this, the `status` of the row says so.
     """
     start = time.perf_counter()
     row: Row = {"case": case, "tolerance": tolerance}
@@ -227,7 +227,8 @@ def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
         }
         rows.append(row)
     for i, shoe in enumerate(convergence.responses[0].shoes):
-        # Changes of the pressure from one mesh to the next; the finest mesh has no next mesh.
+        # Changes of the pressure from each mesh to the next finer one. The finest mesh has no such
+        # change.
         steps: list[float | None] = [
             *convergence.relative_pressure_distances_between_meshes(i),
             None,
@@ -242,7 +243,7 @@ def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
 def rows_comparing_sine_law_with_rigid_shoe_solves(brake: Brake, elements: int) -> list[Row]:
     """Rows that compare the sine law with finite elements on nearly rigid shoes with thin linings.
 
-    A row has the torques of a shoe [N m], the last row the torques of the whole brake. `spread` is
+    Each row has the torques [N m] of a shoe, and the last row those of the whole brake. `spread` is
     the largest minus the smallest p/sin(phi), divided by the mean, for the pressure p by finite
     elements at the angle phi from the hinge. By the sine law `spread` is zero.
 
@@ -252,7 +253,8 @@ def rows_comparing_sine_law_with_rigid_shoe_solves(brake: Brake, elements: int) 
     law, fem = solve_brake_by_sine_law(rigid), solve(rigid, elements=elements)
     rows: list[Row] = []
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
-        # The ends of an elastic lining disturb its pressure up to some five thicknesses inwards.
+        # The free ends of an elastic lining disturb its pressure over a length of some five
+        # thicknesses.
         edge = 5 * spec.lining.thickness / rigid.size
         ratio = pressure_over_sine_of_hinge_angle(spec.frame.phi(b.theta), b, edge)
         rows.append(

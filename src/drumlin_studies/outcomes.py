@@ -1,7 +1,7 @@
 """Tables of many trials; a trial is the solve of a brake with extreme parameters.
 
-The tables show faults, counts of outcomes, the least exact answers, times, and the effect of the
-penalty of the contact. A knob is a quantity of the brake that the trials vary.
+The tables show faults, counts of outcomes, the least exact answers, run times, and the effect of
+the contact penalty. A knob is a quantity of the brake or of its solve that the trials vary.
 """
 
 import math
@@ -38,7 +38,7 @@ TIME_KEYS = ("seconds", "seconds_whole", "pointwise_seconds", "steps", "pointwis
 
 
 def trial_rows_with_fault_as_outcome(rows: Sequence[Row]) -> list[Row]:
-    """The rows whose outcome is a fault: neither a right answer nor a refusal with a reason."""
+    """Rows of trials that ended with a fault: neither right answer nor refusal with a reason."""
     return [row for row in rows if row["outcome"] in TRIAL_FAULTS]
 
 
@@ -86,7 +86,7 @@ def solve_time_rows_by_varied_quantity(rows: Sequence[Row]) -> list[Row]:
     for knob, own in _group_rows_by_varied_quantity(rows).items():
         line: Row = {"knob": knob, "cases": len(own)}
         for key in TIME_KEYS:
-            # A trial that is refused before its solve has no times and is left out here.
+            # A trial that drumlin refuses before the solve has no times and is left out here.
             values = values_of_key_in_rows(rows_that_have_value_of_key(own, key), key)
             line[key] = statistics.median(values) if values else None
             line[f"most_{key}"] = max(values) if values else None

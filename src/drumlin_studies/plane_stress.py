@@ -1,9 +1,9 @@
 """Errors of the plane-stress model against solid shoes with polynomials across their width.
 
-There are tables, maps of the errors over two quantities, and the wear of solid linings across their
-width. Both models use the same mesh of hp elements in the plane of the drum, so that the error of
-this mesh nearly cancels in their difference. A comparison on three meshes shows the error that
-remains.
+The module makes tables of the errors, maps of the errors over two quantities, and simulates the
+wear of solid linings across their width. Both models use the same mesh of hp elements in the plane
+of the drum, so that the error of this mesh nearly cancels in their difference. A comparison on
+three meshes shows the error that remains.
 """
 
 import time
@@ -63,15 +63,17 @@ WIDTH_QUANTITIES = {
 SAID = {"torque": "the torque of each shoe", "pressure": "its mean pressure"}
 """Words for two keys of WIDTH_QUANTITIES in sentences of the report."""
 STUDY_DEGREE = 3
-"""Degree across the width of solid shoes."""
+"""Default degree of the polynomials across the width of solid shoes."""
 READER_LIMITS = (0.01, 0.05, 0.20)
-"""Limits of the relative error. The report states for each in which range plane stress keeps it."""
+"""Limits of the relative error. For each limit the report states the range of brakes in which the
+error of plane stress is within it.
+"""
 
 
 class SolidAndPlane(NamedTuple):
     """A brake with its responses by solid shoes, by plane stress, and by corrected plane stress.
 
-    The correction is for the widths of the shoes.
+    The correction estimates the effect of the widths of the shoes' parts.
     """
 
     brake: Brake
@@ -95,7 +97,8 @@ def solve_by_solid_and_plane_stress(brake: Brake, across: int = STUDY_DEGREE) ->
 def relative_pressure_deviation_across_width(shoe: ShoeResponse, zone: float) -> float:
     """Standard deviation of a solid shoe's pressure across the width, divided by the mean.
 
-    Both are taken as root mean squares along the lining. 0 means an even pressure across the width.
+    The standard deviation and the mean are both taken as root mean squares along the lining. 0
+    means an even pressure across the width.
 
     shoe : the response of a solid shoe; zone : angle [rad] at each end of the lining that is left
     out.
@@ -104,11 +107,12 @@ def relative_pressure_deviation_across_width(shoe: ShoeResponse, zone: float) ->
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
     weights = np.gradient(theta)[inside]
     z = surface.z
-    # Weights of Simpson's rule across the width, for elements of three nodes each.
+    # Weights of Simpson's rule across the width. Each element has three nodes across the width.
     across = np.zeros(len(z))
     for k in range(0, len(z) - 2, 2):
         across[k : k + 3] += (z[k + 2] - z[k]) / 6 * np.array([1, 4, 1])
-    # The variance across the width, and the square of the mean, both integrated along the lining.
+    # The variance across the width and the square of the mean pressure are integrated along the
+    # lining.
     off = surface.pressure[inside] - shoe.pressure[inside, None]
     variance = weights @ (off**2 @ across) / across.sum()
     size = weights @ shoe.pressure[inside] ** 2
@@ -142,7 +146,8 @@ def plane_stress_error_rows_of_shoes(three: SolidAndPlane, case: str = "") -> li
     three : the responses of the brake; case : name of the brake in the rows.
     """
     table = []
-    # The zones at the lining's ends, where the pressure is singular, count in no pressure error.
+    # The zones at the lining's ends, where the pressure is singular, are left out of pressure
+    # errors.
     for i, (true, plane, other) in enumerate(
         zip(three.solid.shoes, three.plane.shoes, three.corrected.shoes, strict=True)
     ):
@@ -227,8 +232,8 @@ class PlaneErrorMap:
         found = []
         for name, values, along in zip(self.axes, (self.x, self.y), (0, 1), strict=True):
             lines = np.asarray(within.all(axis=along))
-            # How many whole rows or columns stay within the limit without a gap, counted from the
-            # last value of the quantity and from its first value.
+            # The number of rows or columns, counted without a gap from the last and from the first
+            # value of the quantity, in which all errors are within the limit.
             from_last, from_first = int(np.cumprod(lines[::-1]).sum()), int(np.cumprod(lines).sum())
             if from_last:
                 found.append(f"{name} from {values[-from_last]:g} on")
@@ -273,7 +278,7 @@ def map_plane_stress_errors(
 
 
 def rows_of_shares_within_error_limits(charts: Sequence[PlaneErrorMap]) -> list[dict[str, Any]]:
-    """A row for each map and quantity: the largest error, and the shares within READER_LIMITS.
+    """A row for each map and each error: its largest value, and the shares within READER_LIMITS.
 
     A share is the fraction of the brakes of the map whose error is within a limit.
     """
@@ -289,7 +294,7 @@ def rows_of_shares_within_error_limits(charts: Sequence[PlaneErrorMap]) -> list[
 
 
 class TorqueOnLevels(NamedTuple):
-    """The torque of a brake on levels of a solve: finer and finer meshes in the drum's plane.
+    """The torque of a brake on several levels: finer and finer meshes in the plane of the drum.
 
     Attributes
     ----------
@@ -304,16 +309,16 @@ class TorqueOnLevels(NamedTuple):
 
     @property
     def uncertainty_of_finest_torque(self) -> float:
-        """Uncertainty of the torque on the finest level [N m]: the range of the values."""
+        """Uncertainty of the torque on the finest level [N m]: largest minus smallest value."""
         return float(np.ptp(self.values))
 
 
 def solve_torque_on_refinement_levels(
     torque: Callable[[Level], float], levels: Sequence[Level]
 ) -> TorqueOnLevels:
-    """The torque of a brake on levels of a solve.
+    """The torque of a brake on several levels, which are finer and finer meshes.
 
-    torque : returns the torque [N m] on a level; levels : the levels, coarse to fine.
+    torque : function that returns the torque [N m] on a level; levels : the levels, coarse to fine.
     """
     return TorqueOnLevels(tuple(level.degree for level in levels), tuple(map(torque, levels)))
 
@@ -396,8 +401,8 @@ def measure_time_and_errors_of_models(
         brake, meshes, solids
     ):
         seconds = []
-        # The first of four calls loads modules and fills caches and is not counted. Solid shoes
-        # take so long that their only call counts.
+        # The first of four calls is not counted, because it loads modules and fills caches. Solid
+        # shoes take so long that they are called only once, and this call counts.
         for _ in range(1 if method == "solid" else 4):
             start = time.process_time()
             response = solve_once()
@@ -449,7 +454,7 @@ def _list_brake_models_with_their_solve_functions(
 def _largest_torque_and_pressure_error(
     brake: Brake, response: Response, truth: Response
 ) -> tuple[float, float]:
-    """The largest relative error of a shoe's torque, and the largest of a shoe's pressure."""
+    """The largest relative error of any shoe's torque, and the largest of any shoe's pressure."""
     torque, pressure = 0.0, 0.0
     for found, true, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True):
         torque = max(torque, abs(relative_error_of_number(found.torque, true.torque)))
@@ -597,7 +602,8 @@ def sentences_on_largest_plane_stress_errors(
     for name, points in curves.items():
         largest = []
         for key, said in SAID.items():
-            # `max` compares errors first; of equal errors it takes the largest value `at`.
+            # `max` compares the errors. Of equal errors it takes the one at the largest value of
+            # the quantity.
             error, at = max(
                 (abs(value_of_largest_magnitude_in_rows(table, key)), at) for at, table in points
             )
@@ -621,7 +627,7 @@ def sentences_on_maps_of_plane_stress_errors(charts: Sequence[PlaneErrorMap]) ->
 
 
 def _describe_map_ranges_within_limits(chart: PlaneErrorMap, key: str) -> list[str]:
-    """For each of READER_LIMITS the range of a map in which the errors are within it, in words.
+    """Texts, one for each of READER_LIMITS: the range of a map with errors within the limit.
 
     The list ends with the first limit that holds on the whole map.
     """

@@ -1,4 +1,4 @@
-"""Ranges in which plane stress is right to 1, 5 and 20 %, judged by a model of the shoe's width.
+"""Ranges in which plane stress is right to 1, 5 and 20 %, by comparison with shoes in 3D.
 
 Two brakes are varied: one whose shoes have one width, and one with shoes of T-section. Each error
 is the distance of plane stress from shoes whose displacements are polynomials of the degree
@@ -21,9 +21,11 @@ from drumlin.fem.width.ladder import (
 )
 
 LIMIT_DEGREE = 3
-"""Degree across the width of the shoes with which plane stress is compared."""
+"""Degree of the polynomials across the width of the shoes with which plane stress is compared."""
 LIMITS = (0.01, 0.05, 0.20)
-"""Limits of the relative error. For each, the range is stated in which plane stress keeps it."""
+"""Limits of the relative error. For each limit the range is stated in which the error of plane
+stress is within it.
+"""
 LIMIT_QUANTITIES = {"pressure": "mean p over the width", "torque": "torque"}
 """Names of the compared quantities by their key in the error of plane stress."""
 
@@ -54,7 +56,7 @@ def lining_width_over_thickness(brake: Brake) -> float:
 
 
 def brake_with_lining_width_over_thickness(brake: Brake, ratio: float) -> Brake:
-    """The brake whose linings are `ratio` times as wide as thick.
+    """The brake with linings whose width is `ratio` times their thickness.
 
     The width of the bodies changes in the same proportion.
     """
@@ -87,7 +89,7 @@ def overhang_over_table_thickness(brake: Brake) -> float:
 
 
 def brake_with_overhang_over_table_thickness(brake: Brake, ratio: float) -> Brake:
-    """The brake whose linings overhang their webs by `ratio` times the thickness of the table."""
+    """The brake whose linings extend beyond the web by `ratio` times the table's thickness."""
     shoe = brake.shoes[0]
     assert shoe.backing is not None
     thickness = shoe.backing.thickness * overhang_over_table_thickness(brake) / ratio
@@ -141,7 +143,7 @@ VARIATIONS = (
         lambda brake, friction: vary(brake, {"friction": friction}),
     ),
 )
-"""The quantities of the figure, each varied alone."""
+"""The quantities in the panels of the figure. Each of them is varied alone."""
 
 
 def errors_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:

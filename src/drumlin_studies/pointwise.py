@@ -1,9 +1,10 @@
 """The pointwise penalty: contact as in textbooks, solved by Newton's method, for comparison only.
 
-At the Gauss points of each element edge on the lining (order + 1 points) the pressure is
-p = eps max(-g, 0), with the penalty stiffness eps and the gap g of the deformed lining. The drum
-drags the lining by mu p. Newton's method solves the system below for the displacements u. It
-repeats this with other touching points until no point changes between touching and open:
+At the Gauss points of each element edge on the lining (order + 1 points) the pressure is p = eps
+max(-g, 0), with the penalty stiffness eps and the gap g of the deformed lining. The drum drags the
+lining by the friction mu p. Each step of Newton's method solves the system below for the
+displacements u, and then takes those points as touching whose gap is closed. The steps end when no
+point changes between touching and open:
 
     [K + sum w eps psi_a psi_b (n - mu s e) n^T] u = f + sum w eps psi_a (n - mu s e) g0
 
@@ -55,11 +56,11 @@ from drumlin.response.resultants import planar_cross_product
 POINTWISE_PENALTY = 1e3
 """Default penalty factor alpha in the penalty stiffness eps = alpha E/t [Pa/m].
 
-E and t are Young's modulus and thickness of the lining. There are more Gauss points than nodes.
-With a much larger factor the contact conditions at the points over-constrain the nodes.
+E and t are Young's modulus and thickness of the lining. There are more Gauss points than nodes, so
+that with a much larger factor the contact conditions at the points would over-constrain the nodes.
 """
 MOST_POINT_STEPS = 60
-"""Number of Newton steps after which the method gives up and the contact is not converged."""
+"""Number of Newton steps after which the method gives up, because the contact has not converged."""
 
 
 def solve_by_pointwise_penalty(
@@ -131,7 +132,7 @@ class _ContactPoints:
     closing : sparse matrix (q, unknowns)
         Maps the displacements to the closure n . u of the gap at each point.
     pushing : sparse matrix (q, unknowns)
-        In each row the nodal forces of a unit normal force at a point, with its friction force.
+        In each row the nodal forces of a unit normal force and its friction at a point.
     """
 
     weight: Floats
@@ -200,8 +201,8 @@ def _solve_one_shoe_by_penalty(
     balance = _relative_imbalance_of_forces_and_moments(
         parts, shoe, contact, reaction, given, force * moment
     )
-    # Friction assists the actuation if its work in a rotation about the pin has the sign of the
-    # actuation's moment.
+    # Friction assists the actuation if, in a rotation about the pin, its work has the same sign as
+    # the work of the actuation.
     assists = _work_of_friction_in_shoe_motion(points, p, turned) * moment > 0
     to_brake, turn = shoe.frame.convert_vectors_to_brake_frame(reaction), float(u[-1])
     response = _shoe_response_from_quadrature_pressures(
@@ -211,7 +212,7 @@ def _solve_one_shoe_by_penalty(
 
 
 def _answer_of_shoe_without_contact(shoe: Shoe) -> PointwiseAnswer:
-    """The answer for a shoe that its force does not press on the drum."""
+    """The answer for a shoe that its actuation force does not press on the drum."""
     response = response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
     return PointwiseAnswer(response, Balance(0.0, 0.0), 0)
 
@@ -219,8 +220,8 @@ def _answer_of_shoe_without_contact(shoe: Shoe) -> PointwiseAnswer:
 def _work_of_friction_in_shoe_motion(points: _ContactPoints, p: Floats, motion: Floats) -> float:
     """Work [N m] of the friction due to the pressures p (q,) [Pa], in a motion (unknowns,) [m].
 
-    `pushing` has normal and friction forces, `closing` the normal forces with the other sign, so
-    that their sum is friction.
+    The matrix `pushing` gives normal and friction forces, and `closing` gives the normal forces
+    with the opposite sign. Their sum is the friction alone.
     """
     return float((points.weight * p) @ ((points.pushing + points.closing) @ motion))
 
@@ -265,7 +266,7 @@ def _quadrature_points_of_shoe_friction_face(
 ) -> _ContactPoints:
     """The quadrature points of a shoe's friction face.
 
-    drag : friction force divided by normal force, positive where the drum drags towards growing
+    drag : friction force divided by normal force, positive if the drum drags towards growing
     angles.
     """
     line = parts.line
@@ -304,7 +305,7 @@ def _quadrature_points_of_shoe_friction_face(
 
 
 def _nodal_displacements_per_turn_about_pin(parts: AssembledShoe, shoe: Shoe) -> Floats:
-    """Displacements (2 n,) of the n contact nodes per angle of rotation about the pin [m/rad]."""
+    """Displacements (2 n,) [m/rad] of the n contact nodes as the shoe turns about its pin."""
     x, y = parts.line.xy - shoe.pin_position_in_shoe_frame[:, None]
     return np.column_stack([-y, x]).ravel()
 
@@ -358,7 +359,8 @@ def _find_touching_points_by_newton(
                 f"shoe {name!r}: the pointwise contact has a singular tangent in step {step}"
             ) from error
         u[free] = factors.solve(load[free] - pushing @ points.gap)
-        # In the next step those points touch whose gap is closed by the displacements of this step.
+        # Those points touch in the next step whose gap would be closed by this step's
+        # displacements.
         touching = points.closing @ u > points.gap
         if (touching == on).all():
             return _PointContact(u, on, step)

@@ -1,4 +1,4 @@
-"""Table rows, curves and maps on a post brake by sine law, foundation model and finite elements.
+"""Table rows, curves and maps: a post brake by sine law, foundation model and finite elements.
 
 A post brake presses blocks on straight beams ("posts") against a drum. The results show the error
 of each simplification of the foundation model, the effect of clearances and friction, the brakes
@@ -34,17 +34,19 @@ from drumlin.response.norms import relative_error_of_number
 from drumlin.response.response import Merit, Response
 
 ALL_LIFTS = ("all",)
-"""Value of the option `lift` with which the foundation model includes every effect that the
+"""Value of the option `lift` with which the foundation model includes all effects that the
 published model neglects.
 """
 Solver = Callable[[Brake], Response]
 """A function that returns the response of a brake by one model."""
 Offsets = dict[str, dict[str, list[tuple[float, float]]]]
 """For each shoe and model a list of pairs: radius of the lining minus radius of the drum [m], and
-relative difference of the shoe's torque from the sine law.
+relative difference of the shoe's torque from its torque by the sine law.
 """
 Merits = dict[str, dict[str, list[tuple[float, Merit]]]]
-"""For each shoe and model a list of pairs: coefficient of friction, and figures of merit."""
+"""For each shoe and model a list of pairs: coefficient of friction, and the shoe's figures of merit
+(`Merit`).
+"""
 Curve = tuple[Floats, Floats]
 """Abscissas (n,) and ordinates (n,) of a curve."""
 POST_MODELS: dict[str, Solver] = {
@@ -76,7 +78,9 @@ The lining is soft, the block is stiff compared with the lining, the drum is rig
 ratio is zero.
 """
 COMPARED_MODELS = ("foundation", "tilt", "lifted", "sine")
-"""The models in the table of violated assumptions, by their names in TILT_AND_MODELS."""
+"""The models in the table of brakes that violate assumptions of the foundation model. The names are
+keys of TILT_AND_MODELS.
+"""
 MAPPED_MODELS = ("sine", "foundation", "lifted")
 """The models whose errors are shown as maps, by their names in POST_MODELS."""
 MODEL_NAMES = {
@@ -97,8 +101,9 @@ class ErrorMap:
     title : str
         Title of the map.
     x, y : array (n,), array (m,)
-        Values of the dimensionless group k R^4/EI of the beam and of the ring, with the bending
-        stiffness EI of the beam or the ring and the stiffness k of lining and block.
+        Values of the dimensionless group k R^4/EI, x for the beam and y for the ring: k is the
+        stiffness of lining and block, R the drum's radius, and EI the bending stiffness of the beam
+        or of the ring.
     error : array (m, n)
         Relative errors, nan where the model or the finite elements have no answer.
     """
@@ -115,7 +120,7 @@ def torques_of_all_shoes_of_response(response: Response) -> Floats:
 
 
 def largest_relative_torque_error_of_shoes(response: Response, true: Response) -> float:
-    """The relative error, with its sign, of the shoe whose torque has the largest error.
+    """The largest relative error of a shoe's torque, with its sign.
 
     response : the response that is judged; true : the response that serves as the truth.
     """
@@ -161,12 +166,13 @@ def brake_with_clearances_by_function_of_angle(
 def brake_with_other_lining_radius(brake: Brake, larger: float) -> Brake:
     """The brake with linings whose radius differs from the drum's radius.
 
-    The unloaded lining touches the drum with its middle if its radius is larger, with its ends if
-    its radius is smaller.
+    The unloaded lining touches the drum with its middle if its radius is larger than the drum's,
+    and with its ends if its radius is smaller.
 
     larger : radius of the lining minus radius of the drum [m].
     """
-    # The gap is zero in the middle of a larger lining, at the ends of a smaller one.
+    # The gap is zero in the middle of a lining of larger radius, and at the ends of one of smaller
+    # radius.
     end = math.cos(0.5 * (brake.shoes[0].lining.end - brake.shoes[0].lining.start))
     zero_at = 1.0 if larger > 0 else end
     return brake_with_clearances_by_function_of_angle(
@@ -308,9 +314,9 @@ def brake_changes_for_lining_arc(brake: Brake, half: float) -> dict[str, float]:
 def error_rows_of_violated_assumptions(brake: Brake, elements: int) -> list[dict[str, Any]]:
     """A row for each of several brakes that violate assumptions of the foundation model.
 
-    The first brake meets all assumptions, the last is the brake itself. A row has the relative
-    error of the torque by each of COMPARED_MODELS against finite elements. The shoe with the
-    largest error counts.
+    The first brake meets all assumptions, and the last one is the given brake itself. A row has the
+    relative error of the torque by each of COMPARED_MODELS against finite elements. The shoe with
+    the largest error counts.
 
     brake : the post brake; elements : number of elements along each lining.
     """
@@ -336,7 +342,7 @@ def error_rows_of_violated_assumptions(brake: Brake, elements: int) -> list[dict
         | brake_changes_for_lining_arc(brake, 40),
         "the brake of this study": brake.model_dump(by_alias=True),
     }
-    # Each brake is solved by finite elements, against which the models are judged.
+    # Each brake is also solved by finite elements, which serve as the truth for the models.
     rows = []
     for case, changes in cases.items():
         varied = brake if case == "the brake of this study" else vary(base, changes)
@@ -371,8 +377,8 @@ def torque_error_maps_of_models_and_groups_of_brake(
 
     Each row has a map for each of MAPPED_MODELS. In the first row the lining is soft compared with
     its block; the second row has a wooden block. The error is against finite elements, and the shoe
-    with the largest error counts. The second result has for each row the groups of the brake
-    itself, see `dimensionless_stiffnesses_of_beam_and_ring`.
+    with the largest error counts. The second result has for each row the values of both groups on
+    the unchanged brake.
 
     Parameters
     ----------
@@ -433,8 +439,8 @@ def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dic
     """A row for each of several grids of the foundation model: errors, iterations and time.
 
     The errors of torque, normal force and friction radius are against a grid of 2880 sections. They
-    are taken on a changed brake, whose whole linings are in contact. Iterations and time belong to
-    the given brake.
+    are taken on a changed brake, whose linings touch the drum along their whole length. Iterations
+    and time belong to the given brake.
 
     brake : the post brake; repeats : number of timings.
     """
@@ -462,7 +468,8 @@ def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dic
             "steps": outcome.response.iterations,
             "seconds": outcome.seconds,
         }
-        # The errors of 1440 sections are not shown: the reference of 2880 is too close to them.
+        # The errors of 1440 sections are not shown, since the reference of 2880 sections has an
+        # error of similar size.
         if n <= 720:
             names = ("torque", "N", "psi")
             row |= dict(zip(names, errors.tolist(), strict=True))

@@ -1,4 +1,4 @@
-"""Random brakes of every shape that a brake file can express.
+"""Random brakes with shoes and drums of every shape that a brake file can express.
 
 A seed determines a brake. Sizes are drawn on logarithmic scales: drums of radius R = 20 mm to 3 m,
 linings with thicknesses of R/1000 to R/3 and arcs of 1 to 170 degrees, moduli over several powers
@@ -20,23 +20,27 @@ from drumlin.fem.solve import solve
 from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 
 FRICTIONLESS_ELEMENTS = 4
-"""Elements along a lining of the mesh on which a draw is tested for contact without friction."""
+"""Elements along a lining of the mesh on which a drawn brake is tested for contact without
+friction.
+"""
 SHAPE_TRIAL_ELEMENTS = 16
-"""Elements along a lining of the mesh on which a draw is tested for contact with friction."""
+"""Elements along a lining of the mesh on which a drawn brake is tested for contact with friction.
+"""
 BELOW_LOCKING = 0.7
-"""Largest friction of a random brake, divided by the friction at which the sine law locks it.
+"""Largest friction of a random brake, relative to the friction at which it locks by the sine law.
 
 The value is a judgement: nearer to self-locking the torque grows without bound, and a small error
 of the friction causes a large error of the torque.
 """
 SHAPE_FRICTION_MARGIN = 1.2
-"""Factor by which a random brake's friction is raised for a test: its shoes must still press.
+"""Factor by which a random brake's friction is raised for a test, in which all shoes must touch the
+drum.
 
-The test uses finite elements, because the elastic brake may lock itself at a lower friction than
+The test uses finite elements, because the elastic brake may lock itself at a lower friction than by
 the sine law. A brake that fails this test is drawn again.
 """
 SHAPE_ATTEMPTS = 400
-"""Number of draws for one seed after which NoAnswer is raised.
+"""Number of brakes that are drawn for one seed before the generator gives up with NoAnswer.
 
 Extreme sizes make many draws impossible.
 """
@@ -53,7 +57,7 @@ def draw_random_brake(seed: int, kind: str | None = None) -> Brake:
     All shoes of a brake of SHAPE_KINDS press on the drum, and its friction is zero or below the
     friction at which it locks itself. A brake of LOCKING_KINDS has one shoe, and its friction is
     0.3, which the caller replaces. By the sine law a "locking" brake locks itself at a friction
-    below 1.5, an "opposed" brake at no friction.
+    below 1.5, and an "opposed" brake never does.
 
     Parameters
     ----------
@@ -81,7 +85,7 @@ def draw_random_brake(seed: int, kind: str | None = None) -> Brake:
 
 
 def _draw_brake_or_none(rng: np.random.Generator, kind: str, title: str) -> Brake | None:
-    """A random brake of a kind, or None if it is impossible or one of its shoes does not press.
+    """A random brake of a kind, or None if it is impossible or a shoe does not touch the drum.
 
     rng : generator of the random numbers; kind : one of SHAPE_KINDS; title : title of the brake.
     """
@@ -158,7 +162,7 @@ def _draw_arc_shoe_data(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -
     u = rng.uniform
     inside = bool(rng.random() < 0.6)
     hinge_angle = u(-3, 3)
-    # Seen from the hinge the lining lies towards growing angles (1) or towards falling angles (-1).
+    # The lining lies on the side of growing angles from the hinge (1) or of falling angles (-1).
     hand = int(rng.choice([-1, 1]))
     gap = u(0.05, 0.35)
     span = min(math.exp(u(*np.log(ranges.arc))), ranges.largest_angle - gap)
@@ -186,8 +190,8 @@ def _draw_arc_shoe_data(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -
             "material": _draw_material_data(rng, 8.7, 11.3),
         }
     if ranges.body:
-        # The body is longer than the lining at both ends. Towards the hinge it covers a random part
-        # of the angle between hinge and lining.
+        # The body is longer than the lining at both ends. Towards the hinge it extends over a
+        # random part of the angle between lining and hinge.
         overhang = [gap * u(0.1, 0.9), u(0.005, 0.12)][::hand]
         ends = {"start": start - overhang[0], "end": end + overhang[1]}
         shoe["body"] = ends | _draw_section_data_of_arc_body(rng, R, width, ranges)
@@ -221,7 +225,7 @@ def _draw_section_data_of_arc_body(
 def _draw_point_and_direction_of_actuation_force(
     rng: np.random.Generator, R: float, far: float, hand: int, *, inside: bool
 ) -> dict[str, Any]:
-    """The direction and the point of a random actuation force at the far end of an arc shoe.
+    """Direction and point of a random actuation force at an arc shoe's end, far from the hinge.
 
     Parameters
     ----------
@@ -249,8 +253,8 @@ def _draw_point_and_direction_of_actuation_force(
 def _draw_actuation_force(rng: np.random.Generator, shoe: dict[str, Any], R: float) -> float:
     """A random actuation force [N] for the data of a shoe on a drum of radius R [m].
 
-    On a third of the lining the force would cause a mean pressure of 1e-4 to 1e-2 of the lining's
-    modulus.
+    If only a third of the lining carried the force, its mean pressure would be 1e-4 to 1e-2 of the
+    lining's modulus.
     """
     lining = shoe["lining"]
     pressure = lining["material"]["E"] * _draw_number_between_powers_of_ten(rng, -4, -2)
@@ -285,7 +289,7 @@ class _RandomBeamAxis(NamedTuple):
     distance: float
 
     def point_on_beam_axis_at_distance(self, along: float) -> dict[str, float]:
-        """The point of the axis at a distance [m] from its point nearest to the drum's centre."""
+        """The axis point at a distance [m] from the axis point nearest to the drum's centre."""
         c, s = math.cos(self.turn), math.sin(self.turn)
         x = self.distance * c - self.hand * along * s
         return {"x": x, "y": self.distance * s + self.hand * along * c}
@@ -516,7 +520,8 @@ def _draw_data_of_brake_with_short_contact(rng: np.random.Generator) -> dict[str
     lining, inside = shoe["lining"], shoe["side"] == "internal"
     r = R * (1 - u(0.003, 0.04)) if inside else R * (1 + u(0.003, 0.04))
     lining["misfit"] = {"radius": float(r)}
-    # Half of the contact's length [m], and the force that causes it by Hertz's formula.
+    # Half of the contact's length [m]. The force that causes this length follows from Hertz's
+    # formula.
     half = R * math.radians(0.5 * _draw_number_between_powers_of_ten(rng, -0.3, 0.9))
     E = lining["material"]["E"]
     load = math.pi / 4 * half**2 * E * abs(1 / r - 1 / R) * lining["width"]
@@ -565,7 +570,7 @@ LOCKING_KINDS = ("locking", "opposed")
 def _draw_self_locking_or_opposed_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
     """A random brake of one of LOCKING_KINDS.
 
-    Brakes are drawn until one of them is of the kind in one of the senses of rotation.
+    Brakes are drawn until one of them is of this kind in one of the two senses of rotation.
 
     attempt : number of draws so far.
     """
@@ -586,10 +591,11 @@ def _draw_self_locking_or_opposed_brake(seed: int, kind: str, attempt: int = 0) 
 def _has_contact_without_friction(brake: Brake, locking: float) -> bool:
     """Whether the shoe of a brake touches the drum without friction, by finite elements.
 
-    locking : friction at which the brake locks itself by the sine law. Raises NoAnswer where the
-    sine law has no answer.
+    locking : friction at which the brake locks itself by the sine law. Raises NoAnswer if the sine
+    law has no answer.
     """
-    # The sine law raises NoAnswer where the shoe is not pressed or the clearance is uneven.
+    # The sine law raises NoAnswer if the shoe is not pressed on the drum or the clearance is
+    # uneven.
     solve_brake_by_sine_law(vary(brake, {"friction": 0.1 * min(locking, 1.0)}))
     frictionless = brake.model_copy(update={"friction_as_written": 0.0})
     response = solve(frictionless, elements=FRICTIONLESS_ELEMENTS)
@@ -607,7 +613,7 @@ def _draw_brake_data_with_one_shoe(rng: np.random.Generator, seed: int) -> dict[
     start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + arc)])
     far = hinge_angle + hand * (gap + arc)
     even_clearance = u(-2e-4, 1e-3) * R
-    # A table of clearances. One of three is chosen below: no clearance, an even clearance, or this
+    # A table of clearances. Below, one of three is chosen: no clearance, an even clearance, or this
     # table.
     table = [[x, u(-2e-4, 1e-3) * R] for x in np.linspace(start, end, 5).tolist()]
     shoe: dict[str, Any] = {

@@ -2,9 +2,9 @@
 
 A seed determines a brake. The pressure is singular at a corner of a lining. It is singular as well
 under a tip, which is a kink of the lining's surface that points to the drum. In most brakes the
-corner lies in the edge zone, which no comparison of pressures covers, or the tip bears a small part
-of the force. In the brakes of this module corner or tip bear nearly all of the force, because a
-taper, a table of clearances or another radius keeps the rest of the lining off the drum.
+corner lies in the edge zone, which comparisons of pressures leave out, or the tip bears a small
+part of the force. In the brakes of this module the corner or the tip bears nearly all of the force,
+because a taper, a table of clearances or another radius keeps the rest of the lining off the drum.
 
 The contact depends only on the ratio of force to gap. Therefore the force has an ordinary size, and
 the gap is scaled until the contact has the length that was drawn for it.
@@ -30,24 +30,27 @@ from drumlin_studies.random_brake import SHAPE_KINDS as OF_SHAPE
 from drumlin_studies.random_kinds import HOLDING_KINDS as OF_HOLDING
 
 MOST_ATTEMPTS = 200
-"""Number of draws for one seed after which NoAnswer is raised."""
+"""Number of brakes that are drawn for one seed before the generator gives up with NoAnswer."""
 MORE_FRICTION = 1.2
-"""Factor by which a brake's friction is raised for a test: all shoes must still press on the drum.
+"""Factor by which a brake's friction is raised for a test, in which all shoes must still press on
+the drum.
 
 The test keeps the brake away from the friction at which it would lock itself.
 """
 MOST_SCALINGS = 8
-"""Largest number of solves in which the gap of a brake is scaled to the drawn contact length."""
+"""Largest number of solves with which the gap of a brake is scaled until its contact has the drawn
+length.
+"""
 FACTOR_DIGITS = 2
 """Significant digits of the factor by which a gap is scaled.
 
-Two digits keep the brake of a seed the same after a change of the solver that moves the length of
+With two digits the brake of a seed stays the same if a change of the solver changes the length of
 the contact by some percent.
 """
 LENGTH_TOLERANCE_FACTOR = 1.25
 """Factor by which the length of the contact may be larger or smaller than the drawn length."""
 FEW_LEVELS = 2
-"""Number of refinement levels of a solve that give the contact's length to some percent."""
+"""Number of refinement levels that a solve needs to give the contact's length to some percent."""
 SHORT_CONTACT = math.radians(0.1), math.radians(0.8)
 """Smallest and largest length of a short contact [rad].
 
@@ -83,8 +86,8 @@ class CornerKind(NamedTuple):
     presses: str
 
 
-# Kinds of random brakes by their shoes: rigid, elastic along the drum, on an elastic ring, and
-# supported by other parts than a hinge.
+# Names of kinds of random brakes, grouped by their shoes: rigid, elastic along the drum, on an
+# elastic ring, and supported by other parts than a hinge.
 RIGID_SHAPES, ARC_SHAPES = ("rigid",), ("arc", "backed")
 RING_SHAPES = ("arc on ring", "linings on ring", "post on ring")
 HINGELESS_KINDS = ("guide", "abutment", "rough abutment", "pivot")
@@ -107,9 +110,9 @@ def draw_random_brake_pressing_with_corner_or_kink(seed: int, kind: str | None =
     """The random brake of a seed, in which one shoe presses only by a corner or a tip.
 
     A corner is an end of the lining's surface; a tip is a kink of this surface that points to the
-    drum. All shoes press, also with MORE_FRICTION times the friction of the brake. The first
-    FEW_LEVELS levels of a solve decide whether a corner or a tip presses. Finer levels may show
-    that friction lifts the corner itself a little off the drum.
+    drum. All shoes press on the drum, even at MORE_FRICTION times the friction of the brake. The
+    first FEW_LEVELS levels of a solve decide whether a corner or a tip presses. Finer levels may
+    show that friction lifts the corner itself a little off the drum.
 
     Parameters
     ----------
@@ -143,7 +146,7 @@ def draw_random_brake_pressing_with_corner_or_kink(seed: int, kind: str | None =
 def _draw_brake_as_function_of_gap_factor(
     rng: Rng, kind: str, seed: int
 ) -> Callable[[float], Brake]:
-    """A random brake whose gaps are not scaled yet: a function from a factor to the brake.
+    """A random brake whose gaps have no size yet: a function from a factor to the brake.
 
     The function returns the brake with all gaps between linings and drum multiplied by the factor.
     Each shoe of the brake has a random line of force and a random gap.
@@ -178,7 +181,7 @@ def _shoe_data_with_randomly_turned_force(rng: Rng, shoe: dict[str, Any]) -> dic
 def _draw_gap_as_function_of_factor(
     rng: Rng, shoe: Mapping[str, Any], radius: float, presses: str
 ) -> Callable[[float], Gap]:
-    """A random gap of a lining that is not scaled yet: a function from a factor to the gap.
+    """A random gap of a lining that has no size yet: a function from a factor to the gap.
 
     The function returns the gap, multiplied by the factor, as data of a lining. At a factor of 1
     the gap is about as large as the compression of the lining by the force.
@@ -208,7 +211,7 @@ def _draw_gap_as_function_of_factor(
 def _draw_gap_smallest_at_corner_as_function_of_factor(
     rng: Rng, lining: Mapping[str, Any], radius: float, size: float
 ) -> Callable[[float], Gap]:
-    """A random gap that is smallest at a corner of the lining, scaled by a factor.
+    """A random gap, smallest at a corner of the lining, as a function of a factor on the gap.
 
     The result is a function from the factor to the data of a lining with a taper, another radius,
     an even clearance or a table of clearances.
@@ -223,7 +226,7 @@ def _draw_gap_smallest_at_corner_as_function_of_factor(
         return lambda factor: {"misfit": {"radius": radius + sign * factor * size}}
     if way < 0.6:
         return lambda factor: {"clearance": factor * size}
-    # In the other cases the gap is a table of clearances that grow from one corner to the other.
+    # In these cases the gap is a table of clearances that grow from one corner to the other.
     rises = np.cumsum([0.0, *rng.uniform(0.2, 1.0, int(rng.integers(1, 4)))])
     rises = rises[:: int(sign)] / rises.max()
     return lambda factor: {
@@ -234,9 +237,9 @@ def _draw_gap_smallest_at_corner_as_function_of_factor(
 def _draw_gap_with_kink_to_drum_as_function_of_factor(
     rng: Rng, lining: Mapping[str, Any], size: float
 ) -> Callable[[float], Gap]:
-    """A random gap with a tip, a kink of the lining that points to the drum, scaled by a factor.
+    """A random gap with a tip (a kink towards the drum), as a function of a factor on the gap.
 
-    At the tip the gap is zero; it opens to both sides. The result is a function from the factor to
+    The gap is zero at the tip and grows to both sides. The result is a function from the factor to
     the data of the lining.
 
     lining : data of the lining; size : largest gap at a factor of 1 [m].
@@ -294,7 +297,8 @@ def _scale_gaps_to_random_contact_length(
         The part of the lining that bears the force: "corner", "tip" (a kink that points to the
         drum), or "table" for either of them.
     """
-    # The wanted length of the contact is uniform in its logarithm; the first factor is 3.
+    # The wanted length of the contact is uniform in its logarithm. The first tried factor on the
+    # gaps is 3.
     low, high = SHORT_CONTACT if rng.random() < SHORT_SHARE else LONG_CONTACT
     wanted, factor = math.exp(rng.uniform(math.log(low), math.log(high))), 3.0
     for _ in range(MOST_SCALINGS):
@@ -327,9 +331,9 @@ def _total_contact_angle_of_shoe(shoe: ShoeResponse) -> float:
 
 
 def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str) -> bool:
-    """Whether all shoes press, and at least one with the part of its lining that was drawn.
+    """Whether all shoes press, at least one of them with the lining's part that `presses` names.
 
-    The shoes must press with MORE_FRICTION times the friction as well.
+    The shoes must press on the drum also at MORE_FRICTION times the friction.
 
     found : response of the brake; presses : the part of the lining that must bear the force:
         "corner", "tip" (a kink that points to the drum), or "table" for either of them.
@@ -337,8 +341,8 @@ def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str
     more = solve(vary(brake, {"friction": MORE_FRICTION * brake.friction}), elements=16)
     if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):
         return False
-    # At least one shoe must press with a corner or with a tip, a kink that points to the drum, as
-    # its kind says.
+    # At least one shoe must press with the part of its lining that `presses` names: with a corner,
+    # or with a tip, which is a kink that points to the drum.
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     corner = any(is_lining_corner_in_contact(shoe, response) for shoe, response in pairs)
     tip = any(is_kink_towards_drum_in_contact(shoe, response) for shoe, response in pairs)
@@ -347,7 +351,7 @@ def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str
 
 def is_lining_corner_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether the contact of a shoe reaches an end of its lining."""
-    # Distances of all ends of contact arcs from both ends of the lining.
+    # Distances between all ends of contact arcs and both ends of the lining.
     ends = np.array(found.contact_arcs).ravel()
     corners = np.array([shoe.lining.start, shoe.lining.end])
     distances = np.abs(ends[:, None] - corners)

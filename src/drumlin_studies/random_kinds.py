@@ -1,8 +1,8 @@
 """Random brakes whose shoes are supported and actuated in every possible way.
 
-A seed determines a brake. A shoe is drawn about the x axis; the brake is then turned and mirrored
-at random. Linings, bodies and forces have the sizes of real brakes: drums of radius R = 60 mm to
-1.2 m, linings with thicknesses of R/60 to R/8, moduli from 1e8 to 1e9 Pa.
+A seed determines a brake. A shoe is drawn with its middle near the x axis; the brake is then turned
+and mirrored at random. Linings, bodies and forces have the sizes of real brakes: drums of radius R
+= 60 mm to 1.2 m, linings with thicknesses of R/60 to R/8, moduli from 1e8 to 1e9 Pa.
 `mirror_turn_and_shift_brake` and `brake_with_scaled_lengths_and_moduli` turn, mirror, shift and
 scale a given brake.
 """
@@ -23,14 +23,15 @@ from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 
 HOLDING_ATTEMPTS = 200
-"""Number of draws for one seed after which NoAnswer is raised."""
+"""Number of brakes that are drawn for one seed before the generator gives up with NoAnswer."""
 HOLDING_FRICTION_MARGIN = 1.2
-"""Factor by which a random brake's friction is raised for a test: all shoes must still press.
+"""Factor by which a random brake's friction is raised for a test, in which all shoes must touch the
+drum.
 
-A brake that locks itself below this friction is drawn again.
+A brake that locks itself below the raised friction is drawn again.
 """
 HOLDING_TRIAL_ELEMENTS = 10
-"""Elements along a lining of the mesh on which a draw is tested for contact of all shoes."""
+"""Elements along a lining of the mesh on which a drawn brake is tested for contact of all shoes."""
 Rng = np.random.Generator
 """The generator from which random numbers are drawn."""
 Draw = Callable[[Rng], dict[str, Any]]
@@ -42,7 +43,7 @@ def draw_random_brake_of_support_kind(
 ) -> Brake:
     """The random brake of a seed and a kind of support and actuation.
 
-    All shoes press, also with HOLDING_FRICTION_MARGIN times the friction of the brake.
+    All shoes press on the drum, even at HOLDING_FRICTION_MARGIN times the friction of the brake.
 
     Parameters
     ----------
@@ -101,7 +102,8 @@ def _require_contact_of_all_shoes(brake: Brake) -> None:
 def _brake_data_with_rigid_shoes(data: dict[str, Any]) -> dict[str, Any]:
     """The data of a brake, changed to rigid shoes with thin linings that fit the drum."""
     size = data.get("drum", {"radius": 0.1})["radius"]
-    # All linings get one thickness and one material, as the law of a cam asks for.
+    # All linings get one thickness and one material, because the rigid-shoe law of a cam needs
+    # equal linings.
     equal = {"thickness": size / 300, "material": data["shoe"][0]["lining"]["material"]}
     fits = {"clearance": 0.0, "misfit": {}}
     shoes = []
@@ -136,7 +138,7 @@ def _draw_drum_brake_data(
 
 
 def _draw_unsupported_shoe_data(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
-    """The data of a random shoe about the x axis, without support and actuation.
+    """The data of a random shoe with its middle near the x axis, without support and actuation.
 
     Seven of ten shoes have an elastic body, the others are rigid.
 
@@ -174,7 +176,7 @@ def _draw_unsupported_shoe_data(rng: Rng, R: float, *, inside: bool = True) -> d
 def _draw_actuation_data(
     rng: Rng, shoe: dict[str, Any], R: float, direction: float, at: tuple[float, float]
 ) -> dict[str, Any]:
-    """The data of a random actuation force, with a strain of the lining of 1e-4 to 3e-3.
+    """The data of a random actuation force that strains the lining by 1e-4 to 3e-3.
 
     Parameters
     ----------
@@ -265,7 +267,7 @@ def _shoe_data_without_actuation_force(shoe: dict[str, Any]) -> dict[str, Any]:
 
 
 def mirror_shoe_data_to_other_drum_side(shoe: dict[str, Any]) -> dict[str, Any]:
-    """The data of a shoe of this module after it is mirrored about the y axis of the drum.
+    """The data of a shoe after it is mirrored about the y axis of the drum.
 
     The new shoe is named "second".
     """
@@ -289,7 +291,7 @@ def _draw_data_of_cam_brake(rng: Rng) -> dict[str, Any]:
             mirror_shoe_data_to_other_drum_side(draw_data_of_hinged_or_abutting_shoe(rng, R)),
         ],
     )
-    # The force of the cam replaces the forces that were drawn for the shoes.
+    # The cam actuates both shoes, in place of the forces that were drawn for them.
     force = 2 * min(shoe["actuation"]["force"] for shoe in data["shoe"])
     shoes = [_shoe_data_without_actuation_force(shoe) for shoe in data["shoe"]]
     return data | {"shoe": shoes, "actuation": {"force": force}}
@@ -307,7 +309,7 @@ def _draw_data_of_cylinder_brake(rng: Rng) -> dict[str, Any]:
             mirror_shoe_data_to_other_drum_side(_draw_data_of_hinged_shoe(rng, R)),
         ],
     )
-    # The pressure in the cylinder gives both shoes the smaller of the forces that were drawn.
+    # The cylinder pushes both shoes with the smaller of the two forces that were drawn for them.
     force = min(shoe["actuation"]["force"] for shoe in data["shoe"])
     bore, efficiency = data["drum"]["radius"] / 5, 0.95
     drive = {
@@ -326,7 +328,8 @@ def _draw_data_of_strut_brake(rng: Rng) -> dict[str, Any]:
 
     def draw_data_of_both_shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
         """The data of both shoes, for the radius R of the drum [m]."""
-        # The actuation that is drawn for the second shoe is removed again: the strut pushes it.
+        # The actuation that is drawn with the second shoe is removed again, because the strut
+        # pushes this shoe.
         u, second = rng.uniform, _draw_unsupported_shoe_data(rng, R)
         second |= {
             "hinge": _point_at_fractions_of_drum_radius(R, u(0.05, 0.3), u(0.65, 0.85)),
@@ -489,7 +492,8 @@ def _draw_data_of_pad_brake(rng: Rng, support: str) -> dict[str, Any]:
     )
     shoe["actuation"] = {"force": force, **shoe["actuation"]}
     compression = force / (material["E"] * length * width) * thickness
-    # Misfits have a generator of their own, so that they change no other random number of the pad.
+    # A random generator of their own for misfits leaves all other random numbers of the pad
+    # unchanged.
     lining |= _draw_clearance_and_misfit_of_pad(rng.spawn(1)[0], lining, compression)
     return {"plane": {"sliding": str(rng.choice(["+x", "-x"]))}, "shoe": [shoe]}
 
@@ -509,8 +513,8 @@ def _draw_support_and_line_of_force_of_pad(
         Start and length of the lining [m].
     """
     u, middle = rng.uniform, start + length / 2
-    # On a hinge or a lever, pin and force lie on opposite sides of the pad's middle, at one
-    # distance.
+    # On a hinge or a lever, the pin and the line of force lie on opposite sides of the pad's
+    # middle, at equal distances.
     away, height = length * u(0.8, 1.5), length * u(0.1, 0.5)
     pin, at = {"x": middle - away, "y": height}, {"x": middle + away, "y": height}
     straight: dict[str, Any] = {"direction": -math.pi / 2, "point": at}
@@ -521,7 +525,8 @@ def _draw_support_and_line_of_force_of_pad(
         return {"hinge": pin, "actuation": straight}
     at = {"x": middle + length * u(-0.1, 0.1), "y": height}
     actuation = {"direction": -math.pi / 2 + u(-0.1, 0.1), "point": at}
-    # The abutment is drawn for a guide as well, so that a seed gives both the same pad.
+    # The random numbers of the abutment are drawn for a guide as well, so that a seed gives the
+    # same pad with both supports.
     abutment = {
         "point": {"x": start - 0.1 * length, "y": length * u(0.05, 0.2)},
         "direction": u(-0.2, 0.2),
@@ -535,7 +540,7 @@ def _draw_support_and_line_of_force_of_pad(
 def _draw_clearance_and_misfit_of_pad(
     rng: Rng, lining: dict[str, Any], size: float
 ) -> dict[str, Any]:
-    """The keys `clearance` and `misfit` of a pad's lining; seven of ten pads have none of them.
+    """The keys `clearance` and `misfit` of a pad's lining; seven of ten pads have neither.
 
     lining : data of the lining; size : compression of the lining by the pad's force [m], which is
     the size of the gaps.
@@ -642,7 +647,7 @@ class _MirrorTurnAndShift(NamedTuple):
 
     @property
     def sign(self) -> int:
-        """Factor that multiplies angles and y coordinates: -1 if the shoe is mirrored, else 1."""
+        """Factor on angles and y coordinates: -1 if the shoe is mirrored, else 1."""
         return -1 if self.mirrored else 1
 
     def vector_after_mirror_and_turn(self, x: float, y: float) -> dict[str, float]:
@@ -666,8 +671,8 @@ class _MirrorTurnAndShift(NamedTuple):
 
     def lining_place_after_mirror_turn_and_shift(self, place: float) -> float:
         """The angle or the length x of a place on a lining, after the motion."""
-        # On a plane `mirrored` comes with a turn of 180 degrees: together they mirror about the
-        # y axis.
+        # On a plane, `mirrored` is combined with a turn by 180 degrees; the two together mirror the
+        # shoe about the y axis.
         if self.on_plane:
             return math.cos(self.turn) * place + self.shift
         return self.turn + self.sign * place
@@ -761,7 +766,8 @@ def brake_with_scaled_lengths_and_moduli(brake: Brake, length: float, modulus: f
 
     def scale_value_of_key(key: str, value: Any) -> Any:
         """The value of a key, multiplied by the factor that belongs to the key's unit."""
-        # Rows of a table have an angle, on a plane a length, and a clearance or depth.
+        # A row of a table has two numbers: an angle or (on a plane) a length, then a clearance or
+        # depth.
         if key in {"clearance", "blocks"} and isinstance(value, list | tuple):
             return [[place * along, size * length] for place, size in value]
         if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):

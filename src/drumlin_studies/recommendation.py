@@ -3,8 +3,8 @@
 A target is the largest allowed relative error of a quantity. For each brake and target the fastest
 method is chosen whose error is below the target. Peers are other finite element programs. A row is
 the result of one method on one brake: its errors and times, with the name of the brake under
-`brake`. The floors of a brake are the uncertainties of the reference from which errors are taken;
-smaller errors are not claimed.
+`brake`. The floors of a brake are the uncertainties of the reference solution from which errors are
+taken. An error below its floor counts as not known.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,26 +16,30 @@ TARGETS = {
     "torque_error": (0.1, 0.05, 0.01, 1e-3, 1e-4),
     "pressure_error": (0.1, 0.05, 0.01, 5e-3, 1e-3, 1e-4),
 }
-"""Relative errors for which a method is recommended, by the error's key in a row."""
+"""Targets: the largest allowed relative errors, for each of which a method is recommended, by the
+error's key in a row.
+"""
 TARGET_NAMES = {"torque_error": "torque", "pressure_error": "p (L2)"}
 """Names of the quantities of TARGETS in tables, by the error's key in a row."""
 HALF_PERCENT = 5e-3
-"""Relative error of the pressure up to which peers and drumlin are compared on the same mesh."""
+"""Largest relative error of a peer's pressure with which it is compared with drumlin on the same
+mesh.
+"""
 AIMS: Mapping[str, Mapping[float, tuple[float | None, float | None]]] = {
     "GetFEM": {HALF_PERCENT: (20, 100), 1e-3: (25, 100), 1e-4: (50, 100)},
     "CalculiX": {HALF_PERCENT: (1000, None), 1e-3: (1000, None)},
 }
 """The aims of the project for the ratio of a peer's time to drumlin's time.
 
-The keys are the peer and the relative error of the pressure. The first number is for a cold solve,
-which starts without any prepared model, the second for a further load case on a prepared model;
-None stands for no aim.
+The keys are the name of the peer and the relative error of the pressure. Of the two numbers the
+first is for a cold solve, which starts without a prepared model, and the second for a further load
+case on a prepared model. None means that there is no aim.
 """
 
 Row = Mapping[str, Any]
 """The result of a method on a brake: its errors and times by key."""
 Floors = Mapping[str, float]
-"""Relative uncertainty of a brake's reference, by the error's key in a row."""
+"""Relative uncertainty of a brake's reference solution, by the error's key in a row."""
 
 
 def method_rows_of_brake_with_given_name(rows: Iterable[Row], name: str) -> list[Row]:
@@ -79,7 +83,7 @@ def rows_of_fastest_methods_by_target(
 def _fastest_method_within_error_or_reason(
     rows: Sequence[Row], key: str, target: float, floors: Floors
 ) -> dict[str, Any]:
-    """The fastest method on a brake whose error is below a target, as a part of a row.
+    """The fastest method on a brake with an error below a target, as keys and values of a row.
 
     Without such a method the row has the reason under `family`.
 
@@ -95,13 +99,13 @@ def _fastest_method_within_error_or_reason(
     best = {name: fastest.get(name) for name in ("family", "method", "seconds", "ratio", "further")}
     best["error"] = fastest[key]
     if fastest["family"] == "law":
-        # All laws take the same time: each law whose error is below the target is named.
+        # All laws take the same time, so every law whose error is below the target is named.
         best["method"] = " or ".join(row["model"] for row in fit if row["family"] == "law")
     return best
 
 
 class Cell(NamedTuple):
-    """The method that is recommended on a brake for a target.
+    """A cell of a table: the method that is recommended on a brake for a target.
 
     Attributes
     ----------
@@ -119,7 +123,7 @@ class Cell(NamedTuple):
 
 
 class Matrix(NamedTuple):
-    """The methods that are recommended for a quantity, for each brake and target.
+    """The recommended methods for one quantity, for each brake and target.
 
     Attributes
     ----------
@@ -140,14 +144,14 @@ class Matrix(NamedTuple):
 
 
 def recommended_methods_by_brake_and_target(best: Sequence[Row]) -> list[Matrix]:
-    """A matrix of brakes and targets for each quantity, from the rows of fastest methods."""
+    """For each quantity the matrix of recommended methods, from the rows of fastest methods."""
     found = []
     for key, targets in TARGETS.items():
         lines: dict[str, list[Cell]] = {}
         for row in best:
             if row["quantity"] == TARGET_NAMES[key]:
                 lines.setdefault(row["brake"], []).append(_matrix_cell_with_recommended_method(row))
-        # Number of brakes for each target on which a law is recommended.
+        # For each target the number of brakes on which a law is recommended.
         by_law = []
         for k in range(len(targets)):
             by_law.append(sum(cells[k].sort == "law" for cells in lines.values()))
@@ -261,7 +265,7 @@ def _compare_times_with_peers_on_brake(
         reference.
     """
     own = rows_of_methods_that_may_be_recommended(rows)
-    # The fastest solve of each peer and of drumlin for each error; uniform meshes are left out.
+    # The fastest solves of each peer and of drumlin for each allowed error, without uniform meshes.
     times = []
     for peer, aims in AIMS.items():
         theirs = [row for row in rows if row["family"] == peer and not row.get("even")]
@@ -272,7 +276,7 @@ def _compare_times_with_peers_on_brake(
                     peer, target, best, _fastest_row_within_pressure_error(own, target, floors), aim
                 )
             )
-    # The finest solve of a peer on a uniform mesh is compared with the fastest solve of drumlin.
+    # A peer's finest solve on a uniform mesh is compared with the fastest solve of drumlin.
     of_peers = [row for row in rows if row["family"] in PEER_FAMILIES]
     of_peers = [row for row in of_peers if row["status"] == "converged"]
     even = [row for row in of_peers if row.get("even")]
@@ -291,7 +295,7 @@ def _row_pairs_of_peer_and_drumlin_on_mesh(
 
     Rows of peers with an error of the pressure above HALF_PERCENT are left out.
     """
-    # Rows of drumlin on graded meshes, by kind and number of elements.
+    # Rows of drumlin on graded meshes, by the mesh: kind and number of elements.
     meshes = {(row["kind"], row["elements"]): row for row in own if row["family"] == "graded mesh"}
     pairs = []
     for row in of_peers:

@@ -4,9 +4,10 @@ A surrogate is solved like any other prepared model. The flexibilities of shoe a
 added to the flexibility of the lining's contact nodes. The difference between the answers of two
 surrogates predicts how much the answer changes if a part of the brake is omitted.
 
-The shoe is a bar. Each of its sections carries the contact forces and the actuation force that act
-on the shoe beyond the section, seen from the hinge (Timoshenko, Strength of Materials II). Two unit
-loads i and j cause the bending moments m, normal forces n and shear forces v. The flexibility is
+The shoe is a bar from the hinge to its far end. Each section carries the contact forces and the
+actuation force that act on the shoe between the section and the far end (Timoshenko, Strength of
+Materials II). Two unit loads i and j cause the bending moments m, normal forces n and shear forces
+v. The flexibility is
 
     F_ij = Int (m_i m_j/EI + n_i n_j/EA + kappa v_i v_j/GA) ds.
 
@@ -51,13 +52,13 @@ from drumlin.fem.substructure.ring import RingSubstructure
 SKETCH_ELEMENTS = 24
 """Default number of elements along a lining of a surrogate.
 
-With it a predicted change is right within a factor of two.
+With this number a predicted change is right within a factor of two.
 """
 SKETCH_SECTIONS = 4 * SKETCH_ELEMENTS
 """Number of sections into which the bar of a shoe is divided.
 
-There are several sections for each element of the lining, because a shoe is longer than its lining.
-Half as many sections would still pass the tests of the predictions.
+Each element of the lining has several sections, because a shoe is longer than its lining. Half as
+many sections would still pass the tests of the predictions.
 """
 CONTACT_WAVES = 8
 """Number of waves of the ring's Fourier series along the shortest contact.
@@ -67,17 +68,19 @@ Shorter waves take little part in a contact pressure.
 LEAST_RING_MODES = 3 * SKETCH_ELEMENTS
 """Smallest number of modes (waves around the drum) of the ring's Fourier series.
 
-The nodes of a lining that covers a third of the drum resolve this number of modes.
+A lining that covers a third of the drum has enough nodes to resolve this number of modes.
 """
 MOST_RING_MODES = 4000
 """Largest number of modes of the ring. A brake whose surrogate needs more is refused."""
 RING_DEGREE = 6
 """Degree of the polynomials for the displacement through the thickness of the ring.
 
-A higher degree changes no digit that is used.
+A higher degree changes no significant digit of a prediction.
 """
 HALF_PLANE_WAVE = 7.0
-"""Value of k h/R above which wave k deforms a ring of thickness h like a half-plane, to 1 %."""
+"""Limit of k h/R for mode k of a ring of radius R and thickness h. Above the limit the ring deforms
+like a half-plane, to 1 %.
+"""
 RIGID_FACTOR = 1e5
 """Factor that multiplies the modulus of a straight beam, so that the beam counts as rigid."""
 SECTION_SHEAR_FACTOR = 6 / 5
@@ -269,11 +272,12 @@ class _Bar(NamedTuple):
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 
         def rows_of_flexibility_square_root(part: Floats, root: Floats) -> Floats:
-            """Rows of S from a section force per unit load (m, n, 2) and `root` (m,).
+            """Rows of S for a force in the sections: `part` (m, n, 2) times `root` (m,).
 
-            part : moment, normal or shear force; root : square root of the section's compliance.
+            part : moment, normal or shear force in each section by unit loads at the points; root :
+            square root of the section's compliance.
             """
-            # Only the sections between the point of a force and the hinge carry the force.
+            # Only the sections between the hinge and the point of a force carry the force.
             scaled = part * (beyond * root[:, None])[..., None]
             return np.asarray(scaled.reshape(len(root), -1))
 
@@ -287,7 +291,8 @@ class _Bar(NamedTuple):
 def _bar_that_replaces_shoe(shoe: Shoe, radius: float) -> _Bar:
     """The bar that stands for the elastic body of a shoe.
 
-    Where an arc carries lining and backing, these bend with it as one bonded section.
+    Where a body along an arc carries lining and backing, these bend with the body as one bonded
+    section.
 
     radius : radius of the drum [m].
     """
@@ -387,7 +392,7 @@ def _straight_axis_of_bar(shoe: Shoe) -> _BarAxis:
 
 
 def _lining_or_backing_as_bar_layer(shoe: Shoe, layer: Lining | Backing) -> Section:
-    """The lining or backing of a shoe as a layer of the bar's section, as wide as the lining."""
+    """The lining or backing of a shoe as a layer of the bar's section, with the lining's width."""
     return Section(layer.thickness, shoe.lining.width, layer.material)
 
 
@@ -411,7 +416,7 @@ def _ring_with_closed_form_flexibility(
     assert section is not None
     k = np.arange(count + 1)
     radial, shear = radial_ring_compliances_under_two_tractions_by_mode(ring, radius, sign, k)
-    # Factors that turn the integrals of a nodal pressure over the waves into Fourier coefficients.
+    # Factors that turn integrals of a nodal pressure times a wave into Fourier coefficients.
     share = np.where(k == 0, 0.5, 1.0) / (math.pi * radius * section.width)
     root = np.sqrt(share * radial)
     turned = np.where(k == 0, 0.0, sign * share * shear / root)
@@ -449,8 +454,8 @@ def _cosine_and_sine_integrals_over_lining(
         * shoe.frame.theta(shoe.surface_coordinates_of_points_in_shoe_frame(x, 1.0))
     )
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
-    # In each row of `line.pieces` a node occurs at most once, as += with an index array requires:
-    # of repeated nodes it would add only the last value.
+    # In each row of `line.pieces` a node occurs at most once. With a repeated node, += with an
+    # index array would add only the last of its values.
     for value, nodes in zip(psi, line.pieces, strict=True):
         found[:, nodes] += shoe.lining.width * (wave * (value * ds)).sum(axis=2)
     return found.real, found.imag
@@ -462,8 +467,8 @@ def radial_ring_compliances_under_two_tractions_by_mode(
     """Radial displacements of a ring's friction surface under two tractions, for each mode.
 
     Both results are arrays (m,) [m/Pa]. The first is for the radial traction cos k theta, the
-    second for the traction sin k theta around the drum. A free rim is supported by a force that is
-    distributed over the rim like its rigid-body motion, so that its mean motion is zero.
+    second for the traction sin k theta around the drum. On a free rim the mean rigid-body motion is
+    set to zero, by a force that is distributed over the rim like this motion.
 
     Parameters
     ----------
@@ -472,14 +477,15 @@ def radial_ring_compliances_under_two_tractions_by_mode(
     radius : float
         Radius of the drum [m].
     sign : int
-        1 where the ring lies outside the friction surface, -1 inside.
+        1 if the ring lies outside the friction surface, -1 if it lies inside.
     modes : array of int (m,)
         Orders k of the modes, in growing order.
     """
     section = ring.section
     assert section is not None
     assert isinstance(section.material, Material)
-    # Modes with waves much shorter than the thickness follow from the formulas of a half-plane.
+    # Modes whose waves are much shorter than the thickness follow from the formulas of a
+    # half-plane.
     long = modes * section.thickness <= HALF_PLANE_WAVE * radius
     if not long.all():
         E, nu = section.material.E, section.material.nu
@@ -606,7 +612,7 @@ def _displacements_under_linear_constraints(K: Floats, hold: Floats, load: Float
     bordered[:, :n, :n] = K
     bordered[:, :n, n:] = scale * hold
     bordered[:, n:, :n] = scale * hold.transpose(0, 2, 1)
-    # An inactive constraint gets an equation of its own, so that the system stays regular.
+    # An inactive constraint has a zero row; a 1 on its diagonal keeps the system regular.
     for j in range(2):
         bordered[:, n + j, n + j] = np.where(hold[:, :, j].any(axis=1), 0.0, scale)
     right = np.zeros((m, n + 2, load.shape[2]))

@@ -1,7 +1,7 @@
-"""Table rows on running in, the wear of new linings until their pressure no longer changes.
+"""Table rows on running in: the wear of new linings until their pressure no longer changes.
 
-The rows show whether brakes end at the law of their rigid shoes, and how exact the computed wear
-is. They treat brakes that run in from new (`table_row_and_wear_run_of_brake`,
+The rows show whether worn-in brakes have the pressure of the rigid-shoe law, and how exact the
+computed wear is. They treat brakes that run in from new (`table_row_and_wear_run_of_brake`,
 `table_row_of_run_in_at_modulus_ratio`), wear in steps of half the size
 (`row_comparing_run_with_halved_wear_steps`), wear laws with exponents of the pressure
 (`table_row_of_run_in_at_pressure_exponent`), a drum that turns both ways
@@ -60,12 +60,15 @@ from drumlin.lining_wear.run_in import (
 from drumlin.response.norms import relative_error_of_number
 
 ARCHARD = WearLaw(DEFAULT_WEAR_COEFFICIENT)
-"""Archard's law with wear proportional to pressure and distance; all brakes of this module wear by
-it unless an exponent is given."""
+"""Archard's law: wear in proportion to pressure and sliding distance. All brakes of this module
+wear by this law unless an exponent of the pressure is given."""
 SPENT_WITHIN = 0.01
-"""Relative difference of pressure or torque from the law up to which a brake counts as run in."""
+"""Relative difference of pressure or torque from the rigid-shoe law, below which a brake counts as
+run in.
+"""
 AT_LAW = "at the law"
-"""Status of a brake whose pressure and torque end at its rigid-shoe law."""
+"""Status of a brake whose pressure and torque end, after wear, at the values of its rigid-shoe law.
+"""
 PRESSURE_AT_LAW, TORQUE_AT_LAW = 0.01, 0.001
 """Largest relative differences of pressure and of torque from the rigid-shoe law with which a
 worn-in brake counts as "at the law"."""
@@ -84,7 +87,7 @@ class Run:
     states : list of WearState
         Wear and pressure at growing sliding distances.
     goal : WearTarget
-        The pressure and the torque of the rigid-shoe law, to which the wear tends.
+        The pressure and the torque of the rigid-shoe law, which the brake approaches as it wears.
     unit : float
         The sliding distance 1/(k K) [m].
     """
@@ -102,7 +105,7 @@ class Run:
     def largest_relative_pressure_alternation_between_nodes(self, state: WearState) -> float:
         """The largest amplitude on any lining by which the pressure alternates from node to node.
 
-        The amplitude is relative to the pressure of the lining in the state.
+        The amplitude is relative to the pressure of the same lining in this state.
         """
         return max(
             relative_amplitude_of_node_to_node_pressure_ripple(
@@ -139,10 +142,9 @@ def list_wear_models_and_reason_against_finite_elements(
     """The models by which a brake can run in, and the reason why finite elements cannot.
 
     Each model comes as a suffix to the brake's name, the name of the model, and the brake. The
-    reason is None where finite elements can run in the brake. A brake with a single shoe also runs
-    in with the opposite rotation. With two shoes this is not needed: in one rotation the one shoe
-    leads and the other trails. A brake with rigid external shoes also runs in with its shoes on
-    guides.
+    reason is None if finite elements can run in the brake. A brake with a single shoe also runs in
+    with the opposite rotation. With two shoes this is not needed, because one shoe leads and the
+    other trails. A brake with rigid external shoes also runs in with its shoes on guides.
     """
     found, reason = list[tuple[str, str, Brake]](), reason_why_brake_is_not_modelled(brake)
     if reason is None:
@@ -176,7 +178,7 @@ def prepare_wear_setup_by_model(model: str, brake: Brake, elements: int) -> Wear
 
 
 def worn_in_pressure_formula_and_law_torque(model: str, brake: Brake) -> tuple[str, float]:
-    """The formula that the pressure approaches as the lining wears in, and the law's torque [N m].
+    """Formula of the pressure that a worn-in lining approaches, and torque [N m] by the same law.
 
     The formula is a short text, for example "sin" for p ~ sin(phi) with the angle phi from the
     hinge. model : one of the models of `list_wear_models_and_reason_against_finite_elements`.
@@ -185,7 +187,8 @@ def worn_in_pressure_formula_and_law_torque(model: str, brake: Brake) -> tuple[s
         return "cos", hinged.torque_of_brake_with_guided_shoes(brake)
     if model == "fem" and brake.reason_why_not_all_shoes_are_hinged():
         return "A cos + B sin", solve_brake_by_its_rigid_shoe_law(brake).torque
-    # In the published foundation model the beam's sections do not tilt, which leads to "x cos".
+    # The published foundation model neglects the tilt of the beam's sections. Wear then leads to
+    # the pressure "x cos" and not to "sin".
     return "x cos" if model == "foundation" else "sin", hinged.solve_brake_by_sine_law(brake).torque
 
 
@@ -233,12 +236,14 @@ def table_row_of_wear_run_until_settled(one: Run) -> dict[str, Any]:
     distances as shares of the lining's life, and the errors of the balances of volume and energy.
     """
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
-    # Distances of pressure and torque from the law, with new linings and after the last state.
+    # Relative distances of pressure and torque from the law: with new linings, and after the last
+    # state.
     new, end = (
         relative_differences_from_end_of_wear(setup, states[0], goal),
         relative_differences_from_end_of_wear(setup, states[-1], goal),
     )
-    # Shares of the lining's life that are spent more than 1 %, and more than 0.1 %, off the law.
+    # Shares of the lining's life that pass while pressure or torque is more than 1 %, and more than
+    # 0.1 %, off the law.
     spent = compute_life_of_linings(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
     close = compute_life_of_linings(setup, states, goal, ARCHARD, within=TORQUE_AT_LAW)
     balance = compute_checks_of_wear_run(setup, states, ARCHARD)
@@ -283,15 +288,15 @@ def table_row_of_run_in_at_modulus_ratio(
 
 
 def row_comparing_run_with_halved_wear_steps(one: Run) -> dict[str, Any]:
-    """The row that compares a run with the same run in steps of half the size.
+    """The row that compares a wear run with the same run in steps of half the size.
 
     `pressure`, `torque` and `depth` are the largest relative differences between both runs.
     `long_pressure` and `long_torque` are the differences from the rigid-shoe law after ten times
     the sliding distance of the run.
     """
     s = [state.s for state in one.states]
-    # The run is repeated with a further state in the middle of each step; every second state of the
-    # new run then belongs to a state of the old run.
+    # The run is repeated with a further state in the middle of each step. Every second state of the
+    # new run then has the sliding distance of a state of the old run.
     middles = [(a + b) / 2 for a, b in pairwise(s)]
     halved = wear_linings_in_given_steps(one.setup.interfaces, ARCHARD, sorted([*s[1:], *middles]))[
         ::2
@@ -302,7 +307,7 @@ def row_comparing_run_with_halved_wear_steps(one: Run) -> dict[str, Any]:
         """The L2 norm of nodal pressures over the area of all linings."""
         return math.sqrt(float(area @ p**2))
 
-    # Pairs of states of both runs at the same sliding distance.
+    # Pairs of states, one of each run, at the same sliding distance.
     pairs = list(zip(one.states, halved, strict=True))
     long = wear_brake_linings_until_worn_in(one.setup, ARCHARD, distance=10 * s[-1])
     after = relative_differences_from_end_of_wear(one.setup, long[-1], one.goal)
@@ -322,7 +327,7 @@ def row_comparing_run_with_halved_wear_steps(one: Run) -> dict[str, Any]:
 
 
 def table_row_of_run_in_at_pressure_exponent(setup: WearSetup, m: float) -> dict[str, Any]:
-    """The row of a hinged brake that wears by the power m of the pressure.
+    """The row of a hinged brake whose wear is proportional to the pressure to the power m.
 
     The pressure of the worn-in lining is then proportional to sin(phi)^(1/m), with the angle phi
     from the hinge.
@@ -357,11 +362,11 @@ class Reversals:
     states : list of WearState
         Wear and pressure at growing sliding distances.
     far : list of float
-        For each state the relative distance of its pressure from the rigid-shoe law in the state's
+        For each state the relative distance of its pressure from the rigid-shoe law for the present
         sense of rotation.
     mean : float
-        Relative distance of the wear over the last two stretches, one in each sense of rotation,
-        from the wear that the mean of the law's pressures in both senses would cause.
+        Relative distance of the wear in the last two runs between reversals, one in each sense of
+        rotation, from the wear that the mean of the law's pressures in both senses would cause.
     """
 
     every: float
@@ -395,9 +400,9 @@ def wear_brake_with_drum_reversals(
     every : float
         Sliding distance between two reversals, in units of 1/(k K).
     turns : int
-        Number of stretches between reversals.
+        Number of runs, each of the distance `every`; the drum reverses between two of them.
     """
-    # Linings and rigid-shoe law for each sense of rotation; True is the first sense.
+    # Linings and rigid-shoe law for each sense of rotation. The key True is the first sense.
     setups = {
         True: wear_setup_by_finite_elements(scene, brake),
         False: wear_setup_by_finite_elements(scene, brake_with_opposite_rotation(brake)),
@@ -421,7 +426,7 @@ def wear_brake_with_drum_reversals(
         ).pressure
         for state in states
     ]
-    # `turned` has the last state before each reversal and the last state of the run.
+    # `turned` gets the last state before each reversal, and the last state of the whole run.
     turned = [state for state, after in pairwise(states) if state.forward != after.forward]
     turned.append(states[-1])
     # The depth worn in the last two runs between reversals, one in each direction, is compared
@@ -491,7 +496,8 @@ def rows_and_ends_of_wear_runs_in_equal_steps(
     steps : sequence of float
         Sizes of the steps, in units of 1/(k K).
     """
-    # The reference: a run over the same distance with steps of small estimated error.
+    # The reference for the torque is a run over the same distance, whose steps have a small
+    # estimated error.
     length = end * one.unit
     exact = interpolate_wear_state_at_distance(
         wear_brake_linings_until_worn_in(one.setup, ARCHARD, distance=length, tolerance=1e-4),
@@ -517,7 +523,7 @@ def rows_and_ends_of_wear_runs_in_equal_steps(
 def _list_implicit_and_explicit_runs(
     one: Run, end: float, steps: Sequence[float]
 ) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
-    """For each size of wear step an implicit and an explicit run: name, size, function to run.
+    """For each size of wear step an implicit and an explicit run: name, step size, and function.
 
     one : a run of the brake; end : sliding distance of the runs; steps : sizes of the steps; both
         in units of 1/(k K).
@@ -546,7 +552,7 @@ def wear_run_whose_new_linings_touch_least(runs: Iterable[Run]) -> Run:
 class RunFrame:
     """A moment of a run: the wear state, and for each shoe its fields and its turn.
 
-    The fields are displacements and stresses inside the shoe; the turn is the angle [rad] by which
+    The fields are displacements and stresses inside the shoe. The turn is the angle [rad] by which
     the shoe has turned about its pin.
     """
 
@@ -558,8 +564,8 @@ class RunFrame:
 def animation_frames_of_run(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
     """Moments of a run with the fields of its shoes, for an animation.
 
-    The first moment has new linings; the others are at even distances of the logarithm of the
-    sliding distance.
+    At the first moment the linings are new. The other moments are evenly spaced in the logarithm of
+    the sliding distance.
 
     Parameters
     ----------

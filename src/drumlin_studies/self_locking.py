@@ -1,4 +1,4 @@
-"""Table rows on self-locking, which begins at the friction at which a shoe's torque has no bound.
+"""Table rows on self-locking. It begins at the friction limit, where the torque has no bound.
 
 The rows show this limit of friction, the torque up to the limit, whether a brake has exactly one
 answer below the limit and no answer beyond it, and slopes of the torque.
@@ -33,24 +33,30 @@ from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_si
 from drumlin_studies.random_brake import draw_random_brake
 
 FARTHEST_FRICTION = 3.0
-"""Largest coefficient of friction at which the self-locking of a brake is looked for."""
+"""Largest coefficient of friction up to which the self-locking of a brake is searched for."""
 FARTHEST_RANDOM_FRICTION = 100.0
-"""Largest coefficient of friction at which the self-locking of a random brake is looked for."""
+"""Largest coefficient of friction up to which the self-locking of a random brake is searched for.
+"""
 LARGEST_FRICTION = 1.0
 """Largest coefficient of friction at which the uniqueness of an answer is checked.
 
-It takes the place of the limit for a shoe that locks itself at a larger friction or never.
+It takes the place of the friction limit if a shoe locks itself at a larger friction or never.
 """
 LIMIT_FRACTIONS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
-"""Fractions of the friction limit at which a brake must have exactly one answer."""
+"""Fractions of the friction limit (where the brake locks itself) at which it must have exactly one
+answer.
+"""
 BEYOND_LIMIT = (1 + 1e-6, 1.01, 1.1, 1.5, 2.0, 3.0)
-"""Multiples of the friction limit at which a brake should have no answer."""
+"""Multiples of the friction limit (where the brake locks itself) at which it should have no answer.
+"""
 RANDOM_STARTS = 5
 """Number of random contact sets from which the contact iteration is started."""
 LOCKING_ELEMENTS = 16
 """Elements along a lining of the random brakes whose answers are checked for uniqueness."""
 ALL_SETS_ELEMENTS = 4
-"""Elements along a lining of the brakes for which all possible contact sets are tried."""
+"""Elements along a lining of the brakes for which all possible contact sets are tried. There must
+be few, because the number of sets doubles with each node.
+"""
 START_SEED = 7
 """Seed of the random contact sets; it is used together with the seed of the brake."""
 AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
@@ -65,7 +71,7 @@ Row = dict[str, Any]
 def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
     """A row with the friction at which a brake locks itself, by finite elements and by sine law.
 
-    The group of shoes that locks at the lowest friction counts.
+    Of several groups of shoes, the group that locks at the lowest friction counts.
 
     elements : number of elements along each lining.
     """
@@ -88,7 +94,7 @@ def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
 
 
 def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> Row:
-    """A row with the curves of torque [N m] over friction by finite elements and by the sine law.
+    """A row with the curves of torque [N m] over friction, by finite elements and by the sine law.
 
     Each curve ends just before the friction at which the brake locks itself by the same model.
 
@@ -107,8 +113,8 @@ def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> 
         for found in self_locking_friction_of_shoe_groups(scene, brake, FARTHEST_FRICTION).values()
     )
     law = _lowest_locking_friction_by_law(brake)
-    # Frictions of the curve: even steps up to 0.9 of the limit, then distances from the limit that
-    # shrink by a constant factor.
+    # Friction coefficients of the curve: even steps up to 0.9 of the limit, then distances from the
+    # limit that shrink by a constant factor.
     fractions = (*np.linspace(0.02, 0.9, 45), *(1 - np.logspace(-1, -6, 26)[1:]))
     mu = [end * fraction for fraction in fractions]
     of_law = [m for m in mu if m < law * 0.999]
@@ -134,7 +140,8 @@ def torque_times_distance_to_locking_friction_and_its_change(row: Row) -> tuple[
     """The product T (mu_lock - mu) [N m] at the friction limit, and its change near the limit.
 
     If the torque T has a pole at the friction mu_lock, the product is constant near mu_lock. The
-    second result is the relative change of the product over the last 1e-5 of the friction.
+    second result is the relative change of the product from the friction (1 - 1e-5) mu_lock up to
+    mu_lock.
 
     row : a row of `row_of_torque_curves_by_friction`.
     """
@@ -147,12 +154,13 @@ def torque_times_distance_to_locking_friction_and_its_change(row: Row) -> tuple[
 
 
 def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
-    """A row that shows whether a random brake has one answer below its friction limit, none beyond.
+    """A row on whether a random brake has one answer below its friction limit and none beyond it.
 
     The contact iteration starts from all nodes in contact, from no node in contact, and from random
     contact sets. `disagreeing` lists the fractions of the limit at which one of the iterations does
-    not end in the answer that is followed from zero friction. `beyond` and `answered` count answers
-    beyond the limit.
+    not end in the answer that is followed from zero friction. Beyond the limit, `beyond` counts the
+    stable answers of the contact iteration, and `answered` counts the solves of drumlin that have
+    an answer.
 
     Parameters
     ----------
@@ -170,8 +178,8 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     counts, disagreeing = _agreement_counts_and_disagreeing_friction_fractions(
         problems, top, starts
     )
-    # Beyond the friction limit no contact set should be a stable answer, and a solve of drumlin
-    # should raise NoAnswer.
+    # Beyond the friction limit the contact iteration should find no stable answer, and a solve of
+    # drumlin should raise NoAnswer.
     beyond = answered = None
     if end.friction <= 10:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
@@ -203,7 +211,7 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
 def _smallest_singular_friction_on_coarse_mesh(brake: Brake) -> float:
     """The lowest friction at which the equations of any contact set become singular.
 
-    A coarse mesh has few contact sets, so that all are tried.
+    All contact sets are tried, which is possible because a coarse mesh has few of them.
     """
     coarse = make_prepared_model(brake, elements=ALL_SETS_ELEMENTS)
     return smallest_friction_that_makes_any_contact_set_singular(
@@ -212,7 +220,7 @@ def _smallest_singular_friction_on_coarse_mesh(brake: Brake) -> float:
 
 
 def _starting_contact_sets(n: int, seed: int) -> list[Bools]:
-    """Contact sets (n,) to start from: all nodes, no node, and random sets by a seed."""
+    """Contact sets (n,) to start the iteration from: all nodes, no node, random sets by a seed."""
     rng = np.random.default_rng([START_SEED, seed])
     random_sets = [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
     return [np.ones(n, bool), np.zeros(n, bool), *random_sets]
@@ -249,7 +257,7 @@ def _count_stable_answers_beyond_friction_limit(
 def _agreement_counts_and_disagreeing_friction_fractions(
     problems: FrictionDependentProblem, top: float, starts: list[Bools]
 ) -> tuple[Row, list[float]]:
-    """AGREEMENT_COUNTS at LIMIT_FRACTIONS of a friction, and the fractions with a disagreement.
+    """Sums of AGREEMENT_COUNTS over LIMIT_FRACTIONS of a friction; fractions with a disagreement.
 
     At a fraction with a disagreement an iteration from one of the contact sets does not end in the
     answer that is followed from zero friction. The counts also have the largest `difference`

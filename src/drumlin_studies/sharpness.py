@@ -57,28 +57,32 @@ a test on few errors would fail by chance although the promise is kept.
 ALLOWED_DRIFT = 0.3
 """Largest relative difference between a number of `Spread` and its value in FILE.
 
-A change of the levels of refinement alone can move these numbers by half of ALLOWED_DRIFT. With
-twice ALLOWED_DRIFT a test would overlook a factor of two. ALLOWED_DRIFT also limits the growth of
-the median true errors."""
+A change of the levels of refinement alone can move these numbers by half of ALLOWED_DRIFT. With a
+limit twice as large, a test would overlook a change of the stated errors by a factor of two.
+ALLOWED_DRIFT also limits the growth of the median true errors.
+"""
 
 MORE = 0.1
 """Fraction by which the number of unknowns of all answers together may grow since the last fit. The
-time of a solve grows a little faster than its unknowns; a user would just notice a tenth more
-time."""
+time of a solve grows a little faster than the number of unknowns, and a user would just notice a
+tenth more time.
+"""
 
 MUCH_MORE = 1.4
 """Factor by which the number of unknowns of a single brake may grow since the last fit. A change in
-round-off can cost one more solve on a level of refinement, in addition to four or more solves."""
+round-off can cost one more solve on a level of refinement, in addition to the four or more that a
+brake needs.
+"""
 
 QUICK = 100_000
 """Largest number of unknowns of a brake that counts as quickly solved, in at most half a second.
 
 The unknowns of all meshes up to the answer at the smallest tolerance are added. The fast tests
-judge only these brakes.
+judge only the brakes within this limit.
 """
 
 FILE = "sharpness.json"
-"""Name of the file with `Spread` and `AccuracyAndCost` at the last fit of the error estimate.
+"""Name of the file with all `Spread` and `AccuracyAndCost` at the last fit of the error estimate.
 
 The file is in the folder of the stored truths.
 """
@@ -114,8 +118,8 @@ class StatedTrueErrors(NamedTuple):
     def stated_over_true_error(self, quantity: str) -> float:
         """The ratio of the stated error to the true error minus its uncertainty.
 
-        The ratio is inf if the uncertainty is as large as the true error, and nan if the quantity
-        is not judged.
+        The ratio is inf if the uncertainty is at least as large as the true error, and nan if the
+        quantity is not judged.
         """
         kinds = {"stated": self.stated, "true": self.true, "unsure": self.unsure}
         return stated_over_true_error_of_row(
@@ -136,7 +140,7 @@ class Spread(NamedTuple):
     Attributes
     ----------
     median : median of the ratios
-    tenth : ratio below which a tenth of the ratios lies
+    tenth : ratio below which a tenth of all ratios lies
     """
 
     median: float
@@ -178,7 +182,7 @@ def stated_and_true_errors_of_stored_brake(
         solved.append(sum(body.unknowns for body in scene.bodies))
         return solve_prepared_model(scene, brake, start=start)
 
-    # The tolerances read the same sequence of levels, so that each level is solved once.
+    # All tolerances read the same sequence of solved levels, so that each level is solved once.
     sequences: tuple[Iterable[SolvedLevel], ...] = tee(
         solve_brake_on_finer_and_finer_mesh_levels(brake, solve_and_count_unknowns), len(ASKED)
     )
@@ -246,7 +250,7 @@ def list_files_of_stored_fine_solutions(folder: Path) -> list[Path]:
 def spreads_of_stated_over_true_errors(rows: Sequence[StatedTrueErrors]) -> dict[str, Spread]:
     """The `Spread` of the ratios of stated to true error over all brakes, for each quantity.
 
-    Only ratios count whose true error is certain.
+    Only ratios with a certain true error count.
     """
     found = {}
     for quantity in QUANTITIES:
@@ -277,13 +281,14 @@ def describe_worsened_accuracies_and_costs(
 ) -> list[str]:
     """Lines of text, one for each accuracy or cost that has become worse.
 
-    Each is compared with its value at the last fit of the error estimate's factors.
+    Each value is compared with its value at the last fit of the error estimate's factors.
 
     written : accuracy and cost of the answers at the last fit, by the keys of ASKED
     """
     found = []
     for asked, now in accuracy_and_cost_by_tolerance(rows).items():
-        # First loss: fewer brakes reach the tolerance. Second loss: larger true errors.
+        # Two ways to become worse: fewer brakes reach the tolerance, or the median true errors are
+        # larger.
         before = written[asked]
         if now.answers < before.answers:
             found.append(f"{asked}: {now.answers} brakes reach it, {before.answers} did")
@@ -291,7 +296,7 @@ def describe_worsened_accuracies_and_costs(
             error, known = getattr(now, quantity), getattr(before, quantity)
             if error > (1 + ALLOWED_DRIFT) * known:
                 found.append(f"{asked}: true error of {quantity} {error:.1e}, was {known:.1e}")
-        # Third loss: more unknowns, of all brakes together or of a single brake.
+        # A third way to become worse: more unknowns, of all brakes together or of a single brake.
         both = now.unknowns.keys() & before.unknowns.keys()
         more = sum(now.unknowns[name] for name in both)
         most = sum(before.unknowns[name] for name in both)
@@ -319,13 +324,14 @@ def describe_faults_of_stated_errors(
         ratios = [(one.stated_over_true_error(quantity), one) for one in rows]
         known = [(value, one) for value, one in ratios if not math.isnan(value)]
         small = [f"{one.name} at {one.asked} ({value:.2f})" for value, one in known if value < 1]
-        # The number of errors that may be too small is a quantile of the binomial distribution.
+        # The allowed number of too small errors is a quantile of the binomial distribution.
         if len(small) > binom.ppf(SURE, len(known), PROMISED):
             found.append(
                 f"{quantity}: {len(small)} of {len(known)} stated errors are too small: "
                 f"{', '.join(small)}"
             )
-        # Median and smallest tenth of the ratios must stay near their values at the last fit.
+        # The median of the ratios, and the ratio below which a tenth lies, must stay near their
+        # values at the last fit.
         for which, value, before in zip(Spread._fields, spread, written[quantity], strict=True):
             if abs(value / before - 1) > ALLOWED_DRIFT:
                 found.append(
@@ -359,7 +365,7 @@ class Written(NamedTuple):
 
 
 def read_stored_spreads_of_stated_errors(folder: Path) -> Written:
-    """The contents of FILE, the numbers at the last fit, in a folder of far finer solutions."""
+    """The contents of FILE in a folder of far finer solutions: the numbers at the last fit."""
     data = json.loads((folder / FILE).read_text(encoding="utf-8"))
     spreads = {of: Spread(**values) for of, values in data[SHARPNESS_KEY].items()}
     quick_spreads = {of: Spread(**values) for of, values in data[QUICK_SHARPNESS_KEY].items()}
@@ -370,9 +376,10 @@ def read_stored_spreads_of_stated_errors(folder: Path) -> Written:
 def _rounded_spreads_of_stated_over_true_errors(
     rows: Sequence[StatedTrueErrors],
 ) -> dict[str, dict[str, float]]:
-    """Quantiles of the ratio of stated to true error, rounded to the digits of FILE.
+    """The `Spread` of the ratios of stated to true error, rounded to the digits of FILE.
 
-    The first key is the quantity, such as "pressure". The inner keys are the names in `Spread`.
+    The first key is the quantity, such as "pressure". The inner keys are the names of the numbers
+    in `Spread`.
     """
     rounded = {}
     for quantity, spread in spreads_of_stated_over_true_errors(rows).items():

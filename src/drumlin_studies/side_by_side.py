@@ -15,7 +15,7 @@ PROCESSES = 2
 """Number of processes of a study. Studies are made for machines with two cores."""
 
 Case = Mapping[str, Any]
-"""The input of one computation, plain data by name."""
+"""The input of one computation: plain data by name."""
 
 
 def compute_cases_in_parallel_with_journal(

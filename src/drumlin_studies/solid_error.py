@@ -18,14 +18,15 @@ given up after SECONDS of processor time together (by default 120). KIND is a na
 The true errors are distances from a reference solution, the truth. A solve with fine elements of
 the section and a high degree across the width would take minutes. So the truth is a sum of two
 parts. The first part is the answer on the first level of the section's hp elements, with functions
-across the width that are graded to the sides of all parts. The second part is the step from the
-first level to the level that follows the level of the judged solve, with degree TRUTH_STEP_DEGREE
-across the width.
+across the width that are graded to the sides of all parts. The second part is a difference of two
+answers with degree TRUTH_STEP_DEGREE across the width: the answer on the level that follows the
+level of the judged solve, minus the answer on the first level.
 
 Two differences add up to the uncertainty of the truth: the distance between the graded functions
-and the same functions of one degree less, and the distance between the truth and a truth whose step
-has one degree less across the width. The second distance shows how much the error of the section's
-elements depends on the degree. The error of these elements on the finest level is not contained.
+and the same functions of one degree less, and the distance between the truth and a truth whose
+second part has one degree less across the width. The second distance shows how much the error of
+the section's elements depends on the degree. The error of these elements on the finest level is not
+contained.
 
 Measured to 1 % with limits of 20 to 40 s ("free" 510000 to 510008, "built" 510000 and 510001), far
 fewer brakes than a verdict needs, with one break at most beside each web: all 21 stated errors of
@@ -90,27 +91,32 @@ GRADED_DEGREE = 3
 GIVEN_UP = "given up after"
 """First words of the reason why a brake that takes too long has no answer or no truth."""
 OTHER_WIDTHS = "the widths of its parts are those of another kind"
-"""The reason why a brake with parts of one or of several widths is left out."""
+"""The reason why a brake is left out: its shoes' parts have one width where several are asked for,
+or several where one is asked for.
+"""
 TRUTH_STEP_DEGREE = 2
-"""Degree across the width of the truth's step from the first level of the section to a finer level.
+"""Degree across the width in the second part of the truth (the reference solution): the answer on a
+finer level of the section minus the answer on its first level.
 
 With degree 3 the solve of a shoe with table and web on the finer level takes minutes.
 """
 SHORTEST_PIECE = 1e-12
-"""Length [rad] below which a piece is left out when the pressures of several responses are summed.
+"""Length [rad] of a piece of a lining below which it is left out when pressures of several
+responses are summed.
 
-The ends of all their elements divide the lining into pieces. Ends that differ only by round-off
-make such short pieces.
+The ends of all elements of these responses divide the lining into pieces. Ends that differ only by
+round-off make such short pieces.
 """
 GRADED_LENGTH = 0.2
-"""Length across the width of the reference solution's pieces beside the side of a part.
+"""Length, across the width, of the pieces beside the side of a part, on which the reference
+solution's functions are polynomials.
 
 It is relative to the lining's thickness or, if the next break between pieces is nearer than this
 thickness, to the distance of the break. Pieces much shorter than the elements of the section only
 add unknowns.
 """
 STEEL = {"E": 210e9, "nu": 0.3}
-"""Material of the tables and webs of the "built" shoes: Young's modulus [Pa], Poisson's ratio."""
+"""Material of tables and webs of the "built" shoes: Young's modulus [Pa] and Poisson's ratio."""
 TABLE = (1 / 30, 1 / 8)
 """Smallest and largest thickness of a "built" shoe's table, relative to the lining's width."""
 WEB = (1 / 12, 1 / 4)
@@ -118,9 +124,11 @@ WEB = (1 / 12, 1 / 4)
 BOUNDED_ERRORS = ("torque", "pressure")
 """Names, in the `error` of a response, of the errors that a tolerance bounds."""
 JUDGED_ERRORS = (*BOUNDED_ERRORS, "reaction")
-"""Names of the stated errors that are compared with true errors."""
+"""Names, in the `error` of a response, of the stated errors that are compared with true errors."""
 LEAST_MODEL_ERROR = 0.01
-"""True relative error of plane stress from which on the estimate of this error is judged."""
+"""Smallest true relative error of plane stress for which drumlin's estimate of this error is
+judged.
+"""
 GOOD_FACTOR, POOR_FACTOR = 1.5, 3.0
 """Factors that tell whether an estimate of the error of plane stress is good or poor.
 
@@ -128,13 +136,15 @@ An estimate within a factor GOOD_FACTOR of the true error tells an engineer whet
 good enough. An estimate below the true error divided by POOR_FACTOR would mislead.
 """
 TRUTH_FACTOR = 2.0
-"""True error above which a stated error is judged, relative to the uncertainty of the truth.
+"""Smallest true error for which a stated error is judged, relative to the uncertainty of the truth.
 
-With a smaller value errors of the truth are taken for errors of the solve, with a larger value few
-brakes remain.
+With a smaller value errors of the truth would be taken for errors of the solve; with a larger value
+few brakes would remain.
 """
 LEAST_TRUE_ERROR = 1e-5
-"""True relative error above which a stated error is judged; the truth itself is no more exact."""
+"""Smallest true relative error for which a stated error is judged; the truth itself is no more
+exact.
+"""
 
 
 @dataclass(frozen=True)
@@ -216,8 +226,9 @@ class SolidReference(NamedTuple):
     Attributes
     ----------
     truth : the truth
-    lower : the same sum with graded functions of one degree less across the width
-    other_step : the same sum with a step to the finer level of one degree less across the width
+    lower : the truth, computed with graded functions of one degree less across the width
+    other_step : the truth, with the difference to the finer level of one degree less across the
+    width
     """
 
     truth: Response
@@ -302,14 +313,15 @@ def response_with_width_functions_graded_to_sides(
 def response_plus_difference_of_two_others(
     base: Response, start: Response, end: Response
 ) -> Response:
-    """The sum of a response and of the step from a second to a third response of the same brake.
+    """The sum of a response and of the difference of two other responses of the same brake.
 
-    Torques, reactions, peaks and pressures are summed up. The other attributes are those of `base`.
+    Torques, reactions, peaks and pressures are summed: base + end - start. The other attributes are
+    those of `base`.
 
     Parameters
     ----------
     base : the response
-    start, end : the responses between which the step is made
+    start, end : the responses whose difference, end minus start, is added
     """
     shoes = [
         _shoe_response_plus_difference_of_two_others(*own)
@@ -321,9 +333,9 @@ def response_plus_difference_of_two_others(
 def _shoe_response_plus_difference_of_two_others(
     base: ShoeResponse, start: ShoeResponse, end: ShoeResponse
 ) -> ShoeResponse:
-    """The sum for one shoe; parameters as in `response_plus_difference_of_two_others`."""
-    # On the pieces between the ends of all pieces all three pressures are polynomials, and so is
-    # their sum, whose degree is the largest of the three.
+    """One shoe's sum base + end - start, as in `response_plus_difference_of_two_others`."""
+    # The ends of all elements divide the lining into pieces. On each piece the three pressures are
+    # polynomials, and so is their sum, with the largest of the three degrees.
     order = max(base.order, start.order, end.order)
     ends = np.unique(np.concatenate([own.theta[:: own.order] for own in (base, start, end)]))
     ends = ends[np.append(True, np.diff(ends) > SHORTEST_PIECE)]
@@ -346,8 +358,9 @@ def _shoe_response_plus_difference_of_two_others(
 def reference_solution_for_solid_solve(brake: Brake, found: Response) -> SolidReference:
     """The reference solution for a solve of a brake with solid shoes, and its uncertainty.
 
-    `found` is the response of the solve. The step of the truth leads to the level that follows the
-    level of the solve; on the finest level it leads to this level.
+    `found` is the response of the solve. The truth refines up to the level that follows the level
+    of the solve; a solve on the finest level has no following one, and the truth ends on the same
+    level.
 
     Raises
     ------
@@ -470,7 +483,7 @@ def limit_processor_time_of_block(seconds: float) -> Iterator[None]:
 
 
 def read_solid_error_rows(path: Path) -> list[SolidErrorRow]:
-    """The rows that a file keeps, a line of JSON each; none if there is no file."""
+    """The rows in a file with a line of JSON for each row; an empty list without the file."""
     if not path.exists():
         return []
     lines = path.read_text(encoding="utf-8").splitlines()
@@ -481,7 +494,8 @@ def table_lines_of_stated_over_true_quantiles(rows: Sequence[SolidErrorRow]) -> 
     """Table lines on the stated and the true errors: how many are too small, and their ratios.
 
     A stated error that is surely too small is below the true error even if the truth is wrong by
-    its uncertainty. The ratios and the share below half are those of errors that are judged.
+    its uncertainty. The ratios and the share of ratios below 1/2 are taken over the errors that are
+    judged.
     """
     lines = ["error     brakes  at least true  surely too small  judged  below half   5 %   half"]
     known = [row for row in rows if row.true]
@@ -502,7 +516,7 @@ def table_lines_of_stated_over_true_quantiles(rows: Sequence[SolidErrorRow]) -> 
 
 
 def table_lines_of_brakes_within_tolerance(rows: Sequence[SolidErrorRow]) -> list[str]:
-    """Lines on the brakes that reach the tolerance, on their time, and on those given up."""
+    """Table lines: brakes that reach the tolerance, their time, and brakes given up."""
     answered = [row for row in rows if row.stated]
     known = [row for row in answered if row.true]
     apply = [row for row in rows if row.stated or row.reason.startswith(GIVEN_UP)]
@@ -542,7 +556,7 @@ def table_lines_of_stated_plane_stress_errors(rows: Sequence[SolidErrorRow]) -> 
 
 
 def text_line_of_solid_errors(row: SolidErrorRow) -> str:
-    """A line of text on a brake: its errors, its time and its degrees, or why it has none."""
+    """A line of text on a brake: its errors, its time and its degrees, or why it has no errors."""
     parts = []
     for name in JUDGED_ERRORS if row.stated else ():
         part = f"{name} stated {row.stated[name]:.1e}"

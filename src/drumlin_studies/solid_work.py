@@ -1,9 +1,9 @@
 """Error and run time of all models against solid shoes, beside their error against plane stress.
 
 A plane model can be exact for plane stress and still miss the real shoe, whose pressure varies over
-its width. So each row has two errors. The solid truth is a solution by functions across the width
-that are graded to the sides of all parts. The truth in plane stress is the solution on the level
-FINE_PLANE_LEVEL.
+its width. Each row therefore has two errors: against the solid truth, and against the truth in
+plane stress. The solid truth is a solution by functions across the width that are graded to the
+sides of all parts. The truth in plane stress is the solution on the level FINE_PLANE_LEVEL.
 """
 
 import math
@@ -36,7 +36,7 @@ are coarser.
 FAST = 1.0
 """Processor time [s] up to which a solve is repeated; the median of its times is then taken."""
 REPEATS = 3
-"""Number of repeats of a fast solve, after a first one that is not counted."""
+"""Number of timed repeats of a fast solve, after a first solve that is not counted."""
 
 
 class SolidTruth(NamedTuple):
@@ -87,7 +87,7 @@ class SolidWorkRow(NamedTuple):
 
 
 class TimedModel(NamedTuple):
-    """A model with its setting, and a function that returns its response."""
+    """A model with its setting, and a function without arguments that returns its response."""
 
     family: str
     name: str
@@ -95,7 +95,7 @@ class TimedModel(NamedTuple):
 
 
 class SolidSetting(NamedTuple):
-    """The solves that are made and compared.
+    """The settings of the solves that are compared.
 
     Attributes
     ----------
@@ -138,8 +138,8 @@ def relative_uncertainty_of_solid_shoe_reference(
 ) -> dict[str, float]:
     """The relative uncertainty of the torque and the mean pressure of a solid truth.
 
-    It is the distance between two degrees across the width on one level, plus the distance between
-    two levels with the lower degree.
+    It is the distance between the answers with two degrees across the width on one level, plus the
+    distance between the answers on two levels with the lower degree.
     """
     by_degree = relative_distance_of_plane_stress_from_width_solution(
         brake, truth.lower, truth.response
@@ -181,7 +181,8 @@ def list_models_compared_with_solid_shoes(brake: Brake, setting: SolidSetting) -
 def _solve_mesh_level_with_degree_across_width(brake: Brake, number: int, degree: int) -> Response:
     """The response of a brake with a degree across the width, on one refinement level.
 
-    Degree 0 is plane stress, whose answer on the first level starts the solve of other degrees.
+    Degree 0 is plane stress. Solves with other degrees start from the contact of its answer on the
+    first level.
 
     Parameters
     ----------
@@ -206,7 +207,7 @@ def measure_models_against_solid_shoes(
     solid: Response,
     say: Callable[[str], None] = lambda _: None,
 ) -> list[SolidWorkRow]:
-    """The run time and both errors of all models on a brake.
+    """Run times of all models on a brake, and errors against the solid and the plane truth.
 
     Models that give no answer have no row.
 
@@ -265,7 +266,7 @@ def solve_and_measure_processor_time(solve_once: Callable[[], Response]) -> Time
 def _row_of_timed_response(
     brake: Brake, model: TimedModel, timed: TimedResponse, truths: tuple[Response, Response]
 ) -> SolidWorkRow:
-    """The row of a model from its response.
+    """The row of run time and errors of a model, from its timed response.
 
     `truths` are the solid truth and the truth in plane stress.
     """

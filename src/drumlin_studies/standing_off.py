@@ -31,9 +31,9 @@ FORCE_DIVISORS = 1.0, 300.0
 
 
 def draw_random_brake_with_clearances(seed: int, kind: str | None = None) -> Brake:
-    """The random brake of a seed, whose shoes all touch the drum by the rigid-shoe law.
+    """The random brake of a seed; by the rigid-shoe law all its shoes touch the drum.
 
-    Contact is not tested by finite elements, by which some of these brakes have no answer.
+    Contact is not tested by finite elements, because some of these brakes have no answer by them.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def draw_random_brake_with_clearances(seed: int, kind: str | None = None) -> Bra
 
 
 def _brake_data_with_clearances_and_less_force(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
-    """The data of a brake, changed to clearances, other lining moduli and smaller forces.
+    """The data of a brake, changed to have clearances, other lining moduli and smaller forces.
 
     The two shoes of a cam become mirror images of each other. A cam moves the loaded ends of both
     shoes by the same distance, so that of two shoes with different clearances only one would touch

@@ -7,7 +7,7 @@ remaining distance from the limit of its sequence of meshes, plus the round-off 
 
 All errors are relative. The error of the pressure p is an L2 norm that leaves out EDGE_ZONE at the
 lining's ends. The errors of the pressure, of the peak pressure and of the hinge reaction are the
-largest of all shoes. The error of the torque belongs to the torque of the whole brake.
+largest over all shoes. The error of the torque belongs to the torque of the whole brake.
 """
 
 import math
@@ -44,7 +44,7 @@ RELEVANT = 1e-6
 """Relative true error below which any stated error counts as large enough.
 
 The calibration fits no factor to smaller errors: nobody asks for so small an error of the pressure,
-and a difference of this size may be due to the truth or to round-off.
+and so small a difference may be an error of the truth or round-off.
 """
 JUDGED_TOLERANCES = (1e-2, 1e-3, 1e-4)
 """Relative tolerances to which each brake is solved before its stated errors are judged."""
@@ -53,10 +53,11 @@ GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 TRUTH_FINENESS = 0.1
 """Fraction of the tolerance by which the pressure may still change on the last level of the truth.
 
-The truth is solved on finer and finer levels until the pressure changes by less.
+The truth is solved on finer and finer levels until the pressure changes by less than this.
 """
 PEAK_ANGLES = 4001
-"""Number of evenly spaced angles at which a peak is looked for, in addition to the nodes."""
+"""Number of evenly spaced angles at which the peak pressure is searched, in addition to the nodes.
+"""
 
 
 class PressureField(NodalPressure, Protocol):
@@ -114,11 +115,11 @@ def solve_fine_reference_by_triangles(brake: Brake) -> Truth:
 
 
 def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth:
-    """The far finer solution of a brake by finer and finer levels of hp elements, exact contact.
+    """The far finer solution of a brake by hp elements on finer and finer levels, exact contact.
 
     The brake is solved on finer levels until the pressure changes by less than TRUTH_FINENESS of
-    the tolerance, or on all levels. The level that changed the pressure least becomes the truth. A
-    finer level may have lost more digits to round-off than it has added.
+    the tolerance, or on all levels. The level that changed the pressure least becomes the truth. It
+    need not be the finest level, on which round-off may add more error than the refinement removes.
 
     Raises NoAnswer where fewer than three levels have an answer.
     """
@@ -137,7 +138,8 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth
             if len(solutions) > 2 and change <= TRUTH_FINENESS * tolerance:
                 break
     except NoAnswer:
-        # A fine level may have no answer although the coarser levels have one.
+        # A fine level may have no answer, because of round-off, although the coarser levels have
+        # one.
         if len(solutions) < 3:
             raise
     if len(solutions) < 3:
@@ -150,7 +152,7 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth
 
 
 def largest_round_off_errors_of_shoes(shoes: Sequence[ShoeResponse]) -> ShoeChange:
-    """Relative round-off errors of the elimination: the largest of any shoe, by quantity."""
+    """Relative round-off errors of static condensation, by quantity: the largest over all shoes."""
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
     return ShoeChange(*(max(parts) for parts in by_quantity))
 
@@ -186,8 +188,8 @@ def reference_from_last_three_meshes(
 def estimate_distance_of_last_value_from_limit(early: float, late: float) -> float:
     """The estimated distance of the last value of a sequence from the limit of the sequence.
 
-    If each change is r times smaller than the change before, the distance is the last change
-    divided by r - 1. The observed r is kept between 2 and 4.
+    If each change is 1/r of the change before, the distance is the last change divided by r - 1.
+    The observed r is limited to values from 2 to 4.
 
     early : size of the change before the last; late : size of the last change.
     """
@@ -239,7 +241,7 @@ def relative_pressure_error_of_shoe(
     """L2 norm of the error of a shoe's pressure, relative to the L2 norm of the true pressure.
 
     Zones at both ends of the lining are left out unless half of the force acts there. The result is
-    nan where the shoe does not press.
+    nan for a shoe that does not press on the drum.
 
     found : the pressure that is judged; true : the far finer solution; edge : length of each zone
     [rad].
@@ -248,7 +250,8 @@ def relative_pressure_error_of_shoe(
         true.theta, true.pressure, true.order, edge
     )
     first, last = true.theta[0] + zone, true.theta[-1] - zone
-    # The nodes of both pressures divide the lining into intervals.
+    # The nodes of both pressures divide the lining into intervals, over which the error is
+    # integrated.
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
     knots = knots[(knots >= first) & (knots <= last)]
     # Within an interval both pressures are smooth, so that Gauss quadrature is exact enough.
@@ -267,7 +270,7 @@ def computed_peak_outside_edge_zones(
 ) -> float:
     """Largest pressure [Pa] of a shoe outside the edge zones at the lining's ends.
 
-    The edge zones are included where half of the force acts in them.
+    The edge zones are included if half of the force acts in them.
 
     Parameters
     ----------
@@ -293,7 +296,7 @@ def computed_peak_outside_edge_zones(
 def _relative_peak_pressure_error(
     shoe: Shoe, scale_factor: float, found: Any, true: TrueShoe
 ) -> float:
-    """Relative error of the peak pressure of a shoe; nan where the shoe does not press.
+    """Relative error of the peak pressure of a shoe; nan if the shoe does not press on the drum.
 
     A response of drumlin states its peak pressure. The peak of another solution, for example by
     triangles, is found by `computed_peak_outside_edge_zones`.
@@ -405,8 +408,8 @@ def summary_rows_of_stated_errors(rows: Sequence[Mapping[str, Any]]) -> list[dic
 def _summary_row_of_quantity(
     rows: Sequence[Mapping[str, Any]], tolerance: float, name: str
 ) -> dict[str, Any]:
-    """The summary row for the rows of one tolerance and for one quantity."""
-    # Only rows with a stated and a true error are judged; the ratio of the others is nan.
+    """The summary row of one quantity, for the rows of one tolerance."""
+    # Only rows with a stated and a true error are judged. The ratio of all other rows is nan.
     ratios = np.array([stated_over_true_error_of_row(one, name) for one in rows])
     is_judged = ~np.isnan(ratios)
     judged_rows = [one for one, judged in zip(rows, is_judged, strict=True) if judged]

@@ -64,7 +64,8 @@ def _plot_error_points_and_return_whether_any_exist(
     tolerances = sorted({row["tolerance"] for row in rows}, reverse=True)
     drawn = False
     for tolerance, (mark, color) in zip(tolerances, PANEL_MARKS, strict=False):
-        # Well known errors are drawn in full colour and get a label, the others are drawn pale.
+        # Errors that are known well are drawn in full colour and get a label; the others are drawn
+        # pale.
         own = [row for row in rows if row["tolerance"] == tolerance]
         for known in (True, False):
             points = [
@@ -94,8 +95,8 @@ def _true_error_and_stated_ratio_of_row(
 ) -> tuple[float, float] | None:
     """The point of a row: true error of a quantity, and ratio of stated to true error.
 
-    The result is None where one of the errors is missing, and where the true error is not well
-    known although `known` asks for it, or well known although `known` is false.
+    The result is None if one of the errors is missing. It is also None if the true error is well
+    known and `known` is false, or not well known and `known` is true.
     """
     stated = float(row.get(f"stated_{name}", math.nan))
     true = float(row.get(f"true_{name}", math.nan))
@@ -106,7 +107,7 @@ def _true_error_and_stated_ratio_of_row(
 
 
 def plot_cumulative_shares_of_stated_over_true_ratios(ratios: Mapping[str, Floats]) -> Figure:
-    """Figure of the share of solved levels whose ratio of stated to true error is below a value.
+    """Figure of cumulative distributions: share of levels with a stated/true ratio below a value.
 
     The figure has a line for each quantity.
 

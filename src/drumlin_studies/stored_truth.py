@@ -62,14 +62,15 @@ from drumlin_studies.stated_true import (
 TRIANGLES = (*TRIANGLE_LEVELS, TriangleLevel(6, 17, 0.7, 0.8))
 """Meshes of curved triangles, coarse to fine.
 
-The arguments of TriangleLevel are degree, halvings, steep and size. To the meshes of the studies a
-mesh of a higher degree is added, whose triangles are halved more often towards the singular points.
-On four brakes this mesh lowered the uncertainty of the pressure from 1e-5 to 2e-6 and of the torque
-from 1e-10 to 1e-11. A further mesh lowered neither."""
+The arguments of TriangleLevel are degree, halvings, steep and size. The last mesh is not used in
+the studies. It has a higher degree, and its triangles are halved more often towards the singular
+points. On four brakes this mesh lowered the uncertainty of the pressure from 1e-5 to 2e-6 and of
+the torque from 1e-10 to 1e-11. A further mesh lowered neither.
+"""
 
 FINER = (
-    # The arguments of Level are: degree, zone, edge, end, ratio, opening, largest, back, hinge,
-    # through.
+    # The arguments are degree, zone, edge, end, ratio, opening, largest, back, hinge, through: see
+    # `Level`.
     Level(6, 0.02, 0.01, 0.0008, 0.42, 0.25, 15 * DEG, 0.02, 0.012, 0.2),
     Level(7, 0.006, 0.004, 0.0003, 0.45, 0.27, 13 * DEG, 0.007, 0.004, 0.24),
     Level(8, 0.002, 0.0015, 0.0001, 0.48, 0.3, 11 * DEG, 0.0025, 0.0014, 0.28),
@@ -89,25 +90,25 @@ DEEPEST = (
     TriangleLevel(5, 21, 0.7, 0.8),
     TriangleLevel(6, 26, 0.7, 0.8),
 )
-"""Meshes of curved triangles for brakes that press only by a corner of the lining (DEEP), or by a
-tip, a kink of the lining that points to the drum (DEEPEST).
+"""Meshes of curved triangles for brakes that press only by a corner of the lining (DEEP), or only
+by a tip, which is a kink of the lining that points to the drum (DEEPEST).
 
-The sizes of the smallest triangles are 2e-7 and 1e-8 of the lining's thickness. In some brakes
-round-off turns triangles of DEEPEST inside out. DEEP is then used for a tip too, with an
-uncertainty of the pressure of 1e-4 to 6e-4 in place of 1e-5 to 2e-4.
+The smallest triangles have sizes of 2e-7 (DEEP) and 1e-8 (DEEPEST) of the lining's thickness. In
+some brakes round-off turns triangles of DEEPEST inside out. DEEP is then used for a tip too, with
+an uncertainty of the pressure of 1e-4 to 6e-4 in place of 1e-5 to 2e-4.
 """
 
 GIVE_WAY = 2e-3
 """Length of the region next to a pressed corner in which the power law of the corner replaces the
 computed pressure, divided by the length of the contact.
 
-Some ten triangles lie in this region. With 14 triangles the pressure differed by 5e-6 and 4e-5 on
-two brakes.
+Some ten triangles lie in this region. With 14 triangles in it the pressure changed by 5e-6 and 4e-5
+on two brakes.
 """
 
 CERTAIN = 4.0
-"""Ratio of a true error to its uncertainty above which the true error is used to judge the stated
-error.
+"""Smallest ratio of a true error to its uncertainty with which the true error is used to judge the
+stated error.
 
 At smaller ratios the difference between answer and truth may be an error of the truth.
 """
@@ -149,7 +150,7 @@ class DrawnBrake(NamedTuple):
     changes: Mapping[str, Any] = {}
 
     def brake(self) -> Brake:
-        """The random brake of `kind` and `seed` after `changes`."""
+        """The random brake of `kind` and `seed`, with the values of `changes`."""
         drawn = (
             draw_random_brake
             if self.kind in DRAWN_KINDS
@@ -164,15 +165,16 @@ class DrawnBrake(NamedTuple):
 SEED = 70_000
 """Seed of the first random brake of each kind.
 
-The factors of the error estimate are fitted on brakes of other seeds, from `calibration.FIRST_SEED`
-on. The stored truths therefore judge brakes on which nothing was fitted."""
+The safety factors of the error estimate are fitted on brakes of other seeds, from
+`calibration.FIRST_SEED` on. The stored brakes are therefore an independent test of these factors.
+"""
 
 TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
 """Clearance table with a tip, a kink that points to the drum, for the brake
 `draw_random_brake_of_support_kind(SEED + 1, "hinge")`.
 
-The rows are an angle theta [rad] and a clearance [m]. The tip in the middle row is about as high as
-the compression of the lining by the force, so that nearly the whole lining presses.
+The rows are an angle theta [rad] and a clearance [m]. The tip is in the middle row. It is about as
+high as the lining's compression by the force, so that nearly the whole lining presses on the drum.
 """
 
 STORED_BRAKES: dict[str, DrawnBrake] = {
@@ -291,7 +293,8 @@ def solve_stored_brake_on_far_finer_meshes(name: str) -> StoredTruth:
             "deep triangles",
             solve_brake_on_corner_or_kink_by_fine_triangles(brake),
         )
-    # Triangles are preferred, because they share no part of the method with the hp elements.
+    # Triangles are preferred, because their method shares no part with the hp elements that are
+    # judged.
     try:
         if brake.surface.is_plane_and_not_drum:
             raise BadInput("triangles have no brakes on a plane")
@@ -316,8 +319,8 @@ def solve_brake_on_corner_or_kink_by_fine_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake that presses only by a corner or a tip of the lining.
 
     A tip is a kink of the lining that points to the drum. The meshes are DEEPEST for a tip and DEEP
-    for a corner. The pressure has no bound next to a corner that is in contact, where no triangle
-    is small enough. A power law replaces the computed pressure there. The error of this power law
+    for a corner. Next to a corner in contact the pressure has no bound, and no triangle is small
+    enough for it. A power law replaces the computed pressure there, and the error of this power law
     is added to the uncertainty. Raises BadInput if triangles cannot mesh the brake, and NoAnswer if
     the brake has no solution.
     """
@@ -347,11 +350,12 @@ def solve_brake_on_corner_or_kink_by_fine_triangles(brake: Brake) -> Truth:
 def _shoe_solution_with_power_law_at_corner(
     brake: Brake, index: int, found: ShoeSolution
 ) -> ShoeSolution:
-    """The solution of shoe `index` with the power law in place of its pressure near a corner.
+    """The solution of shoe `index`, with a power law in place of its pressure near each corner.
 
     Only corners with an unbounded pressure are changed.
     """
-    # The power law reaches over a fixed fraction of the contact arc that ends at the corner.
+    # The power law replaces the pressure over a fixed fraction of the contact arc that ends at the
+    # corner.
     for corner in corners_with_unbounded_pressure(brake, index, found):
         at_corner = found.theta[0 if corner.at_start else -1]
         arc = next((float(b - a) for a, b in found.arcs if at_corner in {a, b}), 0.0)

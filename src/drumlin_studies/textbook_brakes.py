@@ -57,8 +57,8 @@ def brake_with_one_hinged_shoe(
         a lever, and the hinge belongs to the lever.
     """
     start, end = sorted(turned + hand * phi for phi in arc)
-    # The sense of the moment about the hinge that presses the shoe to the drum: 1 is
-    # counter-clockwise, -1 is clockwise.
+    # The sense of the moment about the hinge that presses the shoe on the drum: 1 is
+    # counter-clockwise, and -1 is clockwise.
     pressing = -hand if side == "internal" else hand
     shoe = {
         "name": "shoe",

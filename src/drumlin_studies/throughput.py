@@ -26,8 +26,8 @@ from drumlin.sweeps.workers import Workers, provide_workers_for_cases_of_sweep
 KEEP = {"MALLOC_TRIM_THRESHOLD_": str(2**28), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
 """Environment variables that make the C library glibc keep freed memory for later use.
 
-Memory below these sizes [bytes] is kept. Dask itself sets the first variable to a small value,
-which also turns off the automatic choice of the second; both are therefore set here.
+Freed memory up to these sizes [bytes] is kept. Dask sets the first variable to a small value, and
+this also turns off glibc's automatic choice of the second one. Both are therefore set here.
 """
 
 
@@ -70,8 +70,8 @@ def measure_time_of_sweep_by_processes(
 ) -> Throughput:
     """The measured time of a sweep by processes of this machine.
 
-    `sample` are the positions of the cases that are solved on all levels and also state the errors
-    of the other cases. Without a sample each case states its own errors.
+    `sample` are the numbers of the cases that are solved on all levels; the stated errors of the
+    other cases follow from them. Without a sample each case states its own errors.
     """
     start, before = time.perf_counter(), _processor_time_of_all_processes()
     with provide_workers_for_cases_of_sweep(workers) as found:
@@ -163,7 +163,7 @@ def _measure_time_of_sweep_by_started_workers(
     """The measured time of a sweep by workers that have been started.
 
     The workers first solve some cases by the sine law, so that all of them are ready. The time to
-    condense the bodies that cases share belongs to the measured time.
+    condense the shoes that several cases share belongs to the measured time.
 
     Parameters
     ----------
@@ -176,10 +176,10 @@ def _measure_time_of_sweep_by_started_workers(
     start : float
         Clock reading at which the start of the workers began [s].
     sample : sequence of int
-        Positions of the cases that are solved on all levels and also state the errors of the other
-        cases.
+        Numbers of the cases that are solved on all levels; the stated errors of the other cases
+        follow from them.
     """
-    # Twenty cheap cases for each worker make all of them load the modules before the clock starts.
+    # Before the clock starts, twenty quick cases for each worker make all workers load the modules.
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
     solve_all_cases_of_sweep(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
@@ -198,7 +198,7 @@ def rows_of_cases_per_second(measured: Sequence[Throughput]) -> list[Row]:
     """
     found = []
     for one in measured:
-        # The first measurement with the same kind of workers has one worker.
+        # The first measurement with the same kind of workers, which has one worker.
         alone = next(other for other in measured if other.by == one.by)
         row = {key: value for key, value in one._asdict().items() if key != "rows"}
         found.append(
@@ -216,9 +216,10 @@ def rows_of_times_certified_by_sample(
 ) -> list[Row]:
     """A table row for each number of workers: the time of a sweep with and without a sample.
 
-    `gain` is the time without a sample divided by the time with it. `itself` is the number of cases
-    with a sample that certify themselves, and `distance` the largest distance of a torque from the
-    torque without a sample, divided by its stated error.
+    `gain` is the time without a sample divided by the time with it. In the sweep with a sample,
+    `itself` is the number of cases that state errors of their own. For the other cases, `distance`
+    is the largest distance of a torque from the torque without a sample, divided by the stated
+    error.
     """
     found = []
     for one in sampled:
@@ -262,7 +263,8 @@ def time_and_error_rows_of_coarser_meshes(
     fine : int
         Elements along each lining of the mesh against which errors are taken.
     """
-    # Torques on the fine mesh, against which the errors of the coarser meshes are taken.
+    # Torques on the fine mesh. The errors of the coarser meshes are the differences from these
+    # torques.
     true = torques_of_solved_sweep_cases(
         solve_all_cases_of_sweep([case._replace(options={"elements": fine}) for case in cases])
     )
@@ -389,5 +391,5 @@ def _solve_remaining_sweep_cases_with_journal(cases: Sequence[SweepCase], path: 
 
 
 def _count_finished_cases_in_journal(journal: Path) -> int:
-    """The number of finished cases in a journal: its lines but the first, the source's stamp."""
+    """The number of finished cases in a journal: all lines but the first, which has no case."""
     return max(journal.read_bytes().count(b"\n") - 1, 0) if journal.exists() else 0

@@ -3,8 +3,8 @@
 Every trial ends in one of TRIAL_OUTCOMES. An answer is right under three conditions: its forces
 balance, pressure times gap is zero at each node to 1e-8, and six digits of its torque agree with
 the refined solution. The refined solution solves the whole system of equations in extended
-precision (`drumlin.fem.error_control.refinement`). Fewer digits must agree where the condition of
-the problem leaves fewer. A refusal is right where it names a physical reason.
+precision (`drumlin.fem.error_control.refinement`). Fewer digits must agree if the condition number
+of the problem allows fewer. A refusal is right if it names a physical reason.
 """
 
 import dataclasses
@@ -48,11 +48,13 @@ TRIAL_FAULTS = ("not converged", "traceback", "inaccurate")
 TRIAL_OUTCOMES = (*ANSWERS, *dict.fromkeys(REFUSALS.values()), "bad input", *TRIAL_FAULTS)
 """All outcomes of a trial: answers, refusals with a reason, bad input, and faults."""
 LARGEST_RESIDUAL = 1e-8
-"""Largest relative residual of the balances and of pressure times gap in a right answer."""
+"""Largest relative residual of a right answer, in the balances of forces and moments and in the
+products of pressure and gap.
+"""
 TORQUE_DIGITS = 6
 """Number of digits of the torque that must agree with the refined solution."""
 OTHER_ORDER = "MMD_AT_PLUS_A"
-"""Name of the order in which the library SuperLU eliminates the unknowns of the refined solution.
+"""Name, in the library SuperLU, of the order in which the refined solution eliminates its unknowns.
 
 It differs from the order that the model uses, so that both solutions have different round-off.
 """
@@ -68,7 +70,7 @@ The method factorises the whole system up to 60 times.
 POINTWISE_AGREEMENT = 1e-2
 """Relative difference below which the torques of drumlin and of the pointwise penalty agree.
 
-A smaller difference can be due to the errors of the meshes.
+A smaller difference can be due to discretisation errors.
 """
 
 
@@ -94,7 +96,7 @@ def solve_and_judge_case(case: KnobCase) -> dict[str, Any]:
             response = solve_prepared_model(scene, brake, penalty=case.penalty)
         touches = any(shoe.contact_arcs for shoe in response.shoes)
         row["outcome"] = "answer" if touches else "no contact"
-    # A trial looks for unexpected exceptions: each exception becomes the outcome of the row.
+    # A trial looks for unexpected exceptions, so that any exception becomes an outcome of the row.
     except Exception as error:
         row |= _outcome_and_reason_of_failed_case(error)
     row["seconds"] = time.perf_counter() - start
@@ -110,7 +112,7 @@ def solve_and_judge_case(case: KnobCase) -> dict[str, Any]:
 
 
 def _outcome_and_reason_of_failed_case(error: Exception) -> dict[str, str]:
-    """The keys `outcome` and `reason` of a row for a case that raised an error."""
+    """The values of `outcome` and `reason` in the row of a case that raised an error, by key."""
     if isinstance(error, BadInput):
         return {"outcome": "bad input", "reason": str(error)}
     if isinstance(error, NoAnswer):
@@ -175,7 +177,7 @@ def is_answer_accurate(row: dict[str, Any]) -> bool:
 def accuracy_of_answer_of_all_groups(
     scene: PreparedModel, brake: Brake, response: Response, penalty: float
 ) -> dict[str, Any]:
-    """Residuals, condition numbers and correct digits of an answer, for the worst group of shoes.
+    """Residuals, condition numbers and correct digits of an answer: the worst of all shoe groups.
 
     A group consists of shoes that the ring, a cam or a strut couples. The refined solution is a
     second solution of the same equations, by iterative refinement in extended precision.
@@ -196,7 +198,7 @@ def accuracy_of_answer_of_all_groups(
         "condition": max(row["condition"] for row in rows),
         "seconds_whole": max(row["seconds_whole"] for row in rows),
     }
-    # If the refined solution of one group failed, nothing is known about the digits of the answer.
+    # If the refined solution of one group failed, the correct digits of the answer are not known.
     known = [row for row in rows if row["digits"] is not None]
     if len(known) < len(rows):
         failure = next(row["whole"] for row in rows if row["whole"])
@@ -205,18 +207,19 @@ def accuracy_of_answer_of_all_groups(
         worst[key] = max(row[key] for row in rows)
     for key in ("digits", "allowed", "sure"):
         worst[key] = min(row[key] for row in rows)
-    # A group without a condition of its torque has None.
+    # None stands for a group whose torque has no condition number.
     worst["torque_condition"] = max(row["torque_condition"] or 0.0 for row in rows) or None
     return worst
 
 
 def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[str, Any]:
-    """The keys of `accuracy_of_answer_of_all_groups` for one group of coupled shoes.
+    """The values of `accuracy_of_answer_of_all_groups`, by key, for one group of coupled shoes.
 
     `whole` is the reason why the refined solution of the group failed, or empty.
     """
     group, _ = group.solve_contact_and_abutment_friction()
-    # The group and the refined solution have a unit actuation force; `size` is the real force [N].
+    # In the group and in the refined solution the actuation force is 1; `size` is the real force
+    # [N].
     size, shoes = group.largest_actuation_force, [response.shoes[i] for i in group.members]
     # The answer's pressures per unit of the actuation force, in the order of the group's nodes.
     pairs = zip(shoes, group.shoes, strict=True)
@@ -232,7 +235,7 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start
-    # Both torques are for a unit actuation force.
+    # Both torques are divided by the actuation force.
     torque = sum(shoe.torque for shoe in shoes) / size
     off = abs(torque - refined.torque) / refined.torque if refined.torque else 0.0
     exact = np.concatenate(refined.p)
@@ -262,7 +265,7 @@ def correct_decimal_digits_at_relative_error(error: float) -> float:
 def compare_with_pointwise_penalty(
     case: KnobCase, brake: Brake, response: Response | None
 ) -> dict[str, Any]:
-    """Solve a case by the pointwise penalty as well, and compare with drumlin's torque.
+    """Solve a case by the pointwise penalty as well, and compare its torque with drumlin's torque.
 
     The result is a part of a row: the outcome `pointwise`, the relative difference of the torques,
     the number of Newton steps and the time.

@@ -39,7 +39,7 @@ from drumlin.fem.substructure.ring import (
 
 
 def points_with_steps_growing_to_end(fine: float, growth: float, end: float) -> Floats:
-    """Points from 0 to `end` whose steps begin with about `fine` and grow by a factor `growth`."""
+    """Points from 0 to `end`, whose distances begin with `fine` and grow by a factor `growth`."""
     steps = [fine]
     while sum(steps) < end:
         steps.append(steps[-1] * growth)
@@ -75,9 +75,10 @@ def plane_mesh_of_ring_sector(angles: Floats, depths: Floats, radius: float, sig
     radius : float
         Radius of the contact surface [m].
     sign : int
-        1 where the body lies outside the contact surface, -1 inside.
+        1 if the body lies outside the contact surface, -1 if it lies inside.
     """
-    # A rectangular grid of depth and angle is bent to the sector; boundaries are found by depth.
+    # A rectangular grid of depth and angle is bent to the sector. The boundaries are found by
+    # depth.
     grid = skfem.MeshQuad.init_tensor(depths, angles)
     middle = grid.p[:, grid.facets].mean(axis=1)
     mesh = skfem.MeshQuad2.from_mesh(grid)
@@ -100,9 +101,9 @@ def plane_mesh_of_closed_ring(angles: Floats, depths: Floats, radius: float, sig
 
 
 def scikit_fem_basis_of_mesh(mesh: Any) -> Any:
-    """scikit-fem's own basis of one displacement component on a mesh.
+    """scikit-fem's basis of the scalar shape functions on a mesh.
 
-    Its nodes have the numbers of drumlin's own basis of the same degree, and its quadrature has
+    The nodes have the same numbers as in drumlin's basis of the same degree. The quadrature has
     order 4, or 2 on linear elements.
     """
     of_mesh = {
@@ -172,7 +173,8 @@ class BodyPair:
     inner : ContactBody
         The body whose n contact nodes have the unknown pressures.
     coupling : Coupling
-        Matrices from displacements of the inner body's nodes to gaps and slips at the contact.
+        Matrices that turn displacements of the inner body's nodes into gaps and slips at the
+        contact.
     pressed, dragged : array (m, n)
         Square roots of the flexibility of both bodies, under unit pressures (pressed) and unit
         tangential tractions (dragged) at the n nodes. Products of two of them, for example
@@ -215,7 +217,8 @@ class BodyPair:
         ]
         if outer is not None:
             N, T = coupling_matrices_of_lining_and_ring(inner.line, outer.line, 1.0, sign)
-            # The flexibilities of both bodies add up, so that their square roots are stacked.
+            # The flexibilities S^T S of both bodies add up, so that their square roots S are
+            # stacked.
             pressed, dragged = halves
             halves = [
                 np.vstack([pressed, _flexibility_root_times_nodal_forces(outer, -N)]),
@@ -304,7 +307,7 @@ def first_contact_set_from_coarse_problem(problem: ContactProblem, share: int = 
     """
     n = len(problem.q)
     kept = np.unique(np.round(np.linspace(0, n - 1, max(3, n // share))).astype(int))
-    # P interpolates pressures at the kept nodes to all nodes.
+    # The matrix P interpolates pressures linearly from the kept nodes to all nodes.
     P = np.array([np.interp(np.arange(n), kept, row) for row in np.eye(len(kept))]).T
     coarse = ContactProblem(
         P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h
@@ -322,4 +325,4 @@ def _flexibility_root_times_nodal_forces(one: ContactBody, forces: Floats) -> Fl
 
 
 LADDER_STEEL = Material(E=210e9, nu=0.3)
-"""The steel of the elastic bodies in the benchmark cases with known answers (`ladder`)."""
+"""The steel of the elastic bodies in the benchmark cases with known results (`ladder`)."""

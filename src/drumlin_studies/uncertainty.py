@@ -31,8 +31,8 @@ class Index(NamedTuple):
         meshes. It is relative to the value on the finer mesh of the pair.
     asymptotic : float
         Index of the coarser pair, divided by r^p times the index of the finer pair, with the ratio
-        r of the mesh sizes and the order p. Near 1 the error falls with the order p on these
-        meshes.
+        r of the mesh sizes and the order p. A value near 1 means that the error falls with the
+        order p on these meshes.
     """
 
     order: float
@@ -75,7 +75,8 @@ def grid_convergence_index_of_three_values(
         raise ValueError(
             f"no order: the differences {far:g} and {near:g} do not shrink with one sign"
         )
-    # Richardson extrapolation gives the order and the limit; the indices follow from its error.
+    # Richardson extrapolation gives the order and the limit. The indices follow from the distance
+    # of the values from this limit.
     limit = richardson_limit_from_three_meshes(coarse, medium, fine, ratio)
     growth = ratio**limit.order
     fine_index = safety * limit.uncertainty / abs(fine)

@@ -57,20 +57,23 @@ WIDTH_SEEDS: dict[str, Sequence[int]] = {
     "free": range(1000, 1021),
     "built": range(3100, 3107),
 }
-"""Seeds of the brakes on which the factors of the degree across the width are fitted.
+"""Seeds of the brakes on which the safety factors for errors of the degree across the width are
+fitted.
 
 The keys are kinds in `solid_error.DRAWN`.
 """
 SECTION_SEEDS: dict[str, Sequence[int]] = {
     "built": (3100, 3102, 3104, 3105, 3106, 3108, 3109, 3110, 3111, 3117),
 }
-"""Seeds of the brakes on which the factors of the mesh in the section are fitted.
+"""Seeds of the brakes on which the safety factors for errors of the mesh in the section are fitted.
 
-The keys are kinds in `solid_error.DRAWN`. The solve of a brake on the second level of the section
-takes up to 110 s.
+The keys are kinds in `solid_error.DRAWN`. The brakes are few, because the solve of a brake on the
+second level of the section takes up to 110 s.
 """
 FITTED_DEGREES = (2, 3, 4, 5)
-"""Degrees across the width whose errors the factors are fitted to, up to `ladder.MOST_DEGREE`."""
+"""Degrees across the width to whose errors the safety factors are fitted. The largest is
+`ladder.MOST_DEGREE`.
+"""
 SECTION_TRUE_DEGREE = 3
 """Degree across the width with which the true error of the section's mesh is measured.
 
@@ -79,22 +82,24 @@ The true error of the first level of the mesh is its distance from the second le
 WIDTH_QUANTILE = 0.99
 """Fraction of the solves in the fit whose true errors must not exceed their stated errors."""
 LARGEST_SHORTFALL = 2.0
-"""Largest ratio of a true error to its stated error that the fit allows."""
+"""Largest ratio of a true error to its stated error that the fit allows on any solve."""
 LEAST_FITTED = {"pressure": 1e-3, "torque": 1e-5, "reaction": 1e-5}
-"""True relative errors above which a row enters the fit, by quantity.
+"""Smallest true relative error with which a row enters the fit, by quantity.
 
 Smaller errors are as large as the effect of round-off and of contact ends, which move from node to
 node.
 """
 TRUE_OVER_UNCERTAINTY = 2.0
-"""True error above which a row enters the fit, relative to the uncertainty of the true error.
+"""Smallest true error with which a row enters the fit, relative to the uncertainty of the true
+error.
 
-True errors are measured against a reference solution, which has its own error. Its uncertainty is
-its distance from the solution with the highest degree across the width. On one brake with a wide
-overhang ("free" 1009) the torque of the reference is off by 1.5e-3, and with degree 5 only by 3e-4.
-With a value of 2 to 2.5 the fitted safety factor of forces is 1.2. With 1.5 it is 2.6 and with 0 it
-is 5.7, because errors of the reference are then taken for true errors. With 4 the fit loses all
-brakes whose errors fall slowly with the degree, by a factor of 3.5 from degree 2 to degree 7.
+True errors are measured against a reference solution, which has an error of its own. Its
+uncertainty is its distance from the solution with the highest degree across the width. On one brake
+with a wide overhang ("free" 1009) the torque of the reference is off by 1.5e-3, while the torque
+with degree 5 is off by only 3e-4. With a value of 2 to 2.5 the fitted safety factor of forces is
+1.2. With 1.5 it is 2.6 and with 0 it is 5.7, because errors of the reference are then taken for
+true errors. With 4 the fit loses all brakes whose errors fall slowly with the degree, by a factor
+of 3.5 from degree 2 to degree 7.
 """
 WIDTH_FACTOR_MEANINGS = {
     "pressure": "Multiplies the estimated error of p (L2 norm) that is due to the finite degree "
@@ -119,7 +124,7 @@ WIDTH_FACTOR_MEANINGS = {
 
 
 class WidthRow(NamedTuple):
-    """An estimated error of a solid shoe without its safety factor, and the true error.
+    """The estimated error of a solid shoe, before its safety factor, and the true error.
 
     Attributes
     ----------
@@ -180,15 +185,15 @@ def error_rows_of_degrees_across_width(brake: Brake, plane: Response) -> list[Wi
     """Rows with the errors of the degrees FITTED_DEGREES across the width, on one mesh.
 
     The true error of a degree is its distance from the truth, whose functions across the width are
-    graded to the sides of all parts. The highest degree approaches the exact answer in another way,
-    so that its distance from the truth is the uncertainty of the true errors. `plane` is the
-    response by plane stress.
+    graded to the sides of all parts. The answer of the highest degree has other errors than the
+    truth, so that its distance from the truth serves as the uncertainty of the true errors. `plane`
+    is the response by plane stress.
     """
     cache = Cache()
     section = hp_elements_to_compare_width_degrees(brake, plane, cache=cache)
 
     def solve_with_degree_across_width(across: int | MakeFunctions) -> Response:
-        """The response with the degree, or the function maker, `across` for the width."""
+        """The response with a degree across the width or with the width functions from `across`."""
         scene = prepare_model_with_widths_on_given_elements(
             brake, section.divisions, across, cache=cache
         )
@@ -222,7 +227,7 @@ def error_rows_of_degrees_across_width(brake: Brake, plane: Response) -> list[Wi
 
 
 def error_rows_of_coarsest_cross_section_mesh(brake: Brake, plane: Response) -> list[WidthRow]:
-    """Rows with the estimated and true errors that the coarsest mesh in the section makes.
+    """Rows with the estimated and true errors due to the coarsest mesh in the section.
 
     The errors are distances between the first two levels of this mesh. The estimate has the degree
     `ladder.SECTION_DEGREE` across the width, and the true error the degree SECTION_TRUE_DEGREE.
@@ -255,12 +260,13 @@ def error_rows_of_coarsest_cross_section_mesh(brake: Brake, plane: Response) -> 
 
 
 def smallest_safety_factor_of_width_errors(rows: Sequence[WidthRow]) -> float:
-    """The smallest safety factor that makes estimates large enough, rounded up to two digits.
+    """The smallest safety factor that makes the estimates large enough, rounded up to two digits.
 
     Estimates times the factor cover the true errors of the fraction WIDTH_QUANTILE of all solves,
     or of about all but one if the solves are few. No true error is more than LARGEST_SHORTFALL
-    times as large as its estimate times the factor. A solve is a brake with a degree. It needs the
-    largest factor of its quantities. The result is nan without usable rows.
+    times as large as its estimate times the factor. A solve is one brake with one degree. The
+    factor that a solve needs is the largest over its quantities. The result is nan without usable
+    rows.
     """
     by_solve: dict[tuple[str, int, int], float] = {}
     for row in rows:

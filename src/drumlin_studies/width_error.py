@@ -7,8 +7,8 @@ The command
 prints a line for each random brake on a rigid drum with a seed from FIRST to LAST - 1, and two
 tables. The first table has the ratios of estimated to true error. The second has the true error
 that remains after the correction for the widths, divided by the estimated error. The first table
-treats brakes whose parts have one width and brakes with several widths apart. Both leave out brakes
-on which the error of plane stress is less than LEAST_JUDGED.
+separates brakes whose parts have one width from brakes whose parts have several. Both tables leave
+out brakes on which the error of plane stress is less than LEAST_JUDGED.
 
 The true error is the difference from a model whose displacements vary across the width as
 polynomials of the degree DEGREE (by default 5). Both models use the first level of hp elements in
@@ -38,11 +38,15 @@ from drumlin.fem.width.prepare import (
 from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
 
 LEAST_JUDGED = 1e-3
-"""True relative error above which an estimate is judged. Smaller errors are of no interest."""
+"""Smallest true relative error of plane stress for which the estimate of this error is judged.
+Smaller errors are of no interest.
+"""
 TRUE_WIDTH_DEGREE = 5
 """Default degree of the polynomials across the width in the model that serves as the truth."""
 KINDS_WITH_WIDTHS = tuple(kind for kind in SHAPE_KINDS if not kind.endswith("on ring"))
-"""Kinds of random brakes for which drumlin estimates the error: those on a rigid drum."""
+"""Kinds of random brakes for which drumlin estimates the error of plane stress: all with a rigid
+drum.
+"""
 JUDGED = ("torque", "pressure", "reaction")
 """The errors of plane stress that are judged, by their names in `ModelError`."""
 
@@ -85,8 +89,8 @@ def plane_stress_errors_or_reason(
     if reason is not None:
         return reason
     try:
-        # The default solve gives the estimate. Both models start from its contact and are graded to
-        # its singular points.
+        # The default solve gives the estimate of the error. The two models that give the true error
+        # start from its contact, and their meshes are graded to its singular points.
         response = solve(brake, model_error=True)
         points = singular_points_of_each_shoe_shape(
             brake, response, error=LEVELS[0].pressure_error_due_to_column_size_ratio
@@ -155,9 +159,9 @@ def table_lines_of_error_ratios(rows: list[WidthErrorRow]) -> list[str]:
 def table_lines_of_remaining_error_after_correction(rows: list[WidthErrorRow]) -> list[str]:
     """Lines of the table on the error that remains after the correction for the widths.
 
-    Errors that remain are divided by the estimated errors. The last two columns are the part of the
-    brakes within `REMAINING_SHARE`, and the part of the brakes whose error the correction more than
-    halves.
+    Each remaining error is divided by the estimated error. The last two columns are the fraction of
+    brakes whose ratio is within `REMAINING_SHARE`, and the fraction of brakes whose error the
+    correction more than halves.
     """
     lines = ["error      brakes  share  half  90 %  95 %  most  within share  halved"]
     for name in JUDGED:

@@ -1,11 +1,11 @@
 """Errors and run times of every method that solves a brake.
 
 The methods are laws, the foundation model, finite elements, penalty contact as in textbooks, and
-peers, which are other finite element programs. A method is plain data: a family, a name and
-options. Therefore it can be the key of a journal and be sent to another process. The errors are
+peers, which are other finite element programs. A method is plain data (a family, a name and
+options), so that it can be a key in a journal and be sent to another process. The errors are
 differences of the method's response from a reference. The time is processor time, the median of
 several repeats. A fixed piece of work, the unit, is timed just before each repeat. The ratio of
-both times holds even if the speed of the machine changes.
+both times hardly changes if the speed of the machine changes.
 """
 
 import math
@@ -55,11 +55,12 @@ TIMED_REPEATS = 5
 MOST_REPEATS = 9
 """Largest number of repeats of a timing."""
 LEAST_SECONDS = 0.1
-"""Smallest total time [s] of all repeats of a timing; MOST_REPEATS may end them earlier."""
+"""Total time [s] that all repeats of a timing must reach; a timing ends earlier after MOST_REPEATS.
+"""
 LEAST_SAMPLE = 2e-3
-"""Shortest time [s] of one repeat of a timing. A repeat runs a faster call several times."""
+"""Shortest time [s] of one repeat of a timing. If a call takes less, a repeat has several calls."""
 EQUAL_TIMES = 1.2
-"""Ratio of two times up to which both methods count as equally fast."""
+"""Ratio of the times of two methods up to which both count as equally fast."""
 FURTHER_FRICTION = 0.9
 """Coefficient of friction of the further load case, divided by the coefficient of the first load
 case.
@@ -67,14 +68,14 @@ case.
 GRADED_FROM = 36
 """Number of elements along a lining above which its mesh is graded more strongly to its ends.
 
-The smallest elements at the lining's ends then shrink in proportion to the number of elements, so
-that the error goes on falling where the pressure is singular.
+Above this number the size of the smallest elements at the lining's ends falls in inverse proportion
+to the number, so that the error goes on falling where the pressure is singular.
 """
 LAYERS_BEHIND = 4
 """Smallest number of element layers through backing and body of `mesh_graded_to_lining_ends`.
 
-With these layers the error of backing and body stays below the error of the lining, whose
-refinement is studied.
+With these layers the error due to the mesh of backing and body stays below the error due to the
+mesh of the lining, whose refinement is studied.
 """
 ERROR_KEYS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
 """Keys of a row that hold relative errors: of torque, peak pressure, pressure, hinge reaction."""
@@ -112,7 +113,7 @@ class ColdSolve(NamedTuple):
         The response of the brake.
     further : function
         Returns the response to the further load case, with other friction. It reuses the prepared
-        model of the cold solve where the method has one.
+        model of the cold solve, if the method has a prepared model.
     unknowns : function, optional
         Returns the number of unknowns.
     """
@@ -123,7 +124,7 @@ class ColdSolve(NamedTuple):
 
 
 def _brake_of_further_load_case(brake: Brake) -> Brake:
-    """The brake of the further load case, whose friction is FURTHER_FRICTION times the brake's."""
+    """The brake in the further load case: its friction is multiplied by FURTHER_FRICTION."""
     return vary(brake, {"friction": FURTHER_FRICTION * brake.friction})
 
 
@@ -194,7 +195,7 @@ def divide_lining_graded_to_its_ends(
         Elements through the lining.
     """
     (start, end), zone = shoe.arc, shoe.lining.thickness / radius
-    # The number of inner elements follows from the longest allowed element and the grading.
+    # The number of inner elements follows from the longest allowed element and from the grading.
     fineness = max(1.0, elements / GRADED_FROM)
     half, smallest = (end - start) / 2, EDGE_SIZE / fineness
     step = (end - start) / elements
@@ -219,7 +220,7 @@ def _cold_solve_on_mesh(
     even: bool = False,
     penalty: float = math.inf,
 ) -> ColdSolve:
-    """The cold solve of a brake by finite elements on one mesh, with the making of the mesh.
+    """The cold solve of a brake by finite elements on one mesh. It includes making the mesh.
 
     Parameters
     ----------
@@ -276,8 +277,8 @@ def _count_unknowns_of_prepared_model(scene: PreparedModel) -> int:
 def _cold_solve_on_hp_level(brake: Brake, *, level: int) -> ColdSolve:
     """The cold solve of a brake by hp elements on one level of LEVELS, without error estimate.
 
-    The coarsest level is solved first, because it finds the contact's ends, to which the elements
-    of the level are graded.
+    The coarsest level is solved first. It finds the ends of the contact, to which the elements of
+    level `level` are graded.
     """
     levels = (LEVELS[0], LEVELS[level])[-level - 1 :]
     *_, (scene, response) = solve_brake_on_finer_and_finer_mesh_levels(
@@ -289,7 +290,7 @@ def _cold_solve_on_hp_level(brake: Brake, *, level: int) -> ColdSolve:
 def _cold_solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
     """The cold solve of a brake by hp elements that are refined to an estimated error.
 
-    tolerance : largest relative error of the pressure. The torque keeps the default tolerance where
+    tolerance : largest relative error of the pressure. The torque keeps its default tolerance if
     that is smaller.
     """
     allowed = Tolerance(tolerance, min(tolerance, DEFAULT_TOLERANCE.torque))
@@ -311,7 +312,7 @@ def _cold_solve_by_pointwise_penalty(brake: Brake, *, elements: int, penalty: fl
         return _count_unknowns_of_prepared_model(make_prepared_model(brake, elements=elements))
 
     def solve_further_case_anew() -> Response:
-        """The response to the further load case; the method reuses nothing."""
+        """The response to the further load case, solved anew: the method reuses nothing."""
         return solver(_brake_of_further_load_case(brake))
 
     return ColdSolve(solver(brake), solve_further_case_anew, count_unknowns_of_mesh)
@@ -351,7 +352,8 @@ def relative_errors_against_reference(
 
     brake : the brake; response : the response that is judged; truth : the far finer response.
     """
-    # Errors of each shoe; the torque, the first key, is an error of the whole brake.
+    # Errors of each shoe. The torque, the first key, is left out: its error belongs to the whole
+    # brake.
     by_key: dict[str, list[float]] = {key: [] for key in ERROR_KEYS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
         edge = length_of_edge_zone_left_out_of_peak_search(spec, brake.scale_factor)
@@ -369,7 +371,7 @@ def relative_errors_against_reference(
         )
     result = {"torque_error": abs(relative_error_of_number(response.torque, truth.torque))}
     for key, values in by_key.items():
-        # The error of the pressure is nan for a shoe without force, which is left out here.
+        # A shoe without force has the pressure error nan, and is left out.
         result[key] = max((value for value in values if not math.isnan(value)), default=0.0)
     return result
 
@@ -377,7 +379,7 @@ def relative_errors_against_reference(
 def relative_uncertainties_of_reference_responses(
     brake: Brake, trio: ReferenceResponses
 ) -> dict[str, float]:
-    """The relative uncertainty of a reference, by ERROR_KEYS; smaller errors are not claimed.
+    """The relative uncertainty of a reference, by ERROR_KEYS. Smaller errors count as not known.
 
     A reference consists of a value and of other responses, by coarser meshes or other methods. The
     uncertainty is the largest difference of one of them from the value. The differences of the
@@ -401,7 +403,7 @@ class Timing(NamedTuple):
     seconds, lower, upper : float
         Median, lower and upper quartile of the repeats [s].
     ratio : float
-        Median of the ratios of each repeat to the time of the unit just before it.
+        Median over the repeats of the repeat's time divided by the time of the unit just before it.
     repeats : int
         Number of repeats.
     """
@@ -427,7 +429,7 @@ def measure_call_time_over_unit_workload(
     first : float
         Time [s] of a first call. It decides how many calls a repeat has.
     """
-    # A repeat has so many calls that it takes at least LEAST_SAMPLE.
+    # A repeat has as many calls as it needs to take at least LEAST_SAMPLE.
     loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
     samples: list[float] = []
     ratios: list[float] = []
@@ -437,7 +439,7 @@ def measure_call_time_over_unit_workload(
         return sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
 
     while len(samples) < TIMED_REPEATS or needs_another_timing_repeat():
-        # The unit is timed just before the call, while the machine has the same speed.
+        # The unit is timed just before the call, so that the machine has the same speed for both.
         beside = _processor_time_per_call(unit, 1)
         samples.append(_processor_time_per_call(call, loops))
         ratios.append(samples[-1] / beside)
@@ -521,7 +523,7 @@ def _status_text_of_refused_or_failed_solve(error: DrumlinError) -> str:
 
 
 def peak_memory_of_solve_in_new_process(brake: Brake, method: Method) -> float:
-    """The peak memory [bytes] of a whole solve by a method, minus the loaded program's.
+    """The peak memory [bytes] of a whole solve by a method, without that of the loaded program.
 
     The solve runs in a process of its own.
     """
@@ -666,8 +668,8 @@ def fastest_rows_within_error(
 
     Among the rows that are as fast as the fastest one, the most exact row is first. Speeds are
     compared by times relative to a fixed piece of work. A mesh counts only if the errors of all
-    finer meshes with otherwise equal options are below the target as well: an error may be small by
-    chance where it changes its sign.
+    finer meshes with otherwise equal options are below the target as well, because an error that
+    changes its sign between two meshes may be small by chance.
 
     Parameters
     ----------
@@ -685,10 +687,11 @@ def fastest_rows_within_error(
         return []
     enough_rows = []
     for members in converged_rows_by_mesh_series(rows).values():
-        # Of a series only the meshes count that are finer than the last mesh above the target.
+        # In each series (methods that differ in fineness only) only the rows count that are finer
+        # than the last one with an error above the target.
         above = [k for k, row in enumerate(members) if row[key] > target]
         enough_rows += members[above[-1] + 1 if above else 0 :]
-    # Of the rows that are about as fast as the fastest one, the most exact one comes first.
+    # Of the rows that are about as fast as the fastest one, the most exact row comes first.
     enough_rows.sort(key=lambda row: row["ratio"])
     ties = [row for row in enough_rows if row["ratio"] <= EQUAL_TIMES * enough_rows[0]["ratio"]]
     return sorted(ties, key=lambda row: row[key]) + enough_rows[len(ties) :]

@@ -23,7 +23,7 @@ Row = dict[str, Any]
 
 
 def _lowest_locking_friction_of_shoes(brake: Brake) -> float:
-    """The lowest friction coefficient at which a shoe of the brake locks itself by the sine law."""
+    """The lowest friction coefficient at which any shoe locks itself by the sine law."""
     return min(self_locking_friction_of_hinged_shoe(brake, shoe) for shoe in brake.shoes)
 
 
@@ -147,8 +147,8 @@ def rows_of_simscape_double_shoe_brake() -> list[Row]:
         source = f"Simscape defaults, theta_s as {reading}"
         leading, trailing = (float(T) for T in block.shoe_torques(1.0, 1.0))
         p_a, p_b = block.line_pressures(1.0, 1.0)
-        # The torques of single shoes and the ratio of pressures are compared only if theta_s is
-        # read as the end.
+        # The torques of single shoes and the ratio of pressures are compared only for the reading
+        # of theta_s as the end of the lining.
         if reading == "end":
             rows.append(
                 row_of_printed_and_computed_number(
@@ -179,7 +179,8 @@ def rows_of_simscape_double_shoe_brake() -> list[Row]:
 def rows_of_equivalent_block_friction() -> list[Row]:
     """Rows on the ratio mu'/mu of equivalent to real friction of a block, for several half-arcs.
 
-    A short block with the friction coefficient mu' would have the same normal force and torque.
+    A short block with the friction coefficient mu' would have the same torque under the same normal
+    force.
     """
     printed = {15: "1.011408", 30: "1.045356", 45: "1.100214", 60: "1.170138", 90: "1.273240"}
     rows = []

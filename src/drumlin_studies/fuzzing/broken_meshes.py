@@ -32,7 +32,7 @@ MESH_SUFFIXES = (".msh", ".inp", ".vtu")
 
 @cache
 def valid_mesh_files_by_suffix() -> dict[str, bytes]:
-    """Valid mesh files of a small shoe by suffix, and under "brake" the brake file of this shoe."""
+    """Valid mesh files of a small shoe, by suffix; "brake" is the brake file that uses them."""
     data = tomllib.loads(content_of_brake_file(SOUND_BRAKES[0]).decode())
     data["shoe"] = data["shoe"][:1]
     brake = make_drum_brake_from_data(data, unit_required=True)
@@ -45,7 +45,7 @@ def valid_mesh_files_by_suffix() -> dict[str, bytes]:
 
 
 def brake_file_that_refers_to_mesh_file(brake_file: bytes, name: str) -> bytes:
-    """The brake file, with its first shoe taking its mesh from the file `name`."""
+    """The brake file, changed so that its first shoe takes its mesh from the file `name`."""
     data = tomllib.loads(brake_file.decode())
     data["shoe"][0]["mesh"] = name
     return data_as_toml(data)
@@ -117,7 +117,7 @@ def _input_with_mesh_suffix_of_other_format(rng: random.Random) -> BrokenInput:
 
 
 def _input_with_wrong_mesh_counts(rng: random.Random) -> BrokenInput:
-    """An input whose mesh file states a wrong number of nodes, elements or names."""
+    """An input whose mesh file states a wrong number of nodes, elements or named groups."""
     text = valid_mesh_files_by_suffix()[".msh"].decode()
     keyword = rng.choice(["$Nodes\n", "$Elements\n", "$PhysicalNames\n"])
     start = text.index(keyword) + len(keyword)
@@ -150,8 +150,8 @@ def _input_with_spoiled_shoe_mesh(rng: random.Random) -> BrokenInput:
 SpoiledMesh = tuple[Any, Any, dict[str, Any], dict[str, Any]]
 """A spoiled mesh: its points, its cells, the data of its cells and the data of its points.
 
-The functions below take these four values of a valid mesh and return them for a spoiled mesh. Their
-argument `at` holds the data of cells by group, `on` the data of points by group.
+Each function below takes these four values of a valid mesh and returns them for a spoiled mesh. The
+argument `at` holds data of cells, and `on` data of points, both by the name of the group.
 """
 
 
@@ -165,8 +165,8 @@ def _mesh_with_inverted_element(
 
 
 def _mesh_torn_in_two(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> SpoiledMesh:
-    """The mesh without the elements that cross a random angle, which leaves two parts."""
-    # An element stays if all of its corners are on one side of the random angle.
+    """The mesh without the elements that cross a ray at a random angle, which leaves two parts."""
+    # An element stays if all of its corners are on one side of the ray.
     theta = np.arctan2(points[:, 1], points[:, 0])[cells[:, :3]]
     cut = rng.uniform(-0.6, 0.5)
     keep = (theta.max(axis=1) < cut) | (theta.min(axis=1) > cut)
@@ -180,7 +180,8 @@ def _mesh_with_doubled_node(
     i, k = rng.randrange(len(cells)), rng.randrange(3)
     points = np.vstack([points, points[cells[i, k]]])
     on = {key: np.append(values, values[cells[i, k]]) for key, values in on.items()}
-    # A corner of one element only can be doubled without harm: an element is inverted instead.
+    # A corner that belongs to one element only can be doubled without harm. An element is then
+    # inverted instead.
     if np.count_nonzero(cells == cells[i, k]) == 1:
         return _mesh_with_inverted_element(rng, points, cells, at, on)
     cells[i, k] = len(points) - 1

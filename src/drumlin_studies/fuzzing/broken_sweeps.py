@@ -34,7 +34,7 @@ SWEEP_TABLE = "t.csv"
 SWEEP_JOURNAL = f"{SWEEP_TABLE}.journal"
 """Name of the journal of a sweep, beside its table."""
 SWEEP_WORDS = ["sweep", "s.toml", "--jobs", "1", "--output", SWEEP_TABLE]
-"""Words of the command line that runs a sweep."""
+"""Words of the command line, after "drumlin", that runs a sweep."""
 SOUND_SWEEP = """
 brake = "b.toml"
 [model.fem]
@@ -78,7 +78,9 @@ WRONG_SWEEP_KEYS = (
 )
 """Keys under `vary` of a sweep file: some are allowed, most are not."""
 PLAIN_KEYS = ("friction", "shoe[0].actuation.force", "shoe.lining.thickness", "drum.radius") * 4
-"""Allowed keys under `vary`, four times each, so that some third of the drawn keys is allowed."""
+"""Allowed keys under `vary`. Each stands four times in the list, so that a third of all drawn keys
+is allowed.
+"""
 DISTRIBUTION_NAMES = (
     "normal",
     "uniform",
@@ -151,7 +153,7 @@ def make_input_with_broken_sweep(rng: random.Random) -> BrokenInput:
 
 
 def make_input_with_changed_sweep(rng: random.Random) -> BrokenInput:
-    """An input of `drumlin sweep`: a small sweep of the studies with one to three wrong changes."""
+    """An input of `drumlin sweep`: a small sweep file of the studies with one to three errors."""
     data = _random_small_sweep_data(rng)
     for _ in range(rng.choice([1, 1, 2, 3])):
         table = _random_table_in_sweep_data(rng, data)
@@ -196,7 +198,7 @@ WRONG_LENGTHS: tuple[Any, ...] = (
 
 
 def _random_small_sweep_data(rng: random.Random) -> dict[str, Any]:
-    """The data of a random sweep file of the studies, with few cases and elements.
+    """The data of a random sweep file of the studies, made smaller: with few cases and elements.
 
     One of the choices is a sweep over mesh files, which no study has.
     """
@@ -229,7 +231,7 @@ def _random_table_in_sweep_data(rng: random.Random, data: dict[str, Any]) -> dic
 
 def _random_values_for_varied_sweep_key(rng: random.Random) -> Any:
     """Random values for a key under `vary`: a list, a range or a distribution, valid or not."""
-    # Values come from one pool: numbers, forces, lengths, or wrong ones.
+    # All values of the key are of one kind: numbers, forces, lengths, or wrong values.
     pool = rng.choice(
         [
             (0.1, 0.2, 0.3, 0.35),
@@ -283,7 +285,7 @@ def input_with_random_journal_damage(
     data = bytearray(journal)
     for _ in range(rng.choice([1, 1, 2, 5, 20])):
         at, length = rng.randrange(len(data)), rng.randrange(1, 200)
-        # A bit is flipped, the rest is cut off, or a piece is doubled, set to zero or left out.
+        # One bit is flipped, the end is cut off, or a piece is doubled, set to zero or left out.
         match rng.randrange(6):
             case 0 | 1:
                 data[at] ^= 1 << rng.randrange(8)

@@ -1,8 +1,8 @@
 """Runs drumlin's command line on a broken input, and judges how the run ends.
 
 A run ends well with exit status 0 and finite numbers, or with status 2 or 3 and one line of text.
-Faults are a traceback, a second line, a control character on the screen, a number that is not
-finite, an input file that is overwritten, and a run of more than LONGEST_RUN seconds.
+Faults of drumlin are a traceback, a second line, a control character on the screen, a number that
+is not finite, an input file that is overwritten, and a run of more than LONGEST_RUN seconds.
 """
 
 import contextlib
@@ -30,7 +30,9 @@ from drumlin_studies.fuzzing.inputs import BrokenInput
 LONGEST_RUN = 10.0
 """Processor time [s] of a run above which the run counts as a fault."""
 LONGEST_WAIT = 300.0
-"""Wall-clock time [s] after which a run is stopped. It is long because the machine may be busy."""
+"""Wall-clock time [s] after which a run is stopped. The time is long because the machine may be
+busy.
+"""
 
 
 class Ending(NamedTuple):
@@ -83,7 +85,7 @@ def contents_of_written_files(folder: Path, given: BrokenInput) -> dict[str, byt
 def run_input_in_this_process(given: BrokenInput) -> Ending:
     """Run the command line of an input in this process; returns how the run ended.
 
-    This is faster than a new process, but an endless loop in a library cannot be stopped.
+    This is faster than a new process, but an endless loop in compiled code cannot be stopped.
     """
     from drumlin.cli.process import run_command_line  # noqa: PLC0415
 
@@ -102,7 +104,8 @@ def run_input_in_this_process(given: BrokenInput) -> Ending:
                 _limit_run_time(),
             ):
                 warnings.simplefilter("error")
-                # Deprecated calls of one library by another one are no fault of drumlin.
+                # A warning that one library calls a deprecated function of another one is no fault
+                # of drumlin.
                 warnings.filterwarnings("ignore", category=DeprecationWarning, module="(?!drumlin)")
                 status = call_function_and_return_exit_status(lambda: run_command_line(given.words))
         finally:
@@ -206,14 +209,15 @@ KEPT_FILES = ("m/", "m.", "t.csv")
 The files are meshes that were written before the error, and the table and journal of a sweep.
 """
 _NOTES = re.compile(r"(?:drumlin: t\.csv\.journal: [^\n]*\n)*")
-"""Pattern of the lines by which a sweep reports a repaired journal."""
+"""Pattern of the lines in which a sweep reports that it has repaired its journal."""
 
 
 def _describe_fault_of_refused_run(end: Ending) -> str:
     """The fault of a run with exit status 2 or 3, as text, or "" if it ended well."""
     said = _NOTES.sub("", end.err, count=1)
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
-        # A sweep that refuses its journal prints a line that also matches _NOTES.
+        # The error message of a sweep that refuses its journal matches _NOTES too, and must not be
+        # removed as a note.
         said = end.err
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
         return f"not one line: {end.err[:200]!r}"
@@ -229,7 +233,8 @@ def _describe_fault_of_successful_run(given: BrokenInput, end: Ending) -> str:
     if given.must_fail:
         return "an answer of an input that has none"
     names = _shoe_names_like_non_finite_numbers(given)
-    # The title of the brake and the names of shoes may be any text: they are left out.
+    # The title of the brake and the names of shoes may be any text. They are left out of the search
+    # for numbers that are not finite.
     _, _, numbers = end.out.partition(", drum turns")
     numbers = reduce(lambda text, name: text.replace(name, "_"), names, numbers or end.out)
     if _NOT_FINITE.search(numbers):

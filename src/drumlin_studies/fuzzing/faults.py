@@ -76,11 +76,12 @@ def make_input_with_scaled_quantities(rng: random.Random) -> BrokenInput:
     The file often still describes a valid but extreme brake.
     """
     text = content_of_brake_file(rng.choice(SOUND_BRAKES)).decode()
-    # A number that is followed by a unit or that ends its value.
+    # Pattern of a number that is followed by a unit or by the end of the value.
     number = r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))"
     places = list(re.finditer(number, text, re.MULTILINE))
     chosen = rng.sample(places, min(len(places), rng.choice([1, 1, 2, 4])))
-    # The last number of the text is replaced first, so that the places of the others stay valid.
+    # Numbers are replaced from the end of the text, so that the places of the numbers before stay
+    # valid.
     for place in sorted(chosen, key=lambda match: -match.start()):
         sizes = [rng.uniform(0.2, 3), 10 ** rng.uniform(-3, 3), 10 ** rng.uniform(-12, 12)]
         size = rng.choice(sizes)
@@ -147,8 +148,8 @@ def _words_of_random_solve_command(rng: random.Random) -> list[str]:
 def make_input_with_broken_mesh(rng: random.Random) -> BrokenInput:
     """An input whose mesh file is broken.
 
-    It is cut off, has the suffix of another format, a wrong number, shuffled or doubled lines, or
-    broken bytes; a file .inp may also have lines of INP_ENDS.
+    The file is cut off, or has the suffix of another format, a wrong number, shuffled or doubled
+    lines, or broken bytes. A file .inp may also have lines of INP_ENDS.
     """
     files = valid_mesh_files_by_suffix()
     suffix = rng.choice([".msh", ".inp", ".vtu"])
@@ -159,7 +160,7 @@ def make_input_with_broken_mesh(rng: random.Random) -> BrokenInput:
     elif what == 1:
         data = files[rng.choice([".msh", ".inp", ".vtu"])]
     elif what == 2:
-        # One number becomes another number.
+        # One number of the file is replaced by another number.
         numbers = list(re.finditer(rb"[-+]?\d[\d.]*(?:e[-+]?\d+)?", data))
         at = rng.choice(numbers)
         number = str(rng.choice([*WRONG_NUMBERS, 3, 10**9, 2**31])).encode()
@@ -233,9 +234,9 @@ def make_input_with_broken_reference(rng: random.Random) -> BrokenInput:
 
 
 def _tables_and_keys_in_nested_data(data: Any) -> Iterator[tuple[Any, Any]]:
-    """Yield each table or list of nested data with each of its keys or indices.
+    """Yield each key or index in nested data, with the table or list that it belongs to.
 
-    In a list of tables or lists, only the first three places below it are taken.
+    Of all keys and indices inside a list, only the first three are yielded.
     """
     for key, value in list(data.items() if isinstance(data, dict) else enumerate(data)):
         yield data, key
@@ -271,7 +272,7 @@ def make_input_with_broken_pressure_table(rng: random.Random) -> BrokenInput:
 
 
 SLOW_COMMANDS = {"study", "sweep", "reference", "cost", "compare", "hold", "explore"}
-"""Commands that take long or run until they are stopped.
+"""Commands that take long, or run until they are stopped.
 
 They are only run with wrong options, by `make_input_with_wrong_command`, so that they end at once.
 """
@@ -303,7 +304,7 @@ def make_input_with_random_command(rng: random.Random) -> BrokenInput:
             words.append(str(value))
         else:
             chosen[option.name] = [option.opts[0], *([] if value is None else [value])]
-    # Most solves get few elements, so that they are quick.
+    # Most commands get a small number of elements, so that they are quick.
     if name == "hold" or (name != "check" and rng.random() < 0.9):
         chosen.setdefault("elements", ["--elements", FEW_ELEMENTS])
         if chosen.get("model", ["", "fem"])[1] != "fem":
@@ -356,7 +357,7 @@ def make_input_with_wrong_command(rng: random.Random) -> BrokenInput:
 
 
 def command_line_as_text(given: BrokenInput) -> str:
-    """The command line of an input as text for people: long words are cut, odd words quoted."""
+    """The command line of an input as text for people: long words are cut, odd words are quoted."""
     safe = set(string.ascii_letters + string.digits + "-_./=")
     cut = [word if len(word) < 40 else word[:20] + f"...({len(word)})" for word in given.words]
     return " ".join(word if word and set(word) <= safe else repr(word) for word in cut)

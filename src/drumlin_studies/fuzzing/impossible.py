@@ -29,7 +29,7 @@ WRONG_TYPES: tuple[Any, ...] = (
     "NaN",
     "1e999 m",
 )
-"""Values that every key of a brake file must refuse, except titles and names."""
+"""Values that drumlin must refuse for every key of a brake file, except titles and names."""
 
 
 def make_input_with_broken_structure(rng: random.Random) -> BrokenInput:
@@ -54,7 +54,7 @@ def make_input_with_huge_file(rng: random.Random) -> BrokenInput:
     """An input whose brake file is far too long, too deeply nested, or has too many shoes."""
     name = rng.choice(SOUND_BRAKES)
     text = content_of_brake_file(name).decode()
-    # Functions make the texts, so that only the chosen text takes memory.
+    # Functions make the huge texts, so that only the text that is chosen takes memory.
     texts: list[Callable[[], str]] = [
         lambda: text + "\nx = " + "[" * 50_000,
         lambda: text + "\n# " + "x" * 2_000_000,

@@ -1,4 +1,4 @@
-"""Broken inputs: the class for them, the valid brake files they are made of, and random noise."""
+"""The class of broken inputs, the valid brake files that are broken, and random noise."""
 
 import random
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,9 @@ from typing import Any, NamedTuple
 from drumlin.studies import REPOSITORY
 
 FEW_ELEMENTS = "6"
-"""Number of elements along a lining on the command lines of inputs; a solve takes some 20 ms."""
+"""Number of elements along a lining, as a word of command lines. It is small, so that a solve takes
+some 20 ms.
+"""
 SOUND_BRAKES = (
     "double_shoe/brake",
     "post_brake/brake",
@@ -46,7 +48,7 @@ class BrokenInput(NamedTuple):
 
 
 class UnquotedTomlText(NamedTuple):
-    """A text that `data_as_toml` writes without quotes."""
+    """A text that `data_as_toml` writes without quotes, such as an invalid value."""
 
     text: str
 
@@ -64,7 +66,7 @@ def bytes_with_random_noise(rng: random.Random, data: bytes, words: Sequence[str
     """
     found = bytearray(data)
     for _ in range(rng.choice([1, 1, 2, 5, 40])):
-        # A change concerns the bytes from `at` to `end`.
+        # Each change concerns the bytes from `at` to `end`.
         at = rng.randrange(len(found) + 1)
         end = min(len(found), at + rng.choice([1, 1, 3, 20, 200]))
         what = rng.randrange(6 if words else 5)

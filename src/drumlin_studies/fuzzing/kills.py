@@ -23,7 +23,9 @@ from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, content_of_brake_file
 KILLED_CASES = 150
 """Number of cases of a sweep that is killed."""
 RUN_LIMIT = 900.0
-"""Wall-clock time [s] after which a run is stopped. It is long because the machine may be busy."""
+"""Wall-clock time [s] after which a run is stopped. The time is long because the machine may be
+busy.
+"""
 RUN_WAYS = ("one job", "two jobs", "Dask")
 """The ways to run a sweep: with one or two processes, or on a Dask cluster."""
 DRUMLIN_PROGRAM = "from drumlin.cli import main; main()"
@@ -44,11 +46,11 @@ to = "0.2 mm", each_shoe = true }}
 def kill_and_finish_one_sweep(case: dict[str, Any]) -> dict[str, Any]:
     """Kill a sweep several times, let it finish, and return a row of a table on how it ended.
 
-    `case` holds the `way` to run the sweep, one of RUN_WAYS, the number of `kills`, and the `seed`
-    of their moments. The row adds `met`, the number of kills that hit a running sweep, and `fault`,
-    the faults at the end as text, "" if there are none.
+    `case` holds `way`, how the sweep is run (one of RUN_WAYS), the number of `kills`, and the
+    `seed` of the random moments of the kills. The row adds `met`, the number of kills that hit a
+    running sweep, and `fault`, the faults at the end as text, or "" without faults.
     """
-    # A kill comes as soon as the journal has a random number of cases.
+    # Each kill comes when the journal has reached a random number of cases.
     rng = random.Random(f"kills {case['seed']} {case['way']}")
     moments = sorted(rng.sample(range(1, KILLED_CASES - 10), case["kills"]))
     with tempfile.TemporaryDirectory() as name:
@@ -63,8 +65,8 @@ def kill_and_finish_one_sweep(case: dict[str, Any]) -> dict[str, Any]:
             )
             table = _run_sweep_to_its_end(folder, "t.csv", words)
         keys = _keys_of_cases_in_sweep_journal(folder / "t.csv.journal")
-    # The final table must equal the table of the undisturbed run, with each case once in the
-    # journal.
+    # The final table must equal the table of the undisturbed run, and each case must stand once in
+    # the journal.
     wrong, different = [], len(set(keys))
     if table != whole:
         wrong.append("another table")
@@ -111,7 +113,7 @@ def _sweep_command_options_for_way_of_running(way: str, folder: Path) -> Iterato
 
 
 def _start_python_process(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
-    """Start Python with the given words in a folder; modules are found as in this process."""
+    """Start Python in a folder with arguments `words`; it finds modules as this process does."""
     env = os.environ | {
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
         "OMP_NUM_THREADS": "1",
@@ -183,7 +185,7 @@ def _lock_open_file(handle: int) -> None:
 
 
 def _keys_of_cases_in_sweep_journal(journal: Path) -> list[str]:
-    """The keys of the cases in the journal of a sweep, a key for each line below the first."""
+    """The keys of the solved cases in the journal of a sweep. Each line below the first has one."""
     return [
         json.loads(line)["key"] for line in journal.read_text(encoding="utf-8").splitlines()[1:]
     ]

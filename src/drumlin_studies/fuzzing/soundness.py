@@ -15,15 +15,16 @@ from drumlin.response.response import Response
 from drumlin_studies.fuzzing.inputs import BrokenInput
 
 SOUND_IMBALANCE = 1e-6
-"""Imbalance above which a response counts as wrong, relative to the applied forces and moments.
+"""Sum of forces or moments, relative to the applied ones, above which a response is wrong.
 
 The value is chosen by judgement: far above round-off, and far below an error that users notice.
 """
 TORQUE_SLACK = 0.03
-"""Relative difference between torque and moment of the friction above which one of them is wrong.
+"""Relative difference between the torque and the moment of the friction on the linings, above which
+one of the two is wrong.
 
-The lining of a mesh file may be off the drum by 1 % of the radius. Its length and its lever arm are
-then off by 1 % each.
+The lining of a mesh file may be off the drum by 1 % of the radius. The length of the lining and the
+lever arm of the friction are then off by 1 % each.
 """
 
 
@@ -62,7 +63,8 @@ def explain_wrong_response(brake: Brake, response: Response) -> str:
         return "negative torque or pressure"
     if max(response.balance.force, response.balance.moment) > SOUND_IMBALANCE:
         return f"out of balance by {response.balance}"
-    # On a plane there is no torque, and the foundation model takes the torque from its springs.
+    # A plane has no torque, and the foundation model computes its torque from springs: neither is
+    # compared with the friction.
     if brake.surface.is_plane_and_not_drum or response.model == "foundation":
         return ""
     for i, shoe in enumerate(response.shoes):

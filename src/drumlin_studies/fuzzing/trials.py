@@ -1,6 +1,6 @@
 """Runs drumlin on thousands of broken inputs, and keeps in a journal how each run ended.
 
-A generator is a named function that makes random broken inputs of one kind.
+A generator is a function with a name that makes random broken inputs of one kind.
 """
 
 import itertools
@@ -33,7 +33,8 @@ from drumlin_studies.fuzzing.soundness import explain_wrong_answer_to_input
 from drumlin_studies.side_by_side import Case, compute_cases_in_parallel_with_journal
 
 INPUTS_AT_A_TIME = 50
-"""Number of inputs that are given to a process together and that make one entry of the journal."""
+"""Number of inputs that one process runs in one go. Their verdicts make one entry of the journal.
+"""
 KEPT_LETTERS = 300
 """Number of letters of an error message that a verdict keeps, enough to see what was refused."""
 
@@ -111,7 +112,7 @@ class InputVerdict(NamedTuple):
 
 
 COUNTED_STATUSES = {"answers": 0, "refused": 2, "no answer": 3}
-"""The exit statuses of runs that end well, by the column of the table that counts them."""
+"""The exit statuses of runs that end well, by the name of the table's column that counts them."""
 
 
 def make_input_of_generator_with_number(generator: str, number: int) -> BrokenInput:
@@ -124,12 +125,13 @@ def run_and_judge_input(generator: str, number: int, apart: bool = False) -> Inp
 
     If `apart` is true, the input runs in a new process, else in this one.
     """
-    # A word with a NUL byte cannot be given to a new process.
+    # A command line with a NUL byte or a letter outside of UTF-8 cannot start a new process. It
+    # runs in this process.
     given = make_input_of_generator_with_number(generator, number)
     apart = apart and all(map(can_be_process_argument, given.words))
     end = run_command_of_input_in_new_process(given) if apart else run_input_in_this_process(given)
     fault = describe_fault_of_run(given, end)
-    # A successful solve is repeated in this process to check its numbers.
+    # A brake that was solved successfully is solved again in this process, to check the numbers.
     if not fault and end.status == 0 and given.words[0] == "solve" and not apart:
         fault = _explain_wrong_or_failing_answer(given)
     line = end.err.removeprefix("drumlin: ").strip()[:KEPT_LETTERS] if end.status else ""
@@ -154,7 +156,7 @@ def can_be_process_argument(word: str) -> bool:
 
 
 def _run_chunk_of_inputs_and_return_verdicts(case: Case) -> dict[str, Any]:
-    """Run several inputs of a generator, the case of one journal entry; returns their verdicts."""
+    """Run several inputs of a generator; returns their verdicts, which make one journal entry."""
     numbers = range(case["first"], case["first"] + case["count"])
     generator, apart = case["generator"], case["apart"]
     return {
@@ -231,11 +233,11 @@ def rows_of_verdict_counts_by_generator(
 
 
 def most_frequent_refusals_text(verdicts: dict[str, list[InputVerdict]], count: int = 40) -> str:
-    """The `count` most frequent error messages, a line each, with the number of their inputs.
+    """The `count` most frequent error messages, one on each line, with the number of inputs.
 
     Messages that differ only in numbers and quoted texts count as one; the shortest is shown.
     """
-    # Messages are grouped by their form, with numbers and quoted texts left out.
+    # Messages are grouped by their wording without numbers and quoted texts.
     forms: dict[str, list[str]] = {}
     lines = [verdict.line for verdict in itertools.chain(*verdicts.values())]
     for line in filter(None, lines):

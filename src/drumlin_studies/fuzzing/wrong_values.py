@@ -198,7 +198,8 @@ def tables_and_allowed_keys_in_brake_data(
 ) -> Iterator[tuple[Any, str, Any]]:
     """Yield each key that the tables of nested data may have, by the pydantic model of the data.
 
-    Yields the table, the key, and the type annotation of the key. The data are a brake file's.
+    `data` are the data of a brake file and `kind` is their pydantic model. Yields the table, the
+    name of the key, and the type annotation of the key.
     """
     for name, field in kind.model_fields.items():
         key = field.alias or name
@@ -222,7 +223,8 @@ def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> 
     before : object
         Present value of the key, or None.
     """
-    # For each type that occurs in the annotation, values of the type and wrong ones are added.
+    # For each type that occurs in the annotation, valid and wrong values of the type are
+    # candidates.
     said = str(annotation)
     choices: list[Any] = [
         rng.choice(WRONG_QUANTITIES),
@@ -239,7 +241,8 @@ def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> 
         choices += [rows, []]
     if "Path" in said:
         choices += list(WRONG_PATHS)
-    # A quantity with a unit is scaled, which is drawn more often than other values.
+    # A quantity with a unit is scaled by a random factor; such values are drawn more often than
+    # others.
     if isinstance(before, str) and (match := re.fullmatch(r"([-\d.]+) (.+)", before)):
         scaled = float(match[1]) * rng.choice(
             [-1, 0, 0.1, 0.5, 0.99, 1.01, 2, 10, 1e6, 1e-6, 1e-15]
