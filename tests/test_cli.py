@@ -322,6 +322,11 @@ def test_compare_view_mesh_and_cost(tmp_path):
         "fields.svg",
         "fields.vtu",
     } <= set(picked((tmp_path / "report").iterdir(), "name"))
+    # A second run without the option leaves no fields of the first run.
+    again = ("--output", tmp_path / "report", "--elements", 30)
+    assert drumlin("compare", STUDY / "brake.toml", *again).returncode == 0
+    assert (tmp_path / "report" / "fields.svg").exists()
+    assert not (tmp_path / "report" / "fields.vtu").exists()
     page = (tmp_path / "report" / "index.html").read_text()
     assert "sine" in page and 'src="data:image/svg+xml;base64' in page and "scikit-fem" in page
     picture = tmp_path / "v.png"

@@ -23,6 +23,7 @@ from drumlin.base.errors import (
 from drumlin.base.files import (
     check_output_files_are_writable,
     check_path_can_be_folder,
+    delete_output_of_earlier_run,
     protect_input_files_within_block,
     read_bytes,
     read_text,
@@ -64,6 +65,20 @@ def test_a_full_device_is_no_answer_in_one_line(tmp_path):
     full = node(tmp_path / "full", stat.S_IFCHR, 7)
     with pytest.raises(NoAnswer, match=r"full: cannot be written \(No space left on device\)"):
         write_text(full, "x")
+
+
+def test_an_output_of_an_earlier_run_is_deleted_but_no_input_and_no_folder(tmp_path):
+    path = tmp_path / "fields.vtu"
+    delete_output_of_earlier_run(path)
+    path.write_text("earlier")
+    with protect_input_files_within_block():
+        read_text(path, 100, "a mesh")
+        delete_output_of_earlier_run(path)
+        assert path.read_text() == "earlier"
+    delete_output_of_earlier_run(path)
+    path.mkdir()
+    delete_output_of_earlier_run(path)
+    assert path.is_dir()
 
 
 def test_a_disk_is_refused(tmp_path):

@@ -16,12 +16,21 @@ from drumlin.door import fields, solve
 from drumlin.models import MODELS
 from drumlin.report import figures
 from drumlin.report.field_picture import (
+    FORCE_SHAFT_WIDTH,
     SAMPLE_SPACING,
+    _draw_arrows,
+    _figure_that_shows_all_points,
     _friction_surface_of_brake,
     _pressure_arrows,
     draw_stress_in_shoes_and_ring,
     paint_values_of_cells,
 )
+from drumlin.report.plane_picture import (
+    DRAWN_REGION,
+    PLANE_WINDOW,
+    centre_and_half_height_of_window,
+)
+from drumlin.report.solid_picture import _figure_around_pixels
 from drumlin.studies import import_study_and_find_its_folder
 from drumlin_studies.misfit_rows import DRAWN_QUANTITIES
 from drumlin_studies.plane_stress import PlaneErrorMap, TimeAndErrors
@@ -215,14 +224,24 @@ def test_a_figure_for_print_says_its_width(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["double_shoe/brake", pytest.param("brakes/rail_clamp", marks=pytest.mark.slow)]
+    "name",
+    [
+        "double_shoe/brake",
+        pytest.param("brakes/rail_clamp", marks=pytest.mark.slow),
+        pytest.param("brakes/uni_servo", marks=pytest.mark.slow),
+    ],
 )
 def test_a_picture_of_stresses_is_legible_and_shows_the_pressure_of_the_response(name):
     brake = read_any(ROOT / "studies" / f"{name}.toml")
     response = solve(brake, elements=8)
     bodies = fields(brake, elements=8)
-    figure = draw_stress_in_shoes_and_ring(brake, response, bodies, brake.title)
+    figure = draw_stress_in_shoes_and_ring(brake, response, bodies)
     check_legible(figure)
+    title, motion = figure.texts[0].get_text().split("\n")
+    assert title == brake.title and motion.startswith(f"{brake.motion}; displacements × ")
+    (legend,) = figure.legends
+    labels = [one.get_text() for one in legend.get_texts()]
+    assert ("force of actuation or link" in labels) == (name == "brakes/uni_servo")
     arrows = _pressure_arrows(brake, response, _friction_surface_of_brake(brake).size)
     tips, pushes = arrows[:, 1], arrows[:, 1] - arrows[:, 0]
     lengths = np.linalg.norm(pushes, axis=1)
@@ -243,6 +262,71 @@ def test_a_picture_of_stresses_is_legible_and_shows_the_pressure_of_the_response
     # The drum pushes an internal lining inwards, the plane pushes a lining upwards.
     outward = np.array([0.0, -1.0]) if brake.surface.is_plane_and_not_drum else tips
     assert ((pushes * outward).sum(axis=1) < 0).all()
+
+
+@pytest.mark.parametrize(
+    "title", ["W" * 19 + " " + "wide words " * 10, "M" * 180, "costs $5 per $x_{" + " a" * 60, "a"]
+)
+def test_a_long_title_is_whole_above_the_picture_and_its_last_line_stands_alone(title):
+    """Wide letters, a word wider than a line, signs that would begin a formula, a short title."""
+    last = "drum turns counter-clockwise; displacements × 500"
+    lines = figures.title_folded_into_lines(title, last)
+    *folded, found = lines.split("\n")
+    assert found == last and (len(folded) == 1) == (title == "a")
+    assert "".join(folded).replace(" ", "") == title.replace(" ", "")
+    places = np.array([[0.0, 0.0], [300.0, 200.0]])
+    figure, axes, _ = _figure_that_shows_all_points(places, 100.0, lines)
+    figures.write_title_above_picture(figure, lines)
+    check_legible(figure)
+    (text,) = figure.texts
+    assert drawn_box(text)[1] >= axes.get_window_extent().y1
+
+
+def test_the_title_of_a_picture_of_solid_shoes_is_whole():
+    title = figures.title_folded_into_lines("a wide shoe of a brake " * 5, "displacements × 50")
+    assert title.count("\n") >= 2 and title.endswith("\ndisplacements × 50")
+    figure = _figure_around_pixels(np.zeros((40, 80, 3), np.uint8), title, 10.0, beyond=True)
+    check_legible(figure)
+    (text,) = figure.texts
+    assert drawn_box(text)[1] >= figure.axes[0].get_window_extent().y1
+
+
+@pytest.mark.parametrize("angle", [0.0, np.pi / 2, np.pi])
+def test_heads_of_arrows_at_the_edge_of_a_picture_are_whole(angle):
+    """The heads of arrows up and down at the left and right edges are within the axes."""
+    corners = np.array([[0.0, 0.0], [900.0, 500.0]])
+    arrow = 50 * np.array([np.cos(angle), np.sin(angle)])
+    tails = np.array([[0.0, 100.0], [900.0, 100.0]])
+    arrows = np.stack([tails, tails + arrow], axis=1)
+    places = np.concatenate([corners, arrows.reshape(-1, 2)])
+    _, axes, _ = _figure_that_shows_all_points(places, 1.0, "a title")
+    _draw_arrows(axes, arrows, "black", FORCE_SHAFT_WIDTH)
+    axes.figure.draw_without_rendering()
+    (drawn,) = axes.collections
+    shape = np.concatenate([path.vertices for path in drawn.get_paths()])
+    # Heads reach to both sides of the arrow's line, in pixels of the figure.
+    across = 0.5 * np.ptp(shape @ [-np.sin(angle), np.cos(angle)])
+    across *= np.linalg.norm(drawn.get_transform().transform([[1, 0]])[0]
+                             - drawn.get_transform().transform([[0, 0]])[0])  # fmt: skip
+    ends = axes.transData.transform(arrows.reshape(-1, 2))
+    reach = across * np.abs([np.sin(angle), np.cos(angle)])
+    box = axes.get_window_extent()
+    assert (ends.min(axis=0) - reach >= box.min).all()
+    assert (ends.max(axis=0) + reach <= box.max).all()
+
+
+@pytest.mark.parametrize("size", [(4.0, 0.3), (1.0, 1.0), (0.2, 3.0)])
+def test_bodies_of_any_shape_fill_the_region_of_a_plane_picture(size):
+    low = np.array([-7.0, 2.0])
+    bounds = np.stack([low, low + size], axis=1)
+    centre, half = centre_and_half_height_of_window(bounds)
+    window = 2 * half * np.array([PLANE_WINDOW[0] / PLANE_WINDOW[1], 1.0])
+    relative = 0.5 + (bounds - centre[:, None]) / window[:, None]
+    region = np.array(DRAWN_REGION)
+    assert (relative[:, 0] >= region[:, 0] - 1e-9).all()
+    assert (relative[:, 1] <= region[:, 1] + 1e-9).all()
+    np.testing.assert_allclose(relative.mean(axis=1), region.mean(axis=1))
+    assert np.isclose(np.ptp(relative, axis=1), np.ptp(region, axis=1)).any()
 
 
 @pytest.mark.parametrize("corners", [4, 3])

@@ -278,6 +278,22 @@ def write_new_text_file(path: Path, text: str) -> None:
         raise exception_for_unusable_file(path, "written", error) from error
 
 
+def delete_output_of_earlier_run(path: Path) -> None:
+    """Delete the file at `path` that an earlier run has written, if there is one.
+
+    A file that the block of `protect_input_files_within_block` has read stays, and so do folders,
+    pipes and devices. Raises BadInput if the file cannot be deleted.
+    """
+    try:
+        if not path.is_file():
+            return
+        found = path.stat()
+        if not any(os.path.samestat(found, each) for each in _inputs.get() or ()):
+            path.unlink(missing_ok=True)
+    except (OSError, ValueError) as error:
+        raise exception_for_unusable_file(path, "deleted", error) from error
+
+
 def write_json(path: Path, data: object) -> None:
     """Write a JSON file whole or not at all. Raises ValueError for numbers that are not finite."""
     write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")

@@ -1,4 +1,5 @@
 """Figures, pictures of stress fields, and HTML pages.
 
-The modules of this package import matplotlib and pyvista, which take long to load.
+Most modules of this package import matplotlib, which takes long to load. The modules solid_picture
+and plane_picture also import pyvista, in the process that draws their picture.
 """

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import NoAnswer
-from drumlin.base.files import write_text
+from drumlin.base.files import delete_output_of_earlier_run, write_text
 from drumlin.brake.brake import Brake
 from drumlin.comparison import (
     Comparison,
@@ -24,6 +24,9 @@ from drumlin.models import MODELS, reasons_why_models_do_not_apply
 from drumlin.report import figures
 from drumlin.report.page import software_versions, write_html_page
 from drumlin.response.response import Response
+
+ENDINGS_OF_FIELD_FILES = ("svg", "png", "vtu")
+"""Endings of the files of stress fields that `compare` has written, in this or older versions."""
 
 
 class WrittenComparison(NamedTuple):
@@ -98,8 +101,7 @@ def draw_stress_fields(
     bodies = stress_and_displacement_fields_of_shoes_and_ring(scene, brake, response)
     if "vtu" in endings:
         write_fields_to_vtu_file(folder / f"{name}.vtu", bodies)
-    title = f"{brake.title}, {brake.motion}"
-    picture = draw_stress_in_shoes_and_ring(brake, response, bodies, title)
+    picture = draw_stress_in_shoes_and_ring(brake, response, bodies)
     pictures = [ending for ending in endings if ending != "vtu"]
     figures.save_figure_as_files(picture, folder / name, pictures)
 
@@ -138,7 +140,7 @@ def compare_models_and_write_html_page(
     """Compare all models that apply to a brake, and write the HTML page and its data.
 
     The page, a table as CSV, all results as JSON, the figure of pressures and the picture of the
-    stress fields are written into `folder`.
+    stress fields are written into `folder`. Stress fields of an earlier run there are deleted.
 
     Parameters
     ----------
@@ -157,6 +159,9 @@ def compare_models_and_write_html_page(
     if not comparison.responses:
         failures = [f"{outcome.model}: {outcome.failure}" for outcome in comparison.outcomes]
         raise NoAnswer("; ".join(failures))
+    # Fields of an earlier run must not stand beside the new results.
+    for ending in ENDINGS_OF_FIELD_FILES:
+        delete_output_of_earlier_run(folder / f"fields.{ending}")
     table = comparison.rows
     write_text(folder / "results.csv", table_as_csv_text(table))
     write_text(folder / "results.json", comparisons_as_json([comparison]))

@@ -23,7 +23,14 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Point
 from drumlin.brake.support import Held
 from drumlin.fem.analysis.fields import Fields
-from drumlin.report.figures import FULL_WIDTH, PIXELS_PER_INCH, STYLE
+from drumlin.report.figures import (
+    FULL_WIDTH,
+    PIXELS_PER_INCH,
+    STYLE,
+    height_of_title,
+    title_folded_into_lines,
+    write_title_above_picture,
+)
 from drumlin.report.palette import FAINT, INK, RED
 from drumlin.report.signs import MM_PER_M
 from drumlin.response.balance import brake_with_forces_of_response
@@ -66,10 +73,16 @@ PIN_RADIUS = 0.035
 """Radius of the disc of a pin, relative to the drum's radius."""
 
 MARGIN = 0.03
-"""Blank margin around the brake, relative to the drum's radius."""
+"""Blank margin around the brake and the arrows' heads, relative to the drum's radius."""
 
-BAR_WIDTH, TITLE_HEIGHT, LEGEND_HEIGHT = 0.75, 0.25, 0.45
-"""Width of the colour bar with its labels, and heights of title and legend [inches]."""
+PRESSURE_SHAFT_WIDTH, FORCE_SHAFT_WIDTH = 0.0022, 0.0045
+"""Widths of the shafts of the arrows of pressures and forces, relative to that of the picture."""
+
+HEAD_WIDTH = 4
+"""Width of an arrow's head, relative to the width of its shaft."""
+
+BAR_WIDTH, LEGEND_HEIGHT = 0.75, 0.45
+"""Width of the colour bar with its labels, and height of the legend [inches]."""
 
 LEAST_HEIGHT, MOST_HEIGHT = 1.9, 7.5
 """Smallest and largest height of the brake in the picture [inches].
@@ -102,7 +115,7 @@ class _FrictionSurface(NamedTuple):
 
 
 def draw_stress_in_shoes_and_ring(
-    brake: Brake, response: Response, bodies: Sequence[Fields], title: str
+    brake: Brake, response: Response, bodies: Sequence[Fields]
 ) -> Figure:
     """Draw the von Mises stress on the deformed bodies, pressure, forces, pins and drum or plane.
 
@@ -111,7 +124,6 @@ def draw_stress_in_shoes_and_ring(
     brake : the brake
     response : response of the brake by finite elements
     bodies : displacements and stresses of all shoes, and of the drum ring if it is elastic
-    title : title of the picture
     """
     surface = _friction_surface_of_brake(brake)
     size = MM_PER_M * surface.size
@@ -128,34 +140,48 @@ def draw_stress_in_shoes_and_ring(
     discs = [pin + radius * np.array([[-1.0, -1.0], [1.0, 1.0]]) for pin in pins]
     places = [line, *deformed, pressure.reshape(-1, 2), forces.reshape(-1, 2), *discs]
     with mpl.rc_context(STYLE):
-        figure, axes, bar = _figure_that_shows_all_points(np.concatenate(places), size)
+        motion = f"{brake.motion}; displacements × {factor:g}"
+        title = title_folded_into_lines(brake.title, motion)
+        figure, axes, bar = _figure_that_shows_all_points(np.concatenate(places), size, title)
         _draw_stress_and_colour_bar(axes, bar, bodies, deformed)
         for body in bodies:
             outline = MM_PER_M * body.points[_edges_of_outline(body)]
             axes.add_collection(LineCollection(list(outline), colors=FAINT, linewidths=0.5))
         axes.plot(*line.T, color="black", lw=1.2)
-        _draw_arrows(axes, pressure, RED, width=0.0022)
-        _draw_arrows(axes, forces, INK, width=0.0045)
+        _draw_arrows(axes, pressure, RED, PRESSURE_SHAFT_WIDTH)
+        _draw_arrows(axes, forces, INK, FORCE_SHAFT_WIDTH)
         for x, y in pins:
             axes.add_patch(Circle((x, y), radius, color=INK, zorder=6))
-        _write_title_and_legend(figure, f"{title}; displacements × {factor:g}", surface.name)
+        write_title_above_picture(figure, title)
+        _write_legend(figure, surface.name, "actuation or link" if brake.links else "actuation")
     return figure
 
 
-def _figure_that_shows_all_points(places: Floats, size: float) -> tuple[Figure, Axes, Axes]:
-    """A figure of FULL_WIDTH, its axes with limits around all places (n, 2) [mm], and a bar's axes.
+def _figure_that_shows_all_points(
+    places: Floats, size: float, title: str
+) -> tuple[Figure, Axes, Axes]:
+    """A figure of FULL_WIDTH, its axes with limits around all places, and the colour bar's axes.
 
-    The height of the figure follows from the places, so that no part of it stays empty. `size` [mm]
-    is the drum's radius.
+    The height of the figure follows from the places, so that no part of it stays empty.
+
+    Parameters
+    ----------
+    places : points (n, 2) [mm] that the axes must show, with arrows' heads around them
+    size : the drum's radius [mm]
+    title : lines of the title, for which the figure has room above the axes
     """
-    low, high = places.min(axis=0) - MARGIN * size, places.max(axis=0) + MARGIN * size
+    low, high = places.min(axis=0), places.max(axis=0)
+    # Half of a head's width is in proportion to the width of the axes with both margins.
+    head = 0.5 * HEAD_WIDTH * FORCE_SHAFT_WIDTH
+    margin = (MARGIN * size + head * (high[0] - low[0])) / (1 - 2 * head)
+    low, high = low - margin, high + margin
     width, height = high - low
     # Flat brakes get room above and below, since the colour bar needs some height.
     lacking = max(LEAST_HEIGHT / (FULL_WIDTH - BAR_WIDTH) * width - height, 0.0)
     low[1], high[1], height = low[1] - lacking / 2, high[1] + lacking / 2, height + lacking
     shown_height = min((FULL_WIDTH - BAR_WIDTH) * height / width, MOST_HEIGHT)
     shown_width = shown_height * width / height
-    total = shown_height + TITLE_HEIGHT + LEGEND_HEIGHT
+    total = shown_height + height_of_title(title) + LEGEND_HEIGHT
     figure = Figure(figsize=(FULL_WIDTH, total))
     left = 0.5 * (FULL_WIDTH - BAR_WIDTH - shown_width) / FULL_WIDTH
     bottom, relative = LEGEND_HEIGHT / total, shown_height / total
@@ -175,7 +201,7 @@ def _draw_arrows(axes: Axes, arrows: Floats, color: str, width: float) -> None:
         *(tips - tails).T,
         color=color,
         width=width,
-        headwidth=4,
+        headwidth=HEAD_WIDTH,
         angles="xy",
         scale_units="xy",
         scale=1,
@@ -360,17 +386,19 @@ def _pressure_arrows(brake: Brake, response: Response, size: float) -> Floats:
     return np.stack([tip - scale[:, None] * push, tip], axis=1)
 
 
-def _write_title_and_legend(figure: Figure, title: str, surface: str) -> None:
-    """Write the title above the picture, and what its symbols mean below it.
+def _write_legend(figure: Figure, surface: str, force: str) -> None:
+    """Write below the picture what its symbols mean.
 
+    Parameters
+    ----------
+    figure : the figure
     surface : "drum" or "plane"
+    force : what exerts the forces on the shoes, such as "actuation"
     """
-    height = figure.get_figheight()
-    figure.text(0.01, 1 - 0.06 / height, title, va="top", weight="bold")
     arrow: dict[str, Any] = {"marker": ">", "markevery": [1], "ms": 4}
     handles = [
         Line2D([], [], color=RED, lw=1, label=f"pressure of the {surface} on the lining", **arrow),
-        Line2D([], [], color=INK, lw=1.4, label="actuation", **arrow),
+        Line2D([], [], color=INK, lw=1.4, label=f"force of {force}", **arrow),
         Line2D([], [], color=INK, ls="", marker="o", ms=6, label="pin or foot"),
         Line2D([], [], color="black", lw=1.2, label=surface),
         Line2D([], [], color=FAINT, lw=0.8, label="undeformed outline"),

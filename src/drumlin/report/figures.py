@@ -5,6 +5,7 @@ The drawing functions return a figure. `save_figure` writes it into a file.
 
 import math
 import warnings
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,7 +13,9 @@ from typing import Any, NamedTuple
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 
 from drumlin.base.arrays import Floats
 from drumlin.base.files import temporary_file_replacing_output
@@ -27,6 +30,19 @@ TEXT_SIZE, SMALL_TEXT_SIZE = 8.0, 7.0
 """Sizes [points] of text in a figure that is printed at its own width.
 
 Journals ask for at least 6 to 7 points. Numbers in the fields of a map have the small size.
+"""
+
+LINE_HEIGHT_OF_TITLE, GAP_AROUND_TITLE = 0.16, 0.09
+"""Height of each line of a picture's title, and the gaps above and below it together [inches].
+
+A line of text of TEXT_SIZE is 0.155 inches high with its spacing.
+"""
+
+WIDEST_LINE_OF_TITLE = 0.96
+"""Largest width of a line of a picture's title, relative to FULL_WIDTH.
+
+The title begins at 0.01 of the width. The rest is for the rounding of letters to pixels, which
+changes the width of a line by some 1 %.
 """
 
 PIXELS_PER_INCH = 160
@@ -122,6 +138,50 @@ def save_figure_as_files(
         save_figure(figure, path.with_name(f"{path.name}.{ending}"))
         # The places of all panels and labels stay as the first file has them.
         figure.set_layout_engine("none")
+
+
+def title_folded_into_lines(title: str, last: str) -> str:
+    """A picture's title, folded into lines that fit into FULL_WIDTH, and `last` on lines below it.
+
+    Lines are folded at blanks, and within a word only if the word is wider than a line.
+    """
+    return "\n".join(_lines_no_wider_than_page(title) + _lines_no_wider_than_page(last))
+
+
+def _lines_no_wider_than_page(text: str) -> list[str]:
+    """The lines of a text in bold letters of TEXT_SIZE, none wider than WIDEST_LINE_OF_TITLE."""
+    # At 72 pixels per inch the renderer's widths are points.
+    renderer = RendererAgg(1, 1, 72)
+    font = FontProperties(weight="bold", size=TEXT_SIZE)
+    widest = WIDEST_LINE_OF_TITLE * FULL_WIDTH * 72
+
+    def width_of_beginning(count: int) -> float:
+        """The width [points] of the first letters of the text that is left."""
+        return renderer.get_text_width_height_descent(text[:count], font, False)[0]
+
+    lines = []
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from")
+        while width_of_beginning(len(text)) > widest:
+            # The largest number of letters that fit into a line.
+            most = bisect_right(range(len(text)), widest, key=width_of_beginning) - 1
+            blank = text.rfind(" ", 1, most + 1)
+            end = blank if blank > 0 else most
+            lines.append(text[:end].rstrip())
+            text = text[end:].lstrip()
+    return [*lines, text]
+
+
+def height_of_title(title: str) -> float:
+    """The height [inches] that `write_title_above_picture` needs for a title of some lines."""
+    return GAP_AROUND_TITLE + LINE_HEIGHT_OF_TITLE * (title.count("\n") + 1)
+
+
+def write_title_above_picture(figure: Figure, title: str) -> None:
+    """Write a title, as `title_folded_into_lines` folds it, at the upper left edge of a figure."""
+    top = 1 - 0.06 / figure.get_figheight()
+    # A dollar sign in a title is a dollar sign, and begins no formula.
+    figure.text(0.01, top, title, va="top", weight="bold", size=TEXT_SIZE, parse_math=False)
 
 
 def title_of_model_in_figures(model: str) -> str:

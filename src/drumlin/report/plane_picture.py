@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from drumlin.base.arrays import Floats
 from drumlin.base.round_numbers import largest_round_number_not_above_value
 from drumlin.report.field_picture import (
     FULL_LENGTH_ARROWS,
@@ -24,6 +25,12 @@ from drumlin.report.solid_picture import STRESS_NAME
 
 PLANE_WINDOW = 1800, 1300
 """Width and height [pixels] of the picture."""
+
+DRAWN_REGION = (0.02, 0.82), (0.03, 0.93)
+"""Ranges of the width and of the height of the window in which the bodies and arrows are drawn.
+
+The colour bar with its title is to the right of this region, and the picture's title above it.
+"""
 
 ARROW_CELL = 0.04
 """Side of the squares with one pressure arrow each, relative to half the length of the bodies.
@@ -82,13 +89,26 @@ def draw_plane_fields_in_this_process(fields: Path, picture: Path, title: str) -
     plotter.add_text(text, position="upper_left", font_size=12, color="black")
     plotter.view_xy()
     plotter.enable_parallel_projection()
+    bounds = np.reshape(plotter.bounds, (3, 2))
     plotter.reset_camera()
-    plotter.camera.zoom(1.25)
-    # The camera moves to the right, so that the bodies stand to the left of the colour bar.
-    (x, y, _), scale = plotter.camera.focal_point, plotter.camera.parallel_scale
-    x += 0.2 * scale
-    plotter.camera.focal_point, plotter.camera.position = (x, y, 0), (x, y, 1)
+    (x, y), plotter.camera.parallel_scale = centre_and_half_height_of_window(bounds[:2])
+    plotter.camera.focal_point, plotter.camera.position = (x, y, 0), (x, y, bounds.max() + 1)
+    plotter.reset_camera_clipping_range()
     plotter.screenshot(str(picture))
+
+
+def centre_and_half_height_of_window(bounds: Floats) -> tuple[Floats, float]:
+    """The place (2,) [m] at the window's centre, and half of the height [m] that the window shows.
+
+    All that is within `bounds`, the least and the largest x and y (2, 2) [m], is then as large as
+    possible in DRAWN_REGION, at its centre.
+    """
+    region = np.array(DRAWN_REGION)
+    # The window, in units of its height.
+    window = np.array([PLANE_WINDOW[0] / PLANE_WINDOW[1], 1.0])
+    height = float((np.diff(bounds)[:, 0] / (np.diff(region)[:, 0] * window)).max())
+    centre = bounds.mean(axis=1) + (0.5 - region.mean(axis=1)) * window * height
+    return centre, 0.5 * height
 
 
 def _outlines_of_bodies(grid: Any) -> Any:

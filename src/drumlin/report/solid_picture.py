@@ -17,7 +17,14 @@ from drumlin.report.field_picture import (
     draw_colour_bar_of_stress,
     rounded_up_to_end_of_colour_bar,
 )
-from drumlin.report.figures import FULL_WIDTH, STYLE, save_figure
+from drumlin.report.figures import (
+    FULL_WIDTH,
+    STYLE,
+    height_of_title,
+    save_figure,
+    title_folded_into_lines,
+    write_title_above_picture,
+)
 from drumlin.report.render import draw_picture_in_new_process, draw_picture_named_by_arguments
 
 LARGEST_DISPLACEMENT = 0.05
@@ -41,8 +48,8 @@ judgement by eye.
 WINDOW = 2000, 1600
 """Width and height [pixels] in which the shoes are drawn, before their blank margins are cut."""
 
-SHOES_WIDTH, SOLID_TITLE_HEIGHT = 0.86, 0.3
-"""Width of the shoes in the picture, relative to its width, and height of the title [inches]."""
+SHOES_WIDTH = 0.86
+"""Width of the shoes in the picture, relative to its width."""
 
 
 def draw_solid_shoes_and_return_failure_reason(
@@ -84,9 +91,8 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
     plotter.enable_parallel_projection()
     plotter.reset_camera()
     pixels = _pixels_without_white_margins(np.asarray(plotter.screenshot(return_img=True)))
-    figure = _figure_around_pixels(
-        pixels, f"{title}; displacements × {factor:g}", top, beyond=float(stress.max()) > top
-    )
+    lines = title_folded_into_lines(title, f"displacements × {factor:g}")
+    figure = _figure_around_pixels(pixels, lines, top, beyond=float(stress.max()) > top)
     save_figure(figure, picture)
 
 
@@ -102,11 +108,15 @@ def _pixels_without_white_margins(pixels: Any) -> Any:
 def _figure_around_pixels(pixels: Any, title: str, top: float, *, beyond: bool) -> Figure:
     """A figure of FULL_WIDTH with an image (rows, columns, 3), its title and its colour bar.
 
-    `top` [MPa] is the upper end of the colour bar, and `beyond` says whether some stresses are
-    larger.
+    Parameters
+    ----------
+    pixels : the image
+    title : lines of the title
+    top : upper end of the colour bar [MPa]
+    beyond : whether some stresses are larger
     """
     height = SHOES_WIDTH * FULL_WIDTH * pixels.shape[0] / pixels.shape[1]
-    total = height + SOLID_TITLE_HEIGHT
+    total = height + height_of_title(title)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(FULL_WIDTH, total))
         axes = figure.add_axes((0, 0, SHOES_WIDTH, height / total))
@@ -116,7 +126,7 @@ def _figure_around_pixels(pixels: Any, title: str, top: float, *, beyond: bool) 
             (SHOES_WIDTH + 0.02, 0.2 * height / total, 0.02, 0.6 * height / total)
         )
         draw_colour_bar_of_stress(bar, ScalarMappable(Normalize(0, top), "viridis"), beyond=beyond)
-        figure.text(0.01, 1 - 0.06 / total, title, va="top", weight="bold")
+        write_title_above_picture(figure, title)
     return figure
 
 
