@@ -132,7 +132,11 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     },
     "fem/hp/element.py": {"SLOPES_PER_BATCH": SPEED},
     "fem/error_control/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
-    "fem/hp/ring.py": {"FULL_TURN": DEFINITION, "SAME_ANGLE": ROUND_OFF},
+    "fem/hp/ring.py": {
+        "MOST_RING_NODES": MEMORY,
+        "FULL_TURN": DEFINITION,
+        "SAME_ANGLE": ROUND_OFF,
+    },
     "fem/substructure/ring.py": {
         "MOST_RAY_CROSSING_STEPS": PASSES,
         "LAST_RAY_CROSSING_STEP": ROUND_OFF,

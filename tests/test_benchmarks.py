@@ -52,7 +52,7 @@ def test_a_ratio_is_the_median_of_neighbours():
     timed = iter([2.0, 4.0, 2.0, 9.0, 2.0])
     compared = iter([1.0, 2.0, 1.0, 1.0, 1.0])
     assert (
-        benchmarks.median_ratio_of_two_measured_times(
+        benchmarks.median_ratio_of_times_returned_by_two_functions(
             lambda: next(timed), lambda: next(compared), 5
         )
         == 2.0

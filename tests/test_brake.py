@@ -241,15 +241,15 @@ def test_the_frame_of_a_shoe_and_back_is_the_identity_and_keeps_lengths(origin, 
     frame = ShoeFrame(origin, sense)
     v = np.array([x, y])
     assert frame.convert_vectors_to_shoe_frame(
-        frame.convert_vectors_to_brake_frame(v)
+        frame.convert_vectors_from_shoe_to_brake_frame(v)
     ) == pytest.approx(v, abs=1e-12)
-    assert np.linalg.norm(frame.convert_vectors_to_brake_frame(v)) == pytest.approx(
+    assert np.linalg.norm(frame.convert_vectors_from_shoe_to_brake_frame(v)) == pytest.approx(
         np.linalg.norm(v), rel=1e-12
     )
     # The ray phi = 0.3 lies at theta = origin + sense 0.3.
     ray = np.array([math.cos(0.3), math.sin(0.3)])
     theta = float(frame.theta(np.array(0.3)))
-    assert frame.convert_vectors_to_brake_frame(ray) == pytest.approx(
+    assert frame.convert_vectors_from_shoe_to_brake_frame(ray) == pytest.approx(
         [math.cos(theta), math.sin(theta)], abs=1e-12
     )
 

@@ -11,7 +11,7 @@ import pytest
 from command_line import drumlin, process
 from conftest import STUDY
 from drumlin.brake.file import read_brake
-from drumlin.cli.terminal import print_table_of_compared_models
+from drumlin.cli.terminal import Column, _lines_of_printed_table, print_table_of_compared_models
 from drumlin.comparison import COLUMNS
 from drumlin.fem.solve import solve
 from drumlin.studies import paths_of_drumlin_studies
@@ -409,3 +409,10 @@ def test_an_unknown_study_is_refused_by_name():
     done = drumlin("study", "nothing")
     assert done.returncode == 2
     assert "double_shoe" in done.stderr
+
+
+def test_wide_letters_do_not_shift_the_columns_of_a_table():
+    names = ["日本語", "a\u0301b", "left"]
+    columns = [Column("shoe", "shoe", names, left=True), Column("torque", "T", ["1", "2", "3"])]
+    lines = _lines_of_printed_table(columns)
+    assert lines == ["shoe    T", "日本語  1", "a\u0301b      2", "left    3"]

@@ -83,7 +83,7 @@ def test_each_generator_repeats_itself_and_varies():
 @pytest.mark.slow
 @pytest.mark.parametrize("generator", ["sizes", "tables"])
 def test_a_process_of_its_own_ends_alike(generator):
-    given = trials.make_input_of_generator_with_number(generator, 0)
+    given = trials.make_numbered_input_of_generator(generator, 0)
     one, other = run_input_in_this_process(given), run_command_of_input_in_new_process(given)
     assert (one.status, one.err) == (other.status, other.err)
 
@@ -97,16 +97,16 @@ def test_words_that_no_process_can_be_given_are_tried_in_this_one():
         n
         for n in range(190)
         # The version is printed before other words are read.
-        if "--version" not in trials.make_input_of_generator_with_number("words", n).words
+        if "--version" not in trials.make_numbered_input_of_generator("words", n).words
         and not all(
             map(
                 trials.can_be_process_argument,
-                trials.make_input_of_generator_with_number("words", n).words,
+                trials.make_numbered_input_of_generator("words", n).words,
             )
         )
     ]
     assert {True, False} == {
-        bool(saying(trials.make_input_of_generator_with_number("words", n).words, "\0"))
+        bool(saying(trials.make_numbered_input_of_generator("words", n).words, "\0"))
         for n in numbers
     }
     assert [trials.run_and_judge_input("words", n, apart=True).status for n in numbers[:6]] == [

@@ -65,7 +65,7 @@ def test_the_mesh_fills_beam_block_and_lining_and_nothing_else():
     assert area["backing"] == pytest.approx(between, rel=1e-7)
     shoe, nodes = POST.shoes[0], {}
     for name, facets in mesh.boundaries.items():
-        nodes[name] = shoe.frame.convert_vectors_to_brake_frame(
+        nodes[name] = shoe.frame.convert_vectors_from_shoe_to_brake_frame(
             mesh.p[:, np.unique(mesh.facets[:, facets])].T
         )
     assert np.hypot(*nodes["contact"].T) == pytest.approx(2.0, rel=1e-12)

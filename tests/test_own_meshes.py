@@ -8,6 +8,7 @@ import pytest
 
 from drumlin import BadInput, vary
 from drumlin.cli.answer import print_response
+from drumlin.fem.error_control import degrees
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.mesh.content_of_file import largest_rounding_errors_of_coordinates
@@ -205,6 +206,19 @@ def test_rounded_coordinates_do_not_change_the_pressure(tmp_path, brake, shoe, d
     assert found.torque == pytest.approx(right.torque, rel=1e-3)
     assert found.shoes[0].peak_pressure == pytest.approx(right.shoes[0].peak_pressure, rel=5e-3)
     assert saying(found.notes, "were put on the drum")
+
+
+def test_nodes_that_were_put_on_the_drum_are_no_gap(tmp_path, brake, shoe, monkeypatch):
+    """Round-off of 1e-17 m in their distance once made every such file pay a further solve."""
+    path = tmp_path / "rounded.inp"
+    path.write_text(rounded(deck_of(tmp_path, shoe, brake.drum.radius, "quad2"), 3))
+    causes = []
+    monkeypatch.setattr(
+        degrees, "_errors_by_change_of_shape", lambda *given: causes.append(given[-1]) or 0.0
+    )
+    keys = {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"}
+    assert solve(vary(vary(brake, {"shoe": [shoe.model_dump()]}), keys)).error is not None
+    assert "without gaps below the rounding of coordinates" not in causes
 
 
 def straightened(text):

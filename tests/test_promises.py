@@ -35,7 +35,7 @@ def test_the_short_fault_study_finds_no_fault_and_shows_one(tmp_path):
 
 def test_a_wrong_table_is_a_fault(monkeypatch):
     """Of a damaged journal: the judge knows the right table."""
-    wrong = trials.make_input_of_generator_with_number("journals", 0)._replace(
+    wrong = trials.make_numbered_input_of_generator("journals", 0)._replace(
         right={"t.csv": b"case,\n"}
     )
     monkeypatch.setitem(trials.GENERATORS, "journals", (lambda _: wrong, ""))

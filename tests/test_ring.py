@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from conftest import STUDY
-from drumlin.base.errors import BadInput
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.fem.analysis.fields import (
@@ -213,6 +213,13 @@ def test_the_wide_columns_of_a_ring_change_p_less_than_its_error(monkeypatch):
         zone = length_of_uncompared_edge_zone(other.theta[-1] - other.theta[0])
         assert relative_distance_of_pressures(own, other, zone) < 0.2 * wide.error["pressure"]
     assert abs(wide.torque / fine.torque - 1) < 0.2 * wide.error["torque"]
+
+
+def test_a_ring_with_too_many_nodes_under_linings_is_refused(monkeypatch):
+    brake = draw_random_brake(7, "linings on ring")
+    monkeypatch.setattr(hp_ring, "MOST_RING_NODES", 20)
+    with pytest.raises(NoAnswer, match=r"the ring has .* more than the 20 that are allowed"):
+        solve(brake)
 
 
 def test_equal_shoes_around_a_free_ring_press_alike(monkeypatch):

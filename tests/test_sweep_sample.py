@@ -1,10 +1,12 @@
 """Sweeps that are certified by a sample: which cases it has, and what the other cases state."""
 
+import numpy as np
 import pytest
 
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.journal import Journal
+from drumlin.brake import read_any
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.estimate import (
     QUANTITIES,
@@ -214,6 +216,14 @@ def certificate_of_every_kind(monkeypatch):
         certifying, "_text_that_identifies_kind_of_case", lambda brake, changes, first: "a kind"
     )
     return Certificate(("a kind",), dict.fromkeys(QUANTITIES, 1e-3))
+
+
+def test_sample_on_a_plane_states_the_error_of_the_braking_force():
+    brake = read_any(STUDIES / "brakes" / "rail_clamp.toml")
+    first, last = solve_brake_on_first_level_without_error_estimate(brake), solve(brake)
+    (true,) = np.abs(np.subtract(first.effects, last.effects)) / last.effects
+    errors = errors_of_first_refinement_level(brake, first, last)
+    assert 0 < true < errors["torque"] < 1e-3
 
 
 def test_first_level_that_fails_for_want_of_memory_is_tried_again(monkeypatch):

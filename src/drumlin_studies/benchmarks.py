@@ -117,7 +117,7 @@ def measure_python_process_time(*arguments: str) -> float:
     return processor_time_of_ended_child_processes() - before
 
 
-def median_ratio_of_two_measured_times(
+def median_ratio_of_times_returned_by_two_functions(
     timed: Callable[[], float], compared: Callable[[], float], repeats: int = USUAL_REPEATS
 ) -> float:
     """Median of the ratio of two times: the time of `timed` divided by the time of `compared`.
@@ -155,7 +155,7 @@ def solve_times_over_fixed_calculation(repeats: int = USUAL_REPEATS) -> dict[str
     for name, call in calls.items():
         # The first call loads modules and is not timed.
         call()
-        ratios[name] = median_ratio_of_two_measured_times(
+        ratios[name] = median_ratio_of_times_returned_by_two_functions(
             partial(measure_processor_time, call), compared, repeats
         )
     return ratios
@@ -199,7 +199,7 @@ def command_times_over_import_time(repeats: int = USUAL_REPEATS) -> dict[str, fl
         "import drumlin": partial(measure_python_process_time, "-c", "import drumlin"),
     }
     return {
-        name: median_ratio_of_two_measured_times(timed, compared, repeats)
+        name: median_ratio_of_times_returned_by_two_functions(timed, compared, repeats)
         for name, timed in commands.items()
     }
 

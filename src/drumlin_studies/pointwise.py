@@ -204,7 +204,7 @@ def _solve_one_shoe_by_penalty(
     # Friction assists the actuation if, in a rotation about the pin, its work has the same sign as
     # the work of the actuation.
     assists = _work_of_friction_in_shoe_motion(points, p, turned) * moment > 0
-    to_brake, turn = shoe.frame.convert_vectors_to_brake_frame(reaction), float(u[-1])
+    to_brake, turn = shoe.frame.convert_vectors_from_shoe_to_brake_frame(reaction), float(u[-1])
     response = _shoe_response_from_quadrature_pressures(
         shoe, points, p, abs(drag), to_brake, assists, turn
     )

@@ -565,7 +565,11 @@ def _ring_stiffness_of_each_mode(
     weight = (through.weights * abs(half) * r)[:, None] * E / (1 - nu**2)
 
     def integrate_strain_products(a: Floats, b: Floats) -> Floats:
-        """Integrals through the thickness of the products of two strains, for each mode."""
+        """Integrals (m, 2 n, 2 n) of a b E/(1 - nu^2) r dr through the ring's thickness.
+
+        There is one integral for each of the m modes around the ring. `a` and `b` (m, q, 2 n) are
+        strains at q points of the thickness under unit displacements of the n nodes.
+        """
         return np.asarray(a.transpose(0, 2, 1) @ (weight * b))
 
     return (

@@ -159,7 +159,7 @@ def count_earlier_faults(checkout: Path, share: float = 1.0) -> dict[str, Any]:
         count = round(share * whole)
         found: Counter[str] = Counter()
         for number in range(count):
-            given = trials.make_input_of_generator_with_number(name, number)
+            given = trials.make_numbered_input_of_generator(name, number)
             # A damaged journal must be one of its own.
             if name == "journals":
                 rng = random.Random(f"{name} {number}")

@@ -71,7 +71,7 @@ class ShoeFrame(NamedTuple):
         """
         return self.sense * (np.asarray(theta) - self.origin)
 
-    def convert_vectors_to_brake_frame(self, vectors: Floats) -> Floats:
+    def convert_vectors_from_shoe_to_brake_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the shoe to the frame of the brake."""
         c, s = math.cos(self.origin), math.sin(self.origin)
         # The matrix rotates by the angle `origin`. With sense -1 it first mirrors the shoe's y.
@@ -80,7 +80,8 @@ class ShoeFrame(NamedTuple):
     def convert_vectors_to_shoe_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the brake to the frame of the shoe."""
         c, s = math.cos(self.origin), math.sin(self.origin)
-        # The transpose of the orthogonal matrix of `convert_vectors_to_brake_frame` is its inverse.
+        # The transpose of the orthogonal matrix of `convert_vectors_from_shoe_to_brake_frame` is
+        # its inverse.
         return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
 
 

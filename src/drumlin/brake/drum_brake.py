@@ -84,7 +84,7 @@ class DrumShoe(Shoe):
 
     def convert_points_to_brake_frame(self, xy: Floats) -> Floats:
         """Convert points (2, n) [m] from the frame of the shoe to the frame of the brake."""
-        return np.asarray(self.frame.convert_vectors_to_brake_frame(xy.T).T)
+        return np.asarray(self.frame.convert_vectors_from_shoe_to_brake_frame(xy.T).T)
 
     def points_at_depth_and_coordinate_phi(self, depth: Floats, phi: Floats, size: float) -> Floats:
         """Points (2, ...) [m] at a depth behind the friction surface and at angles phi.

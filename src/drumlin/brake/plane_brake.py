@@ -157,7 +157,7 @@ class FlatFrame(ShoeFrame):
     the lining, and the height above the plane.
     """
 
-    def convert_vectors_to_brake_frame(self, vectors: Floats) -> Floats:
+    def convert_vectors_from_shoe_to_brake_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the shoe to the frame of the brake."""
         # If the lining lies towards -x from the pin, the frame of the shoe is mirrored.
         return np.asarray(vectors) * np.array([float(self.sense), 1.0])
@@ -165,7 +165,7 @@ class FlatFrame(ShoeFrame):
     def convert_vectors_to_shoe_frame(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) from the frame of the brake to the frame of the shoe."""
         # Mirroring is its own inverse.
-        return self.convert_vectors_to_brake_frame(vectors)
+        return self.convert_vectors_from_shoe_to_brake_frame(vectors)
 
 
 class FlatShoe(Shoe):

@@ -3,6 +3,7 @@
 import shutil
 import sys
 import time
+import unicodedata
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from textwrap import fill
@@ -200,8 +201,26 @@ class Column(NamedTuple):
 
     @property
     def width(self) -> int:
-        """Number of characters of the widest line in the column's heading and cells."""
-        return max(len(line) for cell in (self.head, *self.cells) for line in cell.split("\n"))
+        """Width of the widest line in the column's heading and cells, in cells of the terminal."""
+        lines = [line for cell in (self.head, *self.cells) for line in cell.split("\n")]
+        return max(map(_width_on_terminal, lines))
+
+    def padded_to_width(self, word: str) -> str:
+        """A line of a cell with blanks up to the width of the column."""
+        blanks = " " * (self.width - _width_on_terminal(word))
+        return word + blanks if self.left else blanks + word
+
+
+def _width_on_terminal(text: str) -> int:
+    """The number of cells that a line of text takes on a terminal.
+
+    East Asian letters take two cells, and marks that combine with a letter take none.
+    """
+    width = 0
+    for letter in text:
+        if not unicodedata.combining(letter):
+            width += 2 if unicodedata.east_asian_width(letter) in {"W", "F"} else 1
+    return width
 
 
 def print_table_fitted_to_terminal(
@@ -248,7 +267,7 @@ def _lines_of_printed_table(columns: Collection[Column]) -> list[str]:
             for column, cell in zip(columns, cells, strict=True):
                 at = k - (height - len(cell)) * (number == 0)
                 word = cell[at] if 0 <= at < len(cell) else ""
-                words.append(word.ljust(column.width) if column.left else word.rjust(column.width))
+                words.append(column.padded_to_width(word))
             lines.append("  ".join(words).rstrip())
     return lines
 

@@ -511,7 +511,8 @@ def half_side_length_of_picture(brake: Brake) -> float:
     if brake.surface.is_plane_and_not_drum:
         xy = _points_that_plane_picture_must_hold(brake)
         return float(0.55 * np.ptp(xy, axis=0).max()) * PAGE_MM
-    # A slider enlarges the drum, and the picture keeps its scale.
+    # A slider can enlarge the drum, and the picture keeps its scale. The picture therefore has
+    # room for the largest drum.
     R = (1 + RADIUS_REACH) * brake.size
     room = []
     for shoe in brake.shoes:

@@ -893,12 +893,12 @@ def _response_of_shoe_in_brake_frame(
         torque=abs(drag) * float(body.coupling.lever @ dragging),
         normal_force=math.hypot(*acting.resultant_of_pressure[:2]),
         self_energising=_is_shoe_self_energising(solution),
-        hinge_reaction=frame.convert_vectors_to_brake_frame(acting.support_force),
+        hinge_reaction=frame.convert_vectors_from_shoe_to_brake_frame(acting.support_force),
         turn=frame.sense * float(modes.pin_motion[2] @ solution.coordinates),
         force=None if group.strut_and_cam_force_problem is None else solution.force,
         pivot_reaction=None
         if shoe.pivot is None
-        else -frame.convert_vectors_to_brake_frame(acting.force_of_drum[:2])
+        else -frame.convert_vectors_from_shoe_to_brake_frame(acting.force_of_drum[:2])
         - shoe.resultant_of_loads_besides_actuation[:2],
         reaction_moment=frame.sense * acting.guide_moment,
         supports=solution.support_forces,

@@ -228,8 +228,10 @@ def resultant_of_hinged_shoe_pressure(
     across = np.array([-along[1], along[0]])
     drag = factor * brake.signed_friction_stress_over_pressure(shoe)
     return Resultant(
-        normal=shoe.frame.convert_vectors_to_brake_frame(-shoe.sign * along),
-        friction=shoe.frame.convert_vectors_to_brake_frame(drag * shoe.frame.sense * across),
+        normal=shoe.frame.convert_vectors_from_shoe_to_brake_frame(-shoe.sign * along),
+        friction=shoe.frame.convert_vectors_from_shoe_to_brake_frame(
+            drag * shoe.frame.sense * across
+        ),
         moment=drag * force * float(load.total) * brake.size,
     )
 

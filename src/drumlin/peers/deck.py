@@ -180,7 +180,7 @@ def _shoe_mesh_in_form_of_calculix_deck(loaded: LoadedShoe) -> DeckGrid:
     if cell not in DECK_CELLS:
         raise BadInput("--kind: CalculiX gets quadratic elements only; allowed: quad2, tri2")
     kind, corners = DECK_CELLS[cell]
-    xy = shoe.frame.convert_vectors_to_brake_frame(parts.basis.doflocs.T) * MM_PER_METRE
+    xy = shoe.frame.convert_vectors_from_shoe_to_brake_frame(parts.basis.doflocs.T) * MM_PER_METRE
     cells = cells_with_nodes_counter_clockwise(
         xy, parts.basis.element_dofs.T[:, : 2 * corners], corners
     )
@@ -244,7 +244,9 @@ def _deck_lines_of_materials(loaded: LoadedShoe, setting: DeckSetting) -> list[s
         else:
             along = layers[part].along
             direction = (
-                None if along is None else loaded.shoe.frame.convert_vectors_to_brake_frame(along)
+                None
+                if along is None
+                else loaded.shoe.frame.convert_vectors_from_shoe_to_brake_frame(along)
             )
             lines += _deck_lines_of_orthotropic_material(material, times)
             lines += _deck_lines_of_orientation(f"O{name}", direction)
@@ -390,7 +392,7 @@ def _deck_lines_of_actuation(loaded: LoadedShoe, setting: DeckSetting, grid: Dec
         parts.basis, parts.mesh.boundaries["actuation"]
     )
     nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
-    forces = setting.thickness * loaded.shoe.frame.convert_vectors_to_brake_frame(
+    forces = setting.thickness * loaded.shoe.frame.convert_vectors_from_shoe_to_brake_frame(
         nodal + loaded.at_places
     )
     on_body = np.flatnonzero(loaded.at_places.any(axis=1))
@@ -410,7 +412,7 @@ def deck_lines_of_load_on_pin(
 ) -> list[str]:
     """The lines of a deck for the actuation as a force and a couple on the pin of a rigid shoe."""
     frame, size = loaded.shoe.frame, setting.thickness
-    force = size * frame.convert_vectors_to_brake_frame(loaded.force)
+    force = size * frame.convert_vectors_from_shoe_to_brake_frame(loaded.force)
     couple = size * frame.sense * loaded.couple * MM_PER_METRE
     lines = [f"{grid.pin}, {c + 1}, {force[c]:.12e}" for c in range(2)]
     return [*lines, f"{grid.turn}, 1, {couple:.12e}"]

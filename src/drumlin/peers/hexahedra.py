@@ -215,7 +215,7 @@ def hexahedra_with_twenty_nodes_in_vtk_order(cells: Ints) -> Ints:
     return np.asarray(cells[same.argmax(axis=1)].T)
 
 
-def nodes_over_width_of_boundary(solid: Solid, boundary: str, part: str) -> Ints:
+def nodes_of_boundary_over_width_of_part(solid: Solid, boundary: str, part: str) -> Ints:
     """The nodes (n, m) of a solid on a boundary of its section, over the width of a part.
 
     There is a row for each of the n nodes of the boundary in the section, and a column for each of
@@ -232,7 +232,7 @@ def solid_nodes_that_move_with_pin(solid: Solid, shoe: Shoe) -> Ints:
     back of the backing, or on the back of the lining if there is no backing.
     """
     held = "lining" if shoe.backing is None else "backing"
-    return nodes_over_width_of_boundary(
+    return nodes_of_boundary_over_width_of_part(
         solid, "hinge", held if shoe.body is None else "shoe"
     ).ravel()
 
@@ -246,7 +246,7 @@ def nodal_forces_of_unit_loads_on_solid_end(solid: Solid) -> Floats:
     edges = solid.section.boundaries["actuation"]
     line, _ = nodal_forces_of_unit_end_loads_and_end_centre(solid.plane, edges)
     nodes = np.unique(nodes_along_element_edges(solid.plane, edges))
-    numbers = nodes_over_width_of_boundary(solid, "actuation", "shoe")
+    numbers = nodes_of_boundary_over_width_of_part(solid, "actuation", "shoe")
     z = solid.z[: numbers.shape[1]]
     # The integrals of the quadratic shape functions across the width are the weights of Simpson's
     # rule.

@@ -342,7 +342,7 @@ def shoe_response_and_imbalance_from_peer_forces(
     shoe, frame, tests = loaded.shoe, loaded.shoe.frame, loaded.tests
     load = loaded.actuation_resultant_about_pin
     reaction = forces.held if loaded.does_actuation_act_on_body_end else forces.held - load
-    drag = _friction_force_and_moment_about_pin(loaded, forces)
+    drag = _friction_force_and_moment_about_pin_from_peer_forces(loaded, forces)
     response = response_of_pressed_elastic_shoe(
         shoe,
         loaded.radius / frame.unit,
@@ -352,9 +352,9 @@ def shoe_response_and_imbalance_from_peer_forces(
         torque=forces.torque,
         normal_force=float(np.linalg.norm(forces.normal)),
         self_energising=float(tests[0] @ drag) * float(loaded.work[0]) > 0,
-        hinge_reaction=frame.convert_vectors_to_brake_frame(reaction[:2]),
+        hinge_reaction=frame.convert_vectors_from_shoe_to_brake_frame(reaction[:2]),
         turn=frame.sense * float(amounts @ loaded.motions[:, 2]),
-        pivot_reaction=frame.convert_vectors_to_brake_frame(forces.held[:2])
+        pivot_reaction=frame.convert_vectors_from_shoe_to_brake_frame(forces.held[:2])
         if shoe.pivot is not None
         else None,
         reaction_moment=frame.sense * float(reaction[2]) if shoe.guide is not None else 0.0,
@@ -368,7 +368,9 @@ def shoe_response_and_imbalance_from_peer_forces(
     return replace(response, contact_arcs=arcs), _imbalance_of_peer_forces(loaded, forces, load)
 
 
-def _friction_force_and_moment_about_pin(loaded: LoadedShoe, forces: PeerForces) -> Floats:
+def _friction_force_and_moment_about_pin_from_peer_forces(
+    loaded: LoadedShoe, forces: PeerForces
+) -> Floats:
     """The friction force x, y [N] on a shoe, and its moment about the pin [N m], as (3,).
 
     On a drum the moment follows from the torque about the drum's centre.

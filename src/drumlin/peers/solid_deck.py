@@ -48,7 +48,7 @@ from drumlin.peers.hexahedra import (
     hexahedra_with_twenty_nodes_in_vtk_order,
     mesh_of_half_solid_shoe,
     nodal_forces_of_unit_loads_on_solid_end,
-    nodes_over_width_of_boundary,
+    nodes_of_boundary_over_width_of_part,
     solid_nodes_that_move_with_pin,
 )
 from drumlin.peers.peer import (
@@ -220,7 +220,7 @@ def deck_text_of_half_solid_shoe(
     # lining or backing is bonded to the shoe, are fixed along z as well.
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
-    face = nodes_over_width_of_boundary(solid, "contact", "lining")
+    face = nodes_of_boundary_over_width_of_part(solid, "contact", "lining")
     lines = [
         *deck_header_lines(brake, loaded, setting, name),
         "** half of the shoe, z >= 0: what is called thickness above is that half",
@@ -253,7 +253,8 @@ def _points_and_cells_in_brake_frame(shoe: Shoe, solid: Solid) -> tuple[Floats, 
     """
     x = solid.basis.doflocs
     points = (
-        np.column_stack([shoe.frame.convert_vectors_to_brake_frame(x[:2].T), x[2]]) * MM_PER_METRE
+        np.column_stack([shoe.frame.convert_vectors_from_shoe_to_brake_frame(x[:2].T), x[2]])
+        * MM_PER_METRE
     )
     cells = hexahedra_with_twenty_nodes_in_vtk_order(solid.basis.element_dofs)
     return points, hexahedra_turned_to_positive_volume(points, cells)
@@ -351,7 +352,7 @@ def _deck_lines_of_half_solid_shoe_actuation(
         return deck_lines_of_load_on_pin(loaded, setting, grid)
     unit = nodal_forces_of_unit_loads_on_solid_end(solid)
     nodal = (unit @ np.array([*loaded.force, loaded.couple]))[:, :2]
-    forces = setting.thickness * loaded.shoe.frame.convert_vectors_to_brake_frame(
+    forces = setting.thickness * loaded.shoe.frame.convert_vectors_from_shoe_to_brake_frame(
         _forces_moved_from_face_middles(solid, nodal)
     )
     return deck_lines_of_nodal_forces(forces, np.flatnonzero(forces.any(axis=1)))

@@ -37,7 +37,7 @@ from drumlin.sweeps.certificate import (
     FIRST_LEVEL,
     Certificate,
     SampleMember,
-    kind_and_first_level_errors_of_sample_member,
+    kind_and_first_level_errors_of_sample_case_from_responses,
     response_certified_by_sample,
 )
 from drumlin.sweeps.workers import SayLine, message_on_waiting_for_workers
@@ -199,7 +199,7 @@ def _solve_case_and_return_results(case: SweepCase, cache: Cache | None) -> Row:
         return row
     row = {"status": row["status"], CERTIFIED: "itself"} | row
     if first and response.converged:
-        row[FIRST_LEVEL] = kind_and_first_level_errors_of_sample_member(
+        row[FIRST_LEVEL] = kind_and_first_level_errors_of_sample_case_from_responses(
             brake, case.changes, first[0], response
         )
     return row

@@ -91,7 +91,7 @@ def certificate_of_sample(rows: Iterable[Mapping[str, Any]]) -> Certificate:
     return Certificate(tuple(kinds), largest)
 
 
-def kind_and_first_level_errors_of_sample_member(
+def kind_and_first_level_errors_of_sample_case_from_responses(
     brake: Brake, changes: Mapping[str, Any], first: Response, last: Response
 ) -> dict[str, Any]:
     """The kind of a case in the sample, and the errors of its first level by name.

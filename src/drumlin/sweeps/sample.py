@@ -75,7 +75,7 @@ def positions_of_sample_cases(
     for k in range(drawn):
         block = own[k * len(own) // drawn : (k + 1) * len(own) // drawn]
         positions.add(rng.choice(block))
-    return tuple(sorted(positions | _positions_of_extreme_values(cases, own)))
+    return tuple(sorted(positions | _positions_of_cases_with_extreme_varied_values(cases, own)))
 
 
 def _number_of_cases_to_draw(certify: str | int, count: int, shown: str) -> int:
@@ -118,7 +118,9 @@ def _require_levels_that_sample_can_certify(
         raise BadInput(f"{shown}: does not go with mesh files")
 
 
-def _positions_of_extreme_values(cases: Sequence[SweepCase], own: Sequence[int]) -> set[int]:
+def _positions_of_cases_with_extreme_varied_values(
+    cases: Sequence[SweepCase], own: Sequence[int]
+) -> set[int]:
     """The positions of the cases with the smallest and the largest value of each varied number.
 
     Of several cases with this value the first one counts. Only the cases at the positions `own`,
@@ -217,7 +219,7 @@ def _reason_why_sample_must_not_certify_cases(
     """
     solved = {i for i, row in zip(sample, rows_of_sample, strict=True) if FIRST_LEVEL in row}
     own = [i for i, case in enumerate(cases) if case.model == "fem"]
-    missing = sorted(_positions_of_extreme_values(cases, own) - solved)
+    missing = sorted(_positions_of_cases_with_extreme_varied_values(cases, own) - solved)
     if missing:
         return f"case {missing[0]}, which has an extreme value, has no errors of its first level"
     if len(solved) < SMALLEST_SAMPLE:

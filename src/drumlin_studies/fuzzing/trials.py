@@ -115,7 +115,7 @@ COUNTED_STATUSES = {"answers": 0, "refused": 2, "no answer": 3}
 """The exit statuses of runs that end well, by the name of the table's column that counts them."""
 
 
-def make_input_of_generator_with_number(generator: str, number: int) -> BrokenInput:
+def make_numbered_input_of_generator(generator: str, number: int) -> BrokenInput:
     """Make input number `number` of a generator. The same number gives the same input."""
     return GENERATORS[generator][0](random.Random(f"{generator} {number}"))
 
@@ -127,7 +127,7 @@ def run_and_judge_input(generator: str, number: int, apart: bool = False) -> Inp
     """
     # A command line with a NUL byte or a letter outside of UTF-8 cannot start a new process. It
     # runs in this process.
-    given = make_input_of_generator_with_number(generator, number)
+    given = make_numbered_input_of_generator(generator, number)
     apart = apart and all(map(can_be_process_argument, given.words))
     end = run_command_of_input_in_new_process(given) if apart else run_input_in_this_process(given)
     fault = describe_fault_of_run(given, end)

@@ -115,7 +115,7 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     if shoe.abutment is not None:
         nodal = T.reshape(n, -1, 2).sum(axis=1)
         bearing = (
-            -shoe.frame.convert_vectors_to_brake_frame(nodal)
+            -shoe.frame.convert_vectors_from_shoe_to_brake_frame(nodal)
             @ shoe.unit_vector_of_smooth_abutment_force
         )
     effects = group.contact_effects_of_each_actuation_force(0.0)[k]

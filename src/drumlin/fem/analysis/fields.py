@@ -319,7 +319,7 @@ def _stress_and_displacement_fields_in_brake_frame(
         first += len(part.nodes)
     all_nodes = np.concatenate(nodes)
     xy = basis.doflocs[:, all_nodes]
-    to_brake = place.frame.convert_vectors_to_brake_frame
+    to_brake = place.frame.convert_vectors_from_shoe_to_brake_frame
     # Stresses are tensors: both of their indices turn with the frame.
     turn = to_brake(np.eye(2))
     rotated = np.einsum("ia,nij,jb->nab", turn, np.concatenate(stresses), turn)

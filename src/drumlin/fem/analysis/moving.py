@@ -201,7 +201,7 @@ def _shoe_nodes_and_nodal_forces_in_brake_frame(
     nodes = scene.nodes_of_changed_shoe(i, shoe)
     return BodyNodes(
         shoe.convert_points_to_brake_frame(nodes.xy),
-        shoe.frame.convert_vectors_to_brake_frame(nodes.load.T).T,
+        shoe.frame.convert_vectors_from_shoe_to_brake_frame(nodes.load.T).T,
     )
 
 

@@ -525,10 +525,10 @@ class _TorqueSlopesOfShoe:
         # `of_gaps` is the resultant of the adjoint contact forces, `of_drum` of the forces of the
         # drum, and `push` of the actuation force.
         of_gaps = resultant_force_and_moment(
-            shoe.frame.convert_vectors_to_brake_frame(on_gaps.reshape(-1, 2)), xy.T
+            shoe.frame.convert_vectors_from_shoe_to_brake_frame(on_gaps.reshape(-1, 2)), xy.T
         )
         of_drum = resultant_force_and_moment(
-            shoe.frame.convert_vectors_to_brake_frame(by_drum.reshape(-1, 2)), xy.T
+            shoe.frame.convert_vectors_from_shoe_to_brake_frame(by_drum.reshape(-1, 2)), xy.T
         )
         sign = math.copysign(1.0, shoe.actuation.force)
         push = resultant_force_and_moment(
@@ -620,7 +620,9 @@ class _TorqueSlopesOfShoe:
         value += float(own.gap_multipliers @ (closing - coupling.M @ (gap + squeezed)))
         value += float(nodal @ (v - aside * (turns @ own.equilibrium_multipliers)))
         # A strut pushes the next shoe with the component of these nodal forces along the strut.
-        whole = shoe.frame.convert_vectors_to_brake_frame(nodal.reshape(-1, 2).sum(axis=0))
+        whole = shoe.frame.convert_vectors_from_shoe_to_brake_frame(
+            nodal.reshape(-1, 2).sum(axis=0)
+        )
         for to in self._indices_of_shoes_pushed_by_struts():
             value -= self.adjoint.shoes[to].force_multiplier * float(
                 whole @ shoe.unit_vector_of_smooth_abutment_force

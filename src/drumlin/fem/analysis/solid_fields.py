@@ -155,7 +155,7 @@ def _recover_stresses_in_half_of_solid_shoe(
         np.concatenate([getattr(part, name) for part in parts]) for name in ("nodes", "z", "stress")
     )
     moved = np.concatenate([part.displacement for part in parts])
-    to_brake = shoe.frame.convert_vectors_to_brake_frame
+    to_brake = shoe.frame.convert_vectors_from_shoe_to_brake_frame
     points = np.column_stack(
         [shoe.convert_points_to_brake_frame(unknowns.grid.doflocs[:, nodes]).T, z]
     )
@@ -326,7 +326,7 @@ def stress_components_in_brake_frame(stress: Floats, frame: ShoeFrame) -> Floats
     """
     # Stresses are tensors: both of their indices turn with the frame.
     turn = np.eye(3)
-    turn[:2, :2] = frame.convert_vectors_to_brake_frame(np.eye(2))
+    turn[:2, :2] = frame.convert_vectors_from_shoe_to_brake_frame(np.eye(2))
     turned = np.einsum("ia,nij,jb->nab", turn, stress, turn, optimize=True)
     rows, columns = [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]
     return np.asarray(turned[:, rows, columns])

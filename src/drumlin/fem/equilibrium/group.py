@@ -48,9 +48,9 @@ that leaves its abutment and comes back within a step goes unnoticed; a smaller 
 CHECK_DISTANCE_FROM_POLE = 1e-4
 """Relative distance below the limit of self-locking at which feet, cam and struts are last checked.
 
-The limit is the friction coefficient at which the pressures would be infinite. A foot that begins
-to slide nearer to the limit moves the limit by less than this fraction, which is the last of the
-four digits that are printed.
+The limit is the friction coefficient at which the pressures would be infinite. If a foot begins to
+slide at a friction coefficient still nearer to the limit, the limit changes by less than this
+fraction, which is the last of the four digits that are printed.
 """
 
 
@@ -343,7 +343,8 @@ class ShoeGroup(GroupProblems):
                 push + shoe.resultant_of_loads_besides_actuation[:2] / self.largest_actuation_force
             )
         return np.asarray(
-            -shoe.frame.convert_vectors_to_brake_frame((drag * dragged - normal)[:2]) - push
+            -shoe.frame.convert_vectors_from_shoe_to_brake_frame((drag * dragged - normal)[:2])
+            - push
         )
 
     def _error_text_if_shoe_on_abutment_locks(self) -> str:

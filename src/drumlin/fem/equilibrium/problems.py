@@ -193,7 +193,7 @@ class GroupProblems(GroupState):
             )
         if shoe.abutment is not None:
             bearing = (
-                -shoe.frame.convert_vectors_to_brake_frame(contact)
+                -shoe.frame.convert_vectors_from_shoe_to_brake_frame(contact)
                 @ shoe.unit_vector_of_smooth_abutment_force
             )
             direct = -float(

@@ -9,6 +9,7 @@ lifted off, or at a new opening, the pressure has a singular point that the samp
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -91,8 +92,7 @@ def solve_on_levels_and_hand_out_first(
     respond : function that computes the response on a prepared model
     cache : keeps the condensed bodies of earlier solves
     use : called with the response that `solve_brake_on_first_refinement_level` would return; not
-    called if the first
-        level has no solution
+        called if the first level has no solution
 
     Raises
     ------
@@ -112,13 +112,25 @@ def errors_of_first_refinement_level(
     """The errors of the response on the first level, from its distance to the last level.
 
     The errors are relative and have the names of QUANTITIES. Errors at singular points, by the
-    penalty and by round-off are not included.
+    penalty and by round-off are not included. On a plane the errors of the torque are those of the
+    braking force.
     """
+    first, last = map(_response_with_braking_forces_as_torques, (first, last))
     moved = relative_differences_of_responses_on_two_levels(brake, first, last)
     factors = FIRST_LEVEL_FACTORS.safety_factors_of_level_differences(len(last.shoes))
     found = factors * moved.steps + FIRST_LEVEL_FACTORS.cancelled * moved.chance
     worst = np.reshape(found[1:], (-1, len(QUANTITIES))).max(axis=0).tolist()
     return dict(zip(QUANTITIES, worst, strict=True)) | {"torque": float(found[0])}
+
+
+def _response_with_braking_forces_as_torques(response: Response) -> Response:
+    """A copy of a response in which shoes on a plane have their braking force [N] as torque.
+
+    A level of a solve has the force there. The figures of merit, which a finished solve adds, take
+    the force over and leave a torque of 0.
+    """
+    shoes = zip(response.shoes, response.effects, strict=True)
+    return replace(response, shoes=tuple(replace(shoe, torque=effect) for shoe, effect in shoes))
 
 
 def first_level_response_with_errors_of_sample(

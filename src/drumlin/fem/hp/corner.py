@@ -444,7 +444,7 @@ def corners_with_unbounded_pressure(
 def _shoe_response_with_one_corner_power_law(
     response: ShoeResponse, corner: UnboundedCorner, unit: float
 ) -> ShoeResponse:
-    """The response of a shoe with a power law for the pressure p near one corner of its lining.
+    """The response of a shoe whose pressure near one corner of its lining is now a power law.
 
     `unit` is the change of the surface's coordinate theta (on a plane x) per radian of the shoe's
     angle phi.

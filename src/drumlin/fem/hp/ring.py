@@ -80,6 +80,12 @@ brakes with rings (seeds 0 to 7 of each of the three kinds), the error of p was 
 the error with the lining's columns; with 0.3 it was up to 2.7 times as large. Smaller values give
 the ring more columns, and the solve takes more time.
 """
+MOST_RING_NODES = 3000
+"""Largest number of the ring's nodes under linings; a ring with more is refused.
+
+The dense matrices of the ring have two rows for each node, and with more nodes they take gigabytes
+of memory. Beside a mesh file the ring has columns where the edges of the mesh end.
+"""
 FULL_TURN = 2 * math.pi
 """The angle of a whole turn [rad]."""
 SAME_ANGLE = 1e-9
@@ -278,6 +284,11 @@ def condensed_ring_in_hp_elements(
     level : degree of the elements, and sizes of columns and layers
     linings : contact line of each lining, in its shoe's frame
     singular_layer_size : upper limit of the size of the thinnest layer of elements [m]
+
+    Raises
+    ------
+    NoAnswer
+        if more than MOST_RING_NODES of the ring's nodes lie under linings
     """
     # `reason_why_brake_is_not_modelled` refuses brakes without a section before, so that the
     # assertion holds.
@@ -292,6 +303,11 @@ def condensed_ring_in_hp_elements(
     div = divide_ring_into_hp_elements(
         ring.section, radius, ends, level, singular_layer_size, widening
     )
+    if len(div.contact_nodes) > MOST_RING_NODES:
+        raise NoAnswer(
+            f"the ring has {len(div.contact_nodes)} nodes under the linings, more than the "
+            f"{MOST_RING_NODES} that are allowed: the contact nodes of a mesh file are too many"
+        )
     # A free ring has no support. Loads spread over its rim balance the forces of the linings.
     free = ring.support == "free"
     grid = element_grid_of_whole_drum_ring(radius, sign, div)

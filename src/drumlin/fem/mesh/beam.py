@@ -94,7 +94,9 @@ def relative_depth_in_block_of_beam_shoe(shoe: Shoe, radius: float, points: Floa
     # `reason_why_beam_shoe_cannot_be_meshed` has refused beams without a section before this call.
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
-    at = shoe.frame.convert_vectors_to_brake_frame(np.moveaxis(points, 0, -1)) - axis.hinge
+    at = (
+        shoe.frame.convert_vectors_from_shoe_to_brake_frame(np.moveaxis(points, 0, -1)) - axis.hinge
+    )
     x, y = at @ axis.along, at @ axis.towards
     back = radius + shoe.lining.thickness
     beam_face = shoe.body.section.thickness / 2

@@ -148,7 +148,9 @@ def contact_offsets_in_order_of_angle(mesh: Any, shoe: Shoe, radius: float) -> F
     radius : radius of the drum [m]; on a plane the length of the pad
     """
     exact = np.zeros(mesh.doflocs.shape)
-    return _contact_nodes_in_order_of_angle(mesh, exact, shoe, radius).off
+    off = _contact_nodes_in_order_of_angle(mesh, exact, shoe, radius).off
+    # Nodes that were put on the drum lie off it by round-off, which is no gap.
+    return np.where(np.abs(off) <= COORDINATE_ROUND_OFF * radius, 0.0, off)
 
 
 def _contact_nodes_in_order_of_angle(

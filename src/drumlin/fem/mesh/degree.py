@@ -366,7 +366,9 @@ def _node_places_along_side_and_shares_of_its_move(
 
     When a side is moved, each node follows the move of one place on the side. The first result
     (nodes,) is this place, from -1 at corner a to 1 at corner b. The second result (nodes,) is the
-    fraction of the move that the node takes: 1 on the side itself, and 0 on all other sides.
+    fraction of the move that the node takes. It is 1 on the side itself, and falls to 0 at the
+    opposite side of a quadrilateral or at the two other sides of a triangle. Only the fractions of
+    nodes inside the element are used.
     """
     if elem.corners == 3:
         x, y = elem.doflocs.T

@@ -401,7 +401,7 @@ def _contact_line_of_several_linings(
     """The contact lines of several linings of one degree as one line, in the brake's frame."""
     firsts = np.cumsum([0, *(len(lining.nodes) for lining in linings[:-1])])
     xy = [
-        shoe.frame.convert_vectors_to_brake_frame(lining.xy.T).T
+        shoe.frame.convert_vectors_from_shoe_to_brake_frame(lining.xy.T).T
         for shoe, lining in zip(shoes, linings, strict=True)
     ]
     pieces = [lining.pieces + first for lining, first in zip(linings, firsts, strict=True)]

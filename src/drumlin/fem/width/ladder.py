@@ -355,7 +355,8 @@ def _tolerance_left_for_width(tolerance: float, section_error: float) -> float:
     """The relative error that the degree across the width may make, beside the section's error.
 
     It is the rest of the tolerance. If the section leaves less than LEAST_WIDTH_SHARE of the
-    tolerance, the tolerance is out of reach, and the width keeps the share of a solve within it.
+    tolerance, higher degrees would be tried for an error that is hardly reachable. The width then
+    keeps its share of a solve within the tolerance, and the tolerance is mostly missed.
     """
     rest = tolerance - section_error
     return rest if rest >= LEAST_WIDTH_SHARE * tolerance else (1 - SECTION_SHARE) * tolerance

@@ -55,9 +55,9 @@ LARGEST_WIDTH_DEGREE = 9
 The Gauss rule over the width is exact for products of two polynomials up to degree 11.
 """
 INTERIOR = "interior fields: recovered only for a file or a picture"
-"""Message of a prepared model with widths: it has no displacements and stresses inside bodies."""
+"""Message that a prepared model of solid shoes has no displacements and stresses inside bodies."""
 OTHER_HALF = "the other half of each shoe: symmetric"
-"""Message of a prepared model with widths: it has one half of each shoe, beside the mid-plane."""
+"""Message that a prepared model of solid shoes has only one half of each, beside the mid-plane."""
 
 MakeFunctions = Callable[[Shoe], WidthFunctions]
 """The type of a function that returns the functions of z across the width of a given shoe."""
