@@ -1,5 +1,6 @@
 """Reading and writing files: replaced files, protected ones, pipes and limits of size."""
 
+import math
 import os
 import signal
 import stat
@@ -377,6 +378,9 @@ def test_lines_for_people_are_printable_and_short():
 
 def test_texts_are_limited_before_a_parser_sees_them():
     check_numbers_have_few_digits("9" * MOST_DIGITS)
+    assert math.isfinite(float(int("9" * MOST_DIGITS)))
+    with pytest.raises(OverflowError):
+        float(10 ** (MOST_DIGITS + 1))
     for text in ("9" * (MOST_DIGITS + 1), "x = 1" + "_1" * MOST_DIGITS):
         with pytest.raises(ValueError, match="digits"):
             check_numbers_have_few_digits(text)

@@ -2,6 +2,8 @@
 
 import math
 import re
+import sys
+import types
 from pathlib import Path
 
 import meshio
@@ -197,7 +199,8 @@ def test_a_table_goes_to_pandas(brake):
     [
         (None, "vary: is missing"),
         ({}, "vary: must be a dict of keys and their values"),
-        ({"frction": [1]}, "vary: frction: unknown key"),
+        ({"frction": [1]}, r"vary: frction: unknown key 'frction' \(did you mean 'friction'\?\)"),
+        ({"drum.diameter": [0.3]}, "unknown key 'diameter' .write 'radius', half of the diameter."),
         ({"friction": 0.3}, r"vary\['friction'\] = 0.3: must be a list or an array"),
         ({"friction": "0.3"}, r"vary\['friction'\] = '0.3': must be a list or an array"),
         ({"friction": [-1.0]}, "friction = -1"),
@@ -251,6 +254,50 @@ def test_numbers_of_failed_cases_are_not_counted_nor_drawn():
     for x, y in (("model", ""), ("friction", "status")):
         with pytest.raises(drumlin.BadInput, match="has texts; only numbers can be drawn"):
             table.plot(x, y)
+
+
+def test_a_data_frame_has_no_numbers_of_failed_cases(monkeypatch):
+    """Its columns are those of the table; a stub stands in for pandas, which few have."""
+
+    class Stub:
+        """A data frame that keeps what it was made from."""
+
+        def __init__(self, records, columns):
+            self.records, self.columns = records, columns
+
+    monkeypatch.setitem(sys.modules, "pandas", types.SimpleNamespace(DataFrame=Stub))
+    rows = []
+    for torque, status in ((1.0, "solved"), (1e9, "failed: not converged")):
+        rows.append({"model": "fem", "friction": 0.3, "torque [N m]": torque, "status": status})
+    table = SweepTable("title", rows, ["friction"])
+    frame = table.to_pandas()
+    assert frame.columns == table.headings
+    for name in ("model", "friction", "torque [N m]", "status"):
+        np.testing.assert_array_equal([row[name] for row in frame.records], table[name])
+    assert table.rows[1]["torque [N m]"] == 1e9
+
+
+# Python writes integers of up to some 4300 digits; no floating-point number has 350.
+@pytest.mark.parametrize("digits", [350, 5000])
+@pytest.mark.parametrize(
+    ("where", "call"),
+    [
+        (r"vary\['friction'\]", lambda b, n: drumlin.sweep(b, {"friction": [0.3, n]})),
+        (r"vary\['friction'\]", lambda b, n: drumlin.sweep(b, {"friction": np.array([0.3, n])})),
+        ("jobs", lambda b, n: drumlin.sweep(b, {"friction": [0.3]}, jobs=n)),
+        (r"model\['fem'\]", lambda b, n: drumlin.sweep(b, {}, model={"fem": {"penalty": n}})),
+        ("elements", lambda b, n: drumlin.solve(b, elements=n)),
+        ("tolerance", lambda b, n: drumlin.solve(b, tolerance=-n)),
+        ("penalty", lambda b, n: drumlin.solve(b, penalty=n)),
+        ("across", lambda b, n: drumlin.solve(b, "solid", across=n)),
+        ("distance", lambda b, n: drumlin.wear(b, distance=n)),
+        ("repeats", lambda b, n: drumlin.compare(b, "", n)),
+        ("torque", lambda b, n: drumlin.size(b, "friction", torque=n)),
+    ],
+)
+def test_integers_of_too_many_digits_are_refused_in_one_line(brake, digits, where, call):
+    with pytest.raises(drumlin.BadInput, match=f"^{where}.* = .*: must have at most 308 digits$"):
+        call(brake, 10**digits)
 
 
 def test_functions_are_swept(brake):

@@ -110,6 +110,25 @@ def test_a_sweep_says_that_a_law_does_not_use_a_key(here):
     assert sine in repr(table) and sine in table._repr_html_()
 
 
+@pytest.mark.parametrize(
+    ("combine", "forces", "torques"),
+    [
+        ("grid", ["0 N", "300 N"], 3),
+        # The force is zero in the first and the last case, not in cases between.
+        ("grid", ["0 N", "300 N", "0 N"], 3),
+        # No two cases differ in the direction alone, and the last case has a force.
+        ("zip", ["0 N", "300 N"], 2),
+    ],
+)
+def test_a_key_with_an_effect_only_beside_another_key_has_no_note(here, combine, forces, torques):
+    """The direction of a further force changes the torque where the force is not zero."""
+    load = {"force": 0.0, "direction": 0.0, "point": {"x": 0.05, "y": 0.02}}
+    brake = drumlin.vary(drumlin.example("double_shoe"), {"shoe.force": [load]})
+    keys = {"shoe[0].force[0].force": forces, "shoe[0].force[0].direction": ["0 deg", "60 deg"]}
+    table = drumlin.sweep(brake, keys, model="sine", combine=combine)
+    assert len(set(table["torque"].round(6))) == torques and not table.notes
+
+
 def test_a_table_in_a_pipe_has_all_its_columns(here, monkeypatch):
     """On a terminal of 40 columns some are left out, in a pipe none, however long the names are."""
     monkeypatch.delenv("COLUMNS", raising=False)

@@ -60,6 +60,7 @@ def _make_public_function_that_rewords_errors(
     The packages that do the work write their messages for the command line. The command line calls
     the same public functions, and prints the original messages.
     """
+    names = tuple(inspect.signature(function).parameters)
 
     @wraps(function)
     def function_that_rewords_errors(
@@ -67,12 +68,31 @@ def _make_public_function_that_rewords_errors(
     ) -> Result:
         """Call the function, and name Python arguments in the errors that it raises."""
         try:
+            _check_integers_of_arguments_have_few_digits(names, arguments, options)
             return function(*arguments, **options)
         except DrumlinError as error:
             error.replace_options_by_python_arguments_in_message()
             raise
 
     return function_that_rewords_errors
+
+
+def _check_integers_of_arguments_have_few_digits(
+    names: Sequence[str], arguments: Sequence[object], options: Mapping[str, object]
+) -> None:
+    """Raise BadInput if an argument has an integer that no floating-point number can hold.
+
+    `names` are the names of the function's parameters, of which `arguments` has the first values.
+    `options` has the arguments that are given by name.
+    """
+    from drumlin.base.texts import check_integers_have_few_digits
+
+    # Too many arguments are left to Python, which refuses them when it calls the function.
+    for name, value in (*zip(names, arguments, strict=False), *options.items()):
+        try:
+            check_integers_have_few_digits(name, value)
+        except ValueError as error:
+            raise BadInput(str(error)) from None
 
 
 class _Source(NamedTuple):

@@ -7,18 +7,19 @@ import difflib
 import re
 import shlex
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import PurePath
 
 LONGEST_LINE = 600
 """Longest error message in characters. A longer message is printed without its middle."""
 LONGEST_QUANTITY = 100
 """Longest text of a number with its unit in a brake file, in characters; longer is refused."""
-MOST_DIGITS = 400
-"""Largest number of consecutive digits of a number in a file; a number with more is refused.
+MOST_DIGITS = 308
+"""Largest number of consecutive digits of a number in a file, and of an integer in Python.
 
-The largest floating-point number is about 1e308, and the time to parse a number grows with the
-square of its digits.
+A number with more digits is refused. The largest floating-point number is about 1.8e308: an integer
+of 308 digits can be converted to it, one of 310 digits cannot. The time to parse a number grows
+with the square of its digits.
 """
 MOST_KEY_PARTS = 16
 """Largest number of parts of a dotted key a.b.c in a file; a key with more is refused.
@@ -32,6 +33,8 @@ _THOUSANDS = re.compile(r"e\+0[0-6]$")
 _NOTHING = re.compile(r"[-+]0(\.0*)?%?")
 # The pattern matches a number with too many digits; TOML allows _ between digits.
 _DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
+# The smallest integer with too many digits.
+_TOO_LARGE = 10**MOST_DIGITS
 # The pattern matches one part of a dotted TOML key: a bare word, or a text in quotes.
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 # The pattern matches a dotted key with any number of parts, or a whole comment, so that words in a
@@ -116,6 +119,27 @@ def check_numbers_have_few_digits(text: str) -> None:
     """Raise ValueError if the text has a number with more than MOST_DIGITS consecutive digits."""
     if _DIGITS.search(text):
         raise ValueError(f"has a number of more than {MOST_DIGITS} digits")
+
+
+def check_integers_have_few_digits(where: str, value: object) -> None:
+    """Raise ValueError if a value, or a value in its lists and tables, is too large an integer.
+
+    An integer may have MOST_DIGITS digits. `where` is the name of the value in the message.
+    """
+    if isinstance(value, int):
+        if abs(value) >= _TOO_LARGE:
+            raise ValueError(
+                f"{where} = {value_as_text(value)}: must have at most {MOST_DIGITS} digits"
+            )
+    elif isinstance(value, Mapping):
+        for key, entry in value.items():
+            check_integers_have_few_digits(f"{where}[{key!r}]", entry)
+    elif isinstance(value, list | tuple):
+        for entry in value:
+            check_integers_have_few_digits(where, entry)
+    elif str(getattr(value, "dtype", "")) == "object":
+        # numpy keeps integers that fit into none of its types as objects of Python.
+        check_integers_have_few_digits(where, value.tolist())  # type: ignore[attr-defined]
 
 
 def check_toml_parses_quickly(text: str) -> None:

@@ -7,7 +7,7 @@ convert it. Data that a program gives may be plain numbers in SI units. The vali
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cache, partial
 from typing import Annotated, Any, ClassVar, Self, get_args, get_origin
 
@@ -139,14 +139,17 @@ class Part(BaseModel):
         if isinstance(data, Mapping):
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
-                    meant = cls.hints_on_other_keys.get(str(key)) or did_you_mean_hint(
-                        str(key), allowed
-                    )
-                    raise ValueError(f"unknown key {key!r}{meant}; allowed: {', '.join(allowed)}")
+                    raise ValueError(cls.message_on_unknown_key(key, allowed))
         elif not isinstance(data, Part):
             several = cls.hint_if_several if isinstance(data, list) else ""
             raise ValueError(f"must be a table with keys of {', '.join(allowed)}{several}")
         return data
+
+    @classmethod
+    def message_on_unknown_key(cls, key: object, allowed: Collection[str]) -> str:
+        """The message on a key that the part does not have: a hint, and the allowed keys."""
+        hint = cls.hints_on_other_keys.get(str(key)) or did_you_mean_hint(str(key), allowed)
+        return f"unknown key {key!r}{hint}; allowed: {', '.join(allowed)}"
 
     def __copy__(self) -> Self:
         """Copy the fields of the part, but not the cached values of its properties.

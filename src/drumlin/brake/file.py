@@ -307,7 +307,7 @@ def _field_name_of_brake_file_key(part: Part, key: str, whole: str) -> str:
         # A file may give a point in polar coordinates. They are properties of `Point`, no fields.
         names |= {key: key for key in POLAR_UNITS}
     if key not in names:
-        raise BadInput(f"{whole}: unknown key {key!r}; allowed: {', '.join(names)}")
+        raise BadInput(f"{whole}: {part.message_on_unknown_key(key, names)}")
     return names[key]
 
 

@@ -34,37 +34,71 @@ Round-off of the laws is some 1e-12. A key with an effect below a billionth has 
 """
 
 
-def notes_on_keys_without_effect(cases: Sequence[SweepCase]) -> tuple[str, ...]:
+def notes_on_keys_without_effect(
+    cases: Sequence[SweepCase], rows: Sequence[Row]
+) -> tuple[str, ...]:
     """A line for each law of a sweep whose results do not depend on some of the varied keys.
 
-    For each key the first case of the law is solved anew, with other values of this key alone.
+    For each key the first and the last case of the law are solved anew, with other values of this
+    key alone. There is no line if solved cases that differ in this key alone have other results.
+    `rows` are the results of the cases.
     """
     notes = []
     for model in dict.fromkeys(case.model for case in cases):
         if model in MODELS_THAT_USE_ALL_KEYS:
             continue
-        own = [case for case in cases if case.model == model]
-        own = own[:: max(len(own) // MOST_READ_CASES, 1)]
-        keys = [key for key in own[0].changes if _has_key_no_effect(own, key)]
+        numbers = [number for number, case in enumerate(cases) if case.model == model]
+        own, own_rows = [cases[number] for number in numbers], [rows[number] for number in numbers]
+        keys = [
+            key
+            for key in own[0].changes
+            if _has_key_no_effect_in_first_and_last_case(own, key)
+            and _have_cases_that_differ_in_key_equal_results(own, own_rows, key)
+        ]
         if keys:
             notes.append(f"{model} does not use {', '.join(keys)}: no result depends on it")
     return tuple(notes)
 
 
-def _has_key_no_effect(cases: Sequence[SweepCase], key: str) -> bool:
-    """Whether the values of a key, put into the first case of a law, all give equal results.
+def _has_key_no_effect_in_first_and_last_case(cases: Sequence[SweepCase], key: str) -> bool:
+    """Whether the values of a key, put into the first and last case of a law, change no result.
 
-    The result is False if fewer than two of the values have an answer.
+    The result is False if in both cases fewer than two of the values have an answer.
     """
-    values = {json.dumps(case.changes[key], default=str): case.changes[key] for case in cases}
+    read = cases[:: max(len(cases) // MOST_READ_CASES, 1)]
+    values = {json.dumps(case.changes[key], default=str): case.changes[key] for case in read}
     step = max(len(values) // MOST_TRIED_VALUES, 1)
-    rows = []
-    for value in list(values.values())[::step][:MOST_TRIED_VALUES]:
-        case = cases[0]._replace(changes={**cases[0].changes, key: value})
-        row = solve_case_without_raising(case).row
+    tried = list(values.values())[::step][:MOST_TRIED_VALUES]
+    is_known = False
+    for base in (cases[0], cases[-1]):
+        rows = []
+        for value in tried:
+            case = base._replace(changes={**base.changes, key: value})
+            row = solve_case_without_raising(case).row
+            if row["status"] == "solved":
+                rows.append(row)
+        if not all(_are_results_equal(rows[0], row) for row in rows[1:]):
+            return False
+        is_known = is_known or len(rows) > 1
+    return is_known
+
+
+def _have_cases_that_differ_in_key_equal_results(
+    cases: Sequence[SweepCase], rows: Sequence[Row], key: str
+) -> bool:
+    """Whether all solved cases of a law that differ in one key alone have equal results.
+
+    `rows` are the results of the cases. The key may have an effect only with some values of other
+    keys: the direction of a force has none where the force is zero.
+    """
+    first_rows: dict[str, Row] = {}
+    for case, row in zip(cases, rows, strict=True):
         if row["status"] == "solved":
-            rows.append(row)
-    return len(rows) > 1 and all(_are_results_equal(rows[0], row) for row in rows[1:])
+            others = {name: value for name, value in case.changes.items() if name != key}
+            first = first_rows.setdefault(json.dumps(others, default=str), row)
+            if not _are_results_equal(first, row):
+                return False
+    return True
 
 
 def _are_results_equal(row: Row, other: Row) -> bool:

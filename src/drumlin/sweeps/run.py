@@ -75,7 +75,7 @@ def table_of_solved_sweep(prepared: Sweep, rows: list[Row], folder: Path) -> Swe
     `rows` holds the results of the cases. Paths of mesh files are relative to the folder.
     """
     lines = table_lines_of_cases(prepared.cases, rows, folder.resolve(), prepared.pressure)
-    notes = notes_on_keys_without_effect(prepared.cases)
+    notes = notes_on_keys_without_effect(prepared.cases, rows)
     return SweepTable(prepared.title, lines, list(prepared.units), notes)
 
 

@@ -265,13 +265,24 @@ class SweepTable(Sequence[Row]):
     def to_pandas(self) -> Any:
         """The table as a pandas DataFrame, with the headings as names of the columns.
 
+        As in `table["torque"]`, results of cases that are not solved are nan, also of those that
+        have not converged.
+
         Raises BadInput if pandas is not installed.
         """
         try:
             pandas = importlib.import_module("pandas")
         except ImportError as error:
             raise BadInput("to_pandas: needs the package pandas, which is not installed") from error
-        return pandas.DataFrame(self.rows, columns=self.headings)
+        given = self._headings_of_given_values()
+        records = []
+        for row in self.rows:
+            record = {}
+            for heading in row:
+                value = _value_unless_result_of_unsolved_case(row, heading, given)
+                record[heading] = math.nan if value is None else value
+            records.append(record)
+        return pandas.DataFrame(records, columns=self.headings)
 
     def plot(self, x: str, y: str = "", axes: Any = None) -> Any:
         """Draw column `y` over column `x`: for each model, a point for each solved case.
