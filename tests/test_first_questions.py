@@ -38,26 +38,48 @@ def test_the_page_on_laws_says_what_its_tables_show(monkeypatch):
         code = "\n".join(line for line in cell.splitlines() if not line.startswith(":"))
         exec(compile(code, "which_law", "exec"), names)
     stiff = float(re.search(r"stiff if S is at least ([\d.]+)\.", text)[1])
-    said = re.search(r"torque of the brake to some (\d+) %.*?shoe to some (\d+) %", text, re.S)
-    of_brake, of_shoe = (float(number) / 100 for number in said.groups())
-    errors = [errors for ratio, errors in names["stiffness_rows"] if ratio > stiff]
+    bounds = bounds_that_the_page_says(text)
     fitting = [row for row in names["misfit_rows"] if abs(row[0]) <= 1 and row[1] > stiff]
-    assert len(errors) > 5 and len(fitting) == 6
-    errors += [errors for _, _, errors in fitting]
-    worst_of_brake = max(abs(one) for one, _, _ in errors)
-    worst_of_shoe = max(abs(one) for _, one, _ in errors)
-    assert 0.8 * of_brake < worst_of_brake <= of_brake
-    assert 0.8 * of_shoe < worst_of_shoe <= of_shoe
+    rows = [errors for ratio, errors in names["stiffness_rows"] if ratio > stiff]
+    assert len(rows) == 8 and len(fitting) == 12
+    rows += [errors for _, _, errors in fitting]
+    # Each bound holds for all stiff shoes whose linings fit, and is not far above the worst error.
+    for friction, bounds_of_friction in bounds.items():
+        for which, bound in enumerate(bounds_of_friction):
+            found = max(abs(names["worst"](errors, which, friction)) for errors in rows)
+            assert 0.8 * bound < found <= bound, (friction, which)
+    # The friction of the lower bounds is the limit of what they hold for.
+    assert max(abs(names["worst"](errors, 0, 0.5)) for errors in rows) > bounds[0.4][0]
     # Softer shoes and linings that do not fit are worse.
     soft = [errors for ratio, errors in names["stiffness_rows"] if ratio < stiff]
     misfits = [errors for share, _, errors in names["misfit_rows"] if abs(share) > 1]
-    assert max(abs(one) for one, _, _ in soft) > of_brake
-    assert max(abs(one) for one, _, _ in misfits) > of_brake
+    for others in (soft, misfits):
+        assert max(abs(names["worst"](errors, 0, 0.4)) for errors in others) > bounds[0.4][0]
     # A lining that fits changes the torque by no more than the page says.
     change = float(re.search(r"brake's torque by up to (\d+) %", text)[1]) / 100
-    for ratio in {ratio for _, ratio, _ in fitting}:
-        own = {share: errors[0] for share, other, errors in fitting if other == ratio}
-        assert max(abs(own[1] - own[0]), abs(own[-1] - own[0])) <= change
+    for friction in names["FRICTIONS"]:
+        for ratio in {ratio for _, ratio, _ in fitting}:
+            own = {row[0]: row[2][friction][0] for row in fitting if row[1] == ratio}
+            assert max(abs(own[1] - own[0]), abs(own[-1] - own[0])) <= change
+    # The errors of shoes on abutments.
+    least, most = (float(x) / 100 for x in re.search(r"by (\d+) to (\d+) % for", text).groups())
+    abutted = [abs(errors[0]) for errors in names["abutted_rows"].values()]
+    assert (min(abutted), max(abutted)) == pytest.approx((least, most), abs=0.006)
+
+
+def bounds_that_the_page_says(text):
+    """Errors of the torque of the brake and of a shoe, by the largest friction coefficient."""
+    said = re.search(
+        r"brake to some (\d+) %.*?shoe to some (\d+) %, up to a friction coefficient of ([\d.]+)\."
+        r" Up to ([\d.]+) these are (\d+) % and (\d+) %",
+        text,
+        re.S,
+    )
+    brake, shoe, friction, more, brake_more, shoe_more = map(float, said.groups())
+    # The table of rules repeats the errors of the torque of the brake.
+    rules = re.findall(r"friction up to ([\d.]+) \| sine law, to some (\d+) %", text)
+    assert [tuple(map(float, rule)) for rule in rules] == [(friction, brake), (more, brake_more)]
+    return {friction: (brake / 100, shoe / 100), more: (brake_more / 100, shoe_more / 100)}
 
 
 # clearance

@@ -5,8 +5,10 @@ outputs into its file, without the times, paths and counts of the run. The manua
 outputs. A test executes the notebooks anew and compares the texts.
 """
 
+import base64
 import importlib
 import re
+import struct
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -24,6 +26,15 @@ LONGEST_CELL = 300
 
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 """A number in a text, such as 447.59, +2.8 or 1e-05."""
+
+HTML_TAG = re.compile(r"<[^>]*>")
+"""A tag of an HTML text, which stands between words that a reader sees apart."""
+
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+"""First bytes of each PNG file (PNG specification, section 5.2)."""
+
+PNG_CHUNKS_ABOUT_FILE = (b"tEXt", b"zTXt", b"iTXt", b"tIME", b"eXIf")
+"""Types of the PNG chunks with texts and times, such as the version of matplotlib."""
 
 
 def execute_notebook(path: Path) -> Any:
@@ -65,21 +76,51 @@ def _outputs_with_joined_texts(outputs: list[Any]) -> list[Any]:
 
 
 def _remove_traces_of_run(output: Any, number: int) -> None:
-    """Give an output the number of its cell, and a picture no text such as "<Figure size ...>"."""
+    """Give an output the number of its cell, and a picture no text, beside it or in it.
+
+    The text beside a picture is "<Figure size ...>". The texts in a picture have the version of
+    matplotlib, and would change the file with each new version.
+    """
     if output.output_type == "execute_result":
         output.execution_count = number
     data = output.get("data", {})
     if "image/png" in data:
         data.pop("text/plain", None)
+        picture = png_without_texts(base64.b64decode(data["image/png"]))
+        # IPython ends the base64 text of a picture with a line end.
+        data["image/png"] = base64.b64encode(picture).decode("ascii") + "\n"
+
+
+def png_without_texts(picture: bytes) -> bytes:
+    """The bytes of a PNG file without its texts and times.
+
+    A chunk is its length (4 bytes), its type (4), its data and a check sum (4) [PNG specification,
+    section 5.3]. Raises ValueError if the bytes are no PNG file.
+    """
+    if not picture.startswith(PNG_SIGNATURE):
+        raise ValueError(f"no PNG file: begins with {picture[: len(PNG_SIGNATURE)]!r}")
+    kept, start = [PNG_SIGNATURE], len(PNG_SIGNATURE)
+    while start < len(picture):
+        length, kind = struct.unpack_from(">I4s", picture, start)
+        end = start + 12 + length
+        if kind not in PNG_CHUNKS_ABOUT_FILE:
+            kept.append(picture[start:end])
+        start = end
+    return b"".join(kept)
 
 
 def texts_of_outputs(notebook: Any) -> list[str]:
-    """The printed texts and the shown values of all code cells, an entry a cell."""
+    """The printed texts and the shown values of all code cells, an entry a cell.
+
+    A value that is shown as plain text and as HTML has both texts. The manual shows the HTML.
+    """
     texts = []
     for cell in notebook.cells:
         if cell.cell_type == "code":
+            values = [output.get("data", {}) for output in cell.outputs]
             shown = [output.get("text", "") for output in cell.outputs]
-            shown += [output.get("data", {}).get("text/plain", "") for output in cell.outputs]
+            shown += [value.get("text/plain", "") for value in values]
+            shown += [HTML_TAG.sub(" ", value.get("text/html", "")) for value in values]
             texts.append("\n".join(filter(None, shown)))
     return texts
 
