@@ -75,7 +75,7 @@ def test_grids_are_of_second_order(result):
 
 def test_the_report_holds_its_figures_and_its_numbers(module, result, tmp_path):
     text = module.report(result, tmp_path).read_text()
-    assert text.count("data:image/svg+xml") == 8
+    assert text.count("data:image/svg+xml") == 9
     for word in ("worn in", "own-pressure", "k R⁴/EI", "second order"):
         assert word in text
     data = json.loads((tmp_path / "results.json").read_text())

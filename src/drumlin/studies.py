@@ -66,7 +66,7 @@ def paths_of_example_brakes() -> dict[str, Path]:
 def paths_of_example_sweeps() -> dict[str, Path]:
     """The paths of the example sweep files by the names of the examples.
 
-    The name of an example is "sweep_" and the name of its file without the suffix.
+    The name of an example is ``sweep_`` and the name of its file without the suffix.
     """
     found = {}
     for path in sorted((REPOSITORY / "studies").glob("*/*.toml")):
@@ -78,7 +78,7 @@ def paths_of_example_sweeps() -> dict[str, Path]:
 def paths_of_example_notebooks() -> dict[str, Path]:
     """The paths of the example notebooks by the names of the examples.
 
-    The name of an example is "notebook_" and the name of its file without the suffix.
+    The name of an example is ``notebook_`` and the name of its file without the suffix.
     """
     files = sorted((REPOSITORY / "studies" / "notebooks").glob("*.ipynb"))
     return {f"notebook_{path.stem}": path for path in files}

@@ -7,6 +7,7 @@ outputs. A test executes the notebooks anew and compares the texts.
 
 import base64
 import importlib
+import os
 import re
 import struct
 import tempfile
@@ -46,9 +47,12 @@ def execute_notebook(path: Path) -> Any:
     notebook: Any = notebook_format.reads(path.read_text(encoding="utf-8"))
     with tempfile.TemporaryDirectory(prefix="drumlin-notebook-") as folder:
         place = {"metadata": {"path": folder}}
+        # drumlin's command line draws without a window, and sets MPLBACKEND for its process. A
+        # notebook shows its figures.
+        environment = {name: text for name, text in os.environ.items() if name != "MPLBACKEND"}
         NotebookClient(
             notebook, timeout=LONGEST_CELL, kernel_name="python3", resources=place
-        ).execute()
+        ).execute(env=environment)
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     for number, cell in enumerate(cells, start=1):
         cell.execution_count = number
