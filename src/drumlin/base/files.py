@@ -58,6 +58,11 @@ def protect_file_from_being_overwritten(path: Path) -> None:
             inputs.append(path.stat())
 
 
+def _is_protected_input_file(status: os.stat_result) -> bool:
+    """Whether the file with this status on the disk must not be overwritten or deleted."""
+    return any(os.path.samestat(status, each) for each in _inputs.get() or ())
+
+
 # The functions that read files follow.
 
 _BYTE_ORDER_MARKS = (
@@ -185,7 +190,7 @@ def _resolved_path_and_file_status_of_output(path: Path) -> tuple[Path, os.stat_
         # Writing to a disk device would destroy its file system.
         if stat.S_ISBLK(found.st_mode) or stat.S_ISSOCK(found.st_mode):
             raise BadInput(f"{path}: cannot be written (is a disk or a socket)")
-        if any(os.path.samestat(found, each) for each in _inputs.get() or ()):
+        if _is_protected_input_file(found):
             raise BadInput(f"{path}: is one of the files that are read; must not be written over")
     return target, found
 
@@ -288,7 +293,7 @@ def delete_output_of_earlier_run(path: Path) -> None:
         if not path.is_file():
             return
         found = path.stat()
-        if not any(os.path.samestat(found, each) for each in _inputs.get() or ()):
+        if not _is_protected_input_file(found):
             path.unlink(missing_ok=True)
     except (OSError, ValueError) as error:
         raise exception_for_unusable_file(path, "deleted", error) from error

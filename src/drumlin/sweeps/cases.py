@@ -99,8 +99,7 @@ class SweepCase(NamedTuple):
     model : name of the model
     options : options of the model
     certify : SampleMember if the case belongs to the sample that certifies the sweep; Certificate
-    if
-        it takes its errors from this sample; None if it states its own errors
+        if it takes its errors from this sample; None if it states its own errors
     """
 
     brake: Brake

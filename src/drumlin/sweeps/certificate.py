@@ -61,8 +61,7 @@ class Certificate(NamedTuple):
     Attributes
     ----------
     kinds : kinds of cases in the sample, see `_text_that_identifies_kind_of_case`; a case of
-    another
-        kind is solved on all levels
+        another kind is solved on all levels
     errors : largest relative errors of the first level in the sample, by the names of QUANTITIES
     """
 
