@@ -25,7 +25,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_CANDIDATE_SETS": MEMORY,
         "SET_ROUND_OFF": ROUND_OFF,
     },
-    "contact/equations.py": {"BORDERED_ABOVE_UNKNOWNS": SPEED},
+    "contact/equations.py": {"BORDERED_ABOVE_UNKNOWNS": SPEED, "MOST_CONTACT_NODES": MEMORY},
     "contact/self_locking.py": {
         "LARGEST_SOUGHT_FRICTION": "limit of the search that is said",
         "POLE_DISTANCE": ROUND_OFF,
@@ -133,7 +133,6 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/hp/element.py": {"SLOPES_PER_BATCH": SPEED},
     "fem/error_control/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
     "fem/hp/ring.py": {
-        "MOST_RING_NODES": MEMORY,
         "FULL_TURN": DEFINITION,
         "SAME_ANGLE": ROUND_OFF,
     },
@@ -141,7 +140,6 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_RAY_CROSSING_STEPS": PASSES,
         "LAST_RAY_CROSSING_STEP": ROUND_OFF,
     },
-    "fem/preparation/columns.py": {"MOST_CONTACT_NODES": MEMORY},
     "fem/mesh/abaqus.py": {
         "NODES_PER_CELL": FORMAT,
         "NUMBERS_PER_LINE": FORMAT,

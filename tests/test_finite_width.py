@@ -27,7 +27,7 @@ from drumlin.fem.width.error import (
 )
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.response.balance import relative_imbalance_of_shoe
-from drumlin.sweeps.cases import solve_case_and_return_results_or_failure
+from drumlin.sweeps.cases import solve_case_without_raising
 from drumlin.sweeps.file import sweep_from_file_data
 from sections import t_section
 
@@ -220,7 +220,7 @@ def test_a_sweep_takes_the_option_and_states_what_remains(root, flexible):
     (case,) = sweep_from_file_data(
         {"brake": file, "model": {"fem": options}, "vary": {"friction": [0.2]}}
     ).cases
-    row = solve_case_and_return_results_or_failure(case)
+    row = solve_case_without_raising(case).row
     want = solve(vary(flexible, {"friction": 0.2}), elements=8, finite_width=True)
     assert row["torque"] == pytest.approx(want.torque, rel=1e-12)
     left = want.plane_stress_error.brake["torque"]

@@ -77,7 +77,7 @@ def test_a_second_run_computes_no_case_again(result, module, journal, monkeypatc
         lambda *_, **__: pytest.fail("computed again"),
     )
     monkeypatch.setattr(
-        "drumlin.sweeps.cases.solve_case_and_return_results_or_failure",
+        "drumlin.sweeps.cases.solve_case_without_raising",
         lambda *_, **__: pytest.fail("computed again"),
     )
     again = module.study(short=True, journal=journal)

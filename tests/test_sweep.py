@@ -21,7 +21,7 @@ from drumlin.sweeps import file as sweep_file
 from drumlin.sweeps.cases import (
     SweepCase,
     solve_all_cases_of_sweep,
-    solve_case_and_return_results_or_failure,
+    solve_case_without_raising,
 )
 from drumlin.sweeps.file import read_sweep_from_toml_file, sweep_from_file_data
 from drumlin.sweeps.run import solve_sweep_with_journal
@@ -256,7 +256,7 @@ def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
     )
     monkeypatch.setattr("drumlin.sweeps.cases.results_of_response_by_name", lambda *_: 1 / 0)
     assert (
-        solve_case_and_return_results_or_failure(cases[0])["status"]
+        solve_case_without_raising(cases[0]).row["status"]
         == "failed: unexpected ZeroDivisionError: division by zero"
     )
 
@@ -297,12 +297,10 @@ def test_shared_bodies_change_no_digit(brake, flexible):
         for base in (brake, flexible)
     ]
     cache = Cache()
-    shared = [solve_case_and_return_results_or_failure(case, cache) for case in reversed(cases)][
-        ::-1
-    ]
+    shared = [solve_case_without_raising(case, cache).row for case in reversed(cases)][::-1]
     assert (
         shared
-        == list(map(solve_case_and_return_results_or_failure, cases))
+        == [solve_case_without_raising(case).row for case in cases]
         == solve_all_cases_of_sweep(cases)
     )
     assert set(picked(shared, "status")) == {"solved"}

@@ -23,7 +23,6 @@ from drumlin.sweeps.cases import (
     CaseAnswer,
     journal_keys_of_cases,
     solve_all_cases_of_sweep,
-    solve_case_and_return_results_or_failure,
     solve_case_without_raising,
 )
 from drumlin.sweeps.certificate import FIRST_LEVEL, Certificate, SampleMember
@@ -102,7 +101,7 @@ def test_rows_say_who_certifies_them_and_go_on_from_a_journal(tmp_path):
     for i, (row, case) in enumerate(zip(rows, made.cases, strict=True)):
         assert row["certified"] == ("itself" if i in made.sample else "sample")
         assert not any(isinstance(value, dict) for value in row.values())
-        own = solve_case_and_return_results_or_failure(case)
+        own = solve_case_without_raising(case).row
         if i in made.sample:
             assert row == own | {"certified": "itself"}
             continue
@@ -185,7 +184,7 @@ def test_case_of_a_kind_that_the_sample_has_not_certifies_itself(brake):
     (case,) = sweep({"shoe.lining.clearance": ["0.1 mm"]}).cases
     own = solve_all_cases_of_sweep([case])[0]
     strange = Certificate(("another kind",), dict.fromkeys(QUANTITIES, 1e-3))
-    row = solve_case_and_return_results_or_failure(case._replace(certify=strange))
+    row = solve_case_without_raising(case._replace(certify=strange)).row
     assert row == own | {"certified": "itself"}
     # Its contact has ends that have lifted off, which the contact of the brake itself has not.
     brakes = brake, vary(brake, case.changes)
@@ -206,7 +205,7 @@ def test_member_of_sample_takes_first_level_from_its_own_solve(monkeypatch):
     )
     # The division of the brake on the first level is not solved once more.
     monkeypatch.setattr(certifying, "solve_brake_on_first_level_without_error_estimate", None)
-    row = solve_case_and_return_results_or_failure(case._replace(certify=SampleMember()))
+    row = solve_case_without_raising(case._replace(certify=SampleMember())).row
     assert {name: row[FIRST_LEVEL][name] for name in QUANTITIES} == found
     assert 1e-4 < found["pressure"] < 0.05
 
@@ -245,20 +244,20 @@ def test_brake_that_is_not_modelled_is_refused_as_without_a_sample(monkeypatch):
     (case,) = sweep({"shoe.lining.clearance": ["0 mm"]}, brake=file).cases
     hot = case._replace(changes={"shoe.lining.temperature_rise": 50.0})
     hot = hot._replace(changes=hot.changes | {"shoe.lining.material.expansion": 1e-5})
-    own = solve_case_and_return_results_or_failure(hot)
+    own = solve_case_without_raising(hot).row
     assert "a cam on heated shoes is not modelled" in own["status"]
     certificate = certificate_of_every_kind(monkeypatch)
-    assert solve_case_and_return_results_or_failure(hot._replace(certify=certificate)) == own
-    cold = solve_case_and_return_results_or_failure(case._replace(certify=certificate))
+    assert solve_case_without_raising(hot._replace(certify=certificate)).row == own
+    cold = solve_case_without_raising(case._replace(certify=certificate)).row
     assert cold["certified"] == "sample"
 
 
 def test_refused_case_has_the_words_of_its_own_solve():
     (case,) = sweep({"shoe.lining.clearance": ["50 mm"]}).cases
-    own = solve_case_and_return_results_or_failure(case)
+    own = solve_case_without_raising(case).row
     strange = Certificate((), dict.fromkeys(QUANTITIES, 0.0))
     assert own["status"].startswith("failed")
-    assert solve_case_and_return_results_or_failure(case._replace(certify=strange)) == own
+    assert solve_case_without_raising(case._replace(certify=strange)).row == own
 
 
 SWEEPS = {

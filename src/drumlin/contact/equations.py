@@ -19,6 +19,14 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgecon, dgetrf, dgetrs
 
+MOST_CONTACT_NODES = 3000
+"""Largest number of contact nodes in one contact problem; a brake with more is refused.
+
+On a rigid drum each shoe is a problem of its own. An elastic ring couples the nodes of all shoes.
+The dense matrices of a contact problem, and those of the ring, have two rows for each node. With
+more nodes they take gigabytes of memory.
+"""
+
 TINY = np.finfo(float).tiny
 """Smallest normal double, 2.2e-308; no scale factor is computed with a smaller divisor.
 

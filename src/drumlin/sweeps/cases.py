@@ -159,11 +159,6 @@ def _brake_of_case(case: SweepCase) -> Brake:
     return vary(case.brake, case.changes) if case.changes else case.brake
 
 
-def solve_case_and_return_results_or_failure(case: SweepCase, cache: Cache | None = None) -> Row:
-    """Solve a case. Returns its results by name, or its failure, and never raises."""
-    return solve_case_without_raising(case, cache).row
-
-
 def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> CaseAnswer:
     """Solve a case, and say whether its results may be kept. Never raises.
 

@@ -17,6 +17,7 @@ from drumlin.base.lapack import dpotrf
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Ring, Section
 from drumlin.brake.elasticity import which_elasticity_matrices_are_orthotropic
+from drumlin.contact.equations import MOST_CONTACT_NODES
 from drumlin.fem.hp.arc import (
     angular_factors_of_column_stiffness,
     condensed_arc_column_stiffness,
@@ -79,12 +80,6 @@ of the ratio of the moduli, rounded down to a power of two. Without the rounding
 brakes with rings (seeds 0 to 7 of each of the three kinds), the error of p was at most 1.15 times
 the error with the lining's columns; with 0.3 it was up to 2.7 times as large. Smaller values give
 the ring more columns, and the solve takes more time.
-"""
-MOST_RING_NODES = 3000
-"""Largest number of the ring's nodes under linings; a ring with more is refused.
-
-The dense matrices of the ring have two rows for each node, and with more nodes they take gigabytes
-of memory. Beside a mesh file the ring has columns where the edges of the mesh end.
 """
 FULL_TURN = 2 * math.pi
 """The angle of a whole turn [rad]."""
@@ -288,7 +283,7 @@ def condensed_ring_in_hp_elements(
     Raises
     ------
     NoAnswer
-        if more than MOST_RING_NODES of the ring's nodes lie under linings
+        if more than MOST_CONTACT_NODES of the ring's nodes lie under linings
     """
     # `reason_why_brake_is_not_modelled` refuses brakes without a section before, so that the
     # assertion holds.
@@ -303,10 +298,10 @@ def condensed_ring_in_hp_elements(
     div = divide_ring_into_hp_elements(
         ring.section, radius, ends, level, singular_layer_size, widening
     )
-    if len(div.contact_nodes) > MOST_RING_NODES:
+    if len(div.contact_nodes) > MOST_CONTACT_NODES:
         raise NoAnswer(
             f"the ring has {len(div.contact_nodes)} nodes under the linings, more than the "
-            f"{MOST_RING_NODES} that are allowed: the contact nodes of a mesh file are too many"
+            f"{MOST_CONTACT_NODES} that are allowed: the contact nodes of a mesh file are too many"
         )
     # A free ring has no support. Loads spread over its rim balance the forces of the linings.
     free = ring.support == "free"

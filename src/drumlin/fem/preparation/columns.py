@@ -15,6 +15,7 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
+from drumlin.contact.equations import MOST_CONTACT_NODES
 from drumlin.fem.hp.body import (
     condensed_shoe_body,
     contact_line_of_lining_face_nodes,
@@ -56,14 +57,6 @@ from drumlin.fem.preparation.scene import (
     add_elapsed_time_of_block_to_phase,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-
-MOST_CONTACT_NODES = 3000
-"""Largest number of contact nodes in one contact problem; a brake with more is refused.
-
-On a rigid drum each shoe is a problem of its own. An elastic ring couples the nodes of all shoes.
-The dense matrices of a contact problem have two rows for each node, and with more nodes they take
-gigabytes of memory.
-"""
 
 
 class _DivisionRule(NamedTuple):

@@ -13,6 +13,7 @@ from drumlin.brake.fields import Material
 from drumlin.brake.friction import reason_if_friction_depends_on_pressure
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
+from drumlin.contact.equations import MOST_CONTACT_NODES
 from drumlin.fem.hp.body import (
     condensed_body_with_cholesky_factor,
     contact_line_of_lining_face_nodes,
@@ -24,7 +25,6 @@ from drumlin.fem.preparation.cache import (
     indices_of_first_shoes_of_equal_shape,
     shoe_without_loads_and_clearances,
 )
-from drumlin.fem.preparation.columns import MOST_CONTACT_NODES
 from drumlin.fem.preparation.scene import (
     PointsByShape,
     PreparedModel,
