@@ -276,7 +276,11 @@ def test_a_plane_asks_for_a_braking_force():
         ("friction", {"torque": "400"}, "torque = '400'"),
         ("friction", {"torque": 1.0, "low": 0.4, "high": 0.3}, "low = 0.4: must be less than"),
         ("shoe.lining.clearance", {"torque": 1.0}, "give low and high"),
-        ("shoe.hinge.x", {"torque": 1.0}, "of the different shoes; name one"),
+        (
+            "shoe.hinge.x",
+            {"torque": 1.0},
+            "shoe.hinge.x: is 32.3524 mm, -32.3524 mm of the different shoes; name one",
+        ),
         ("friction", {"torque": 1.0, "model": "none"}, "model = 'none'"),
         ("friction", {"torque": 1.0, "model": "sine", "elements": 12}, "elements"),
     ],

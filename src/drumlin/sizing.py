@@ -29,6 +29,7 @@ from drumlin.brake.file import (
     values_of_brake_key,
     vary,
 )
+from drumlin.brake.units import quantity_with_usual_unit
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key
 from drumlin.fem.preparation.cache import Cache
@@ -102,9 +103,6 @@ EXACT = 1e-14
 
 It is some 50 times the relative round-off of a double.
 """
-
-PRINTED_UNITS = {"m": ("mm", 1e3), "rad": ("deg", math.degrees(1)), "Pa": ("MPa", 1e-6)}
-"""Units in which quantities are printed, by SI unit, each with the factor from the SI unit."""
 
 
 class Trial(NamedTuple):
@@ -298,12 +296,6 @@ class Sizing:
             f"{'; ' + self.remark if self.remark else ''}"
         )
         return lines
-
-
-def quantity_with_usual_unit(value: float, si: str) -> str:
-    """A quantity as text with six digits and a usual unit, such as "12.5 mm"."""
-    unit, per_si = PRINTED_UNITS.get(si, (si, 1.0))
-    return f"{value * per_si:.6g} {unit}".rstrip()
 
 
 def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizing:

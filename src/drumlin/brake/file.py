@@ -20,7 +20,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.components import Lining
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import Part, Point, si_unit_of_field_type
-from drumlin.brake.units import quantity_in_si
+from drumlin.brake.units import quantity_in_si, quantity_with_usual_unit
 
 POLAR_UNITS = {"radius": "m", "angle": "rad"}
 """The keys of a point in polar coordinates, in a file, with their SI units."""
@@ -320,7 +320,9 @@ def numerical_value_of_brake_key(brake: Part, key: str) -> float:
     if not all(isinstance(value, int | float) for value in values):
         raise BadInput(f"{key}: must be a key of the brake with a number, not {values[0]!r}")
     if len(set(values)) > 1:
-        raise BadInput(f"{key}: is {values} of the different shoes; name one")
+        unit = si_unit_of_brake_key(brake, key) or ""
+        texts = ", ".join(quantity_with_usual_unit(value, unit) for value in values)
+        raise BadInput(f"{key}: is {texts} of the different shoes; name one")
     return float(values[0])
 
 

@@ -101,6 +101,9 @@ COMMON = {
     "1/K": {"1/K": 1.0, "1/degC": 1.0, "1/°C": 1.0, "um/(m K)": 1e-6},
 }
 
+USUAL_UNITS = {"m": ("mm", 1e3), "rad": ("deg", math.degrees(1)), "Pa": ("MPa", 1e-6)}
+"""Units in which quantities are printed, by SI unit, each with the factor from the SI unit."""
+
 # Definitions of units that pint does not know or takes for something else. In pint Nm is a unit of
 # textile fibres, and in some versions of pint a pond is 1 kgf.
 _FURTHER_UNITS = (
@@ -290,3 +293,9 @@ def text_in_mm(length: float) -> str:
 def text_in_degrees(angle: float) -> str:
     """An angle [rad] as text in degrees."""
     return f"{math.degrees(angle):.6g} deg"
+
+
+def quantity_with_usual_unit(value: float, si: str) -> str:
+    """A quantity as text with six digits and a usual unit, such as "12.5 mm"."""
+    unit, per_si = USUAL_UNITS.get(si, (si, 1.0))
+    return f"{value * per_si:.6g} {unit}".rstrip()

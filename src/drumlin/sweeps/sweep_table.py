@@ -14,11 +14,9 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
 from drumlin.base.texts import did_you_mean_hint
+from drumlin.brake.units import USUAL_UNITS
 from drumlin.sweeps.cases import Row
 from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
-
-SHOWN_UNITS = {"Pa": ("MPa", 1e-6), "rad": ("deg", 180 / math.pi), "m": ("mm", 1e3)}
-"""For some SI units, the unit that is shown in their place, and the factor that converts to it."""
 
 MOST_SHOWN_ROWS = 10
 """Number of cases that are shown of a table. All of them would fill the screen."""
@@ -80,7 +78,7 @@ class ShownColumn(NamedTuple):
     def column_with_heading(cls, heading: str) -> "ShownColumn":
         """The shown column for a heading of the table, such as "peak_pressure [Pa]"."""
         name, unit = name_and_unit_of_column(heading)
-        shown, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
+        shown, factor = USUAL_UNITS.get(unit, (unit, 1.0))
         # Keys of the brake file stay as they are; names of results get spaces.
         words = name if name.startswith("shoe") else name.replace(".", " ").replace("_", " ")
         return cls(f"{words} [{shown}]" if shown else words, factor)
