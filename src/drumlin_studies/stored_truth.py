@@ -85,13 +85,13 @@ DEEP = (
     TriangleLevel(5, 18, 0.7, 0.8),
     TriangleLevel(6, 22, 0.7, 0.8),
 )
+"""Meshes of curved triangles for brakes that press only by a corner of the lining."""
 DEEPEST = (
     TriangleLevel(4, 16, 0.7, 0.8),
     TriangleLevel(5, 21, 0.7, 0.8),
     TriangleLevel(6, 26, 0.7, 0.8),
 )
-"""Meshes of curved triangles for brakes that press only by a corner of the lining (DEEP), or only
-by a tip, which is a kink of the lining that points to the drum (DEEPEST).
+"""Meshes of curved triangles for brakes that press only by a tip, a kink that points to the drum.
 
 The smallest triangles have sizes of 2e-7 (DEEP) and 1e-8 (DEEPEST) of the lining's thickness. In
 some brakes round-off turns triangles of DEEPEST inside out. DEEP is then used for a tip too, with

@@ -8,9 +8,10 @@ the friction opposes the actuation. On a lining of width w, pressure and frictio
 about the hinge, which balances the moment of the actuation. The shoe locks itself at the friction
 mu_lock:
 
-    M = w p_0 (Load.x + s' mu h Load.total),    mu_lock = -Load.x / (s' h Load.total)
+    M = w p_0 (X + s' mu h F),    mu_lock = -X / (s' h F)
 
-`FlatLoad` holds the integrals Load.total of f and Load.x of f x over the lining.
+Here F is the integral of f over the lining, and X is the integral of f x. `FlatLoad` holds them as
+`total` and `x`.
 """
 
 from collections.abc import Callable
@@ -96,7 +97,7 @@ class FlatLaw:
     pressure: Callable[[Floats, FlatLayout], Floats]
 
     def actuation_moment_over_pressure_amplitude(self, mu: Values, pad: FlatLayout) -> Floats:
-        """Actuation moment divided by w p_0: Load.x + s' mu h Load.total [m^2].
+        """Actuation moment divided by w p_0: X + s' mu h F [m^2].
 
         The actuation must balance this moment of pressure and friction about the hinge, here for
         the amplitude p_0 = 1 and the width w = 1. It is zero or negative if the shoe locks itself.
@@ -151,12 +152,14 @@ LINEAR = FlatLaw(
     integrals_of_linear_pressure,
     lambda x, pad: np.asarray(x / pad.x_max),
 )
+"""The law of a long shoe on a plane, whose pressure grows in proportion to the place x."""
 FLAT_SHORT = FlatLaw(
     "short",
     "short flat shoe: N = p_m A and friction mu N at the lining's middle",
     integrals_of_short_flat_shoe_pressure,
     lambda x, pad: np.ones(np.shape(x)),
 )
+"""The law of a short shoe on a plane, whose forces act at the middle of the lining."""
 
 
 def distances_of_lining_ends_from_hinge_foot(shoe: Shoe) -> tuple[float, float]:

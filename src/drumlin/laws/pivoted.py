@@ -35,6 +35,7 @@ from drumlin.laws.shapes import (
 )
 
 PIVOTED_ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no moment about the pivot"
+"""The assumptions of the law of a pivoted shoe, as printed with its answer."""
 
 
 class MomentEquilibriumMatrix(NamedTuple):

@@ -61,6 +61,7 @@ from drumlin.response.self_locking import LockedShoes, SelfLocking, first_shoes_
 RIGID_ASSUMES = (
     "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
 )
+"""The assumptions of the law of a rigid shoe on any support, as printed with its answer."""
 # The beginning of the last note in NEGLECTED_BY_RIGID_LAWS; the name of the surface follows.
 _FITS = "clearance and misfit: the law is that of a lining that fits, new or worn in, on a"
 NEGLECTED_BY_RIGID_LAWS = {

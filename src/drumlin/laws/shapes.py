@@ -356,6 +356,7 @@ SINE = Law(
     lambda arc: np.clip(np.pi / 2, arc.phi_1, arc.phi_2),
     load_on_part=_integrals_of_sine_pressure_on_arc_part,
 )
+"""The law of a rigid shoe that turns about its hinge."""
 COSINE = Law(
     "cosine",
     "rigid shoe moving along its middle radius: p = p_0 cos(theta - middle), each element "
@@ -367,6 +368,7 @@ COSINE = Law(
     "as one force at the lining's middle",
     load_on_part=_integrals_of_cosine_pressure_on_arc_part,
 )
+"""The law of a rigid shoe that moves along its middle radius."""
 BLOCK = Law(
     "block",
     "p = p_0 cos(theta - middle) lumped at the drum's surface: N, and friction mu' N, at the "
@@ -377,6 +379,7 @@ BLOCK = Law(
     lumped=True,
     friction=lambda arc: ratio_of_equivalent_friction(arc.half_of_lining_arc),
 )
+"""The cosine law with all forces at the lining's middle, as textbooks use it for blocks."""
 UNIFORM = Law(
     "uniform",
     "the same pressure everywhere on the lining, each element along its radius",
@@ -385,6 +388,7 @@ UNIFORM = Law(
     _angle_of_lining_middle,
     load_on_part=_integrals_of_uniform_pressure_on_arc_part,
 )
+"""The law of a uniform pressure on the whole lining."""
 SHORT_LAW = Law(
     "short",
     "short shoe: N = p_m A and friction mu N at the lining's middle",
@@ -393,5 +397,6 @@ SHORT_LAW = Law(
     _angle_of_lining_middle,
     lumped=True,
 )
+"""The law of a short shoe, whose forces act at the middle of the lining."""
 LAWS = {law.name: law for law in (SINE, COSINE, BLOCK, UNIFORM, SHORT_LAW)}
 """The laws p = p_0 f(phi) of hinged shoes on a drum, by their names."""

@@ -45,11 +45,12 @@ not change the answer of a model.
 """
 
 SMALLEST_CURVE_PIECE = 1e-9
-"""Distance [rad] from the lining's ends within which a pressure curve has no points.
+"""Distance [rad] from an end of the lining up to which a pressure curve has no point but the end.
 
 Angles that differ by less are the same number in a table. Towards a corner of the lining that
 presses on the drum, the polynomial pieces of the pressure are as short as 1e-12 rad. A curve leaves
-out the pieces within this distance of the lining's ends. They bear 1e-5 of the force on the corner.
+out the ends of the pieces that lie nearer to the lining's end. These pieces bear 1e-5 of the force
+on the corner.
 """
 
 NEITHER = 1e-9

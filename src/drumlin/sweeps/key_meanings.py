@@ -4,6 +4,7 @@ from drumlin.brake.key_meanings import TableOfKeys
 from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform
 from drumlin.sweeps.options import FemOptions, FoundationOptions, SolidOptions
 
+# Keys that several distributions share, each with its meaning.
 _DRAW = {
     "distribution": "name of the distribution",
     "each_shoe": "whether each shoe draws a value of its own",

@@ -32,22 +32,26 @@ straight or none of them. A lining with one worn flat has curved edges elsewhere
 stay.
 """
 SMOOTHING_NODES = 8
-"""Number of contact nodes on each side of a node over which the offsets from the drum are averaged.
+"""Distance on each side of a node over which the offsets from the drum are averaged.
 
-The mean rounding error of the 17 nodes is a quarter of the rounding error of one node. The shape of
-a lining is then seen even if its height is less than the rounding of coordinates.
+The distance is relative to the median distance of neighbouring contact nodes, so that 17 nodes are
+averaged on an even mesh, or to the length within which nodes share a rounding error, if that is
+longer. The mean rounding error of 17 nodes is a quarter of the rounding error of one node. The
+shape of a lining is then seen even if its height is less than the rounding of coordinates.
 """
 SIGNIFICANT = 4.0
-"""Mean offset of neighbouring nodes from the drum above which it counts as the lining's own shape.
+"""Ratio of a mean offset to its standard error above which the lining has a shape of its own.
 
-The mean is relative to its standard deviation by rounding errors alone. Rounding alone makes the
-mean exceed the limit at one of 16 000 nodes.
+The offset is the distance of neighbouring contact nodes from the drum. The standard error of its
+mean comes from the rounding of coordinates alone. By rounding alone the ratio exceeds the limit at
+one of 16 000 nodes.
 """
 MOST_NOISE = 1.5
-"""Scatter of contact nodes about a smooth line above which they are not moved onto the line.
+"""Ratio of a scatter to rounding errors above which contact nodes are not moved onto a smooth line.
 
-The scatter is relative to the standard deviation of one rounding error. A larger scatter shows a
-step or a corner in the lining, which a smooth line would wipe out.
+The scatter is the root mean square distance of the nodes from the line, and the ratio relates it to
+the standard deviation of one rounding error. A larger scatter shows a step or a corner in the
+lining, which a smooth line would wipe out.
 """
 COORDINATE_ROUND_OFF = 1e-12
 """Offset from the drum, relative to its radius, below which a contact node lies on the drum.
