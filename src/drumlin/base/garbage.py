@@ -24,8 +24,8 @@ def search_memory_for_garbage_seldom() -> None:
 def leave_memory_to_operating_system_at_end() -> None:
     """Exempt all present objects from searches for garbage, so that this process ends sooner.
 
-    At the end of a process Python searches the memory several times. These searches take 170 of 600
-    ms of processor time of `drumlin solve`, and free what the operating system frees anyway. What is
-    to happen at the end, such as the deletion of temporary folders, happens nevertheless.
+    At the end of a process Python searches the memory several times. These searches take 170 of
+    600 ms of processor time of `drumlin solve`, and free what the operating system frees anyway.
+    What is to happen at the end, such as the deletion of temporary folders, happens nevertheless.
     """
     gc.freeze()
