@@ -22,7 +22,10 @@ from drumlin.base.errors import (
     call_function_and_return_exit_status,
     exception_for_unusable_file,
 )
-from drumlin.base.garbage import search_memory_for_garbage_seldom
+from drumlin.base.garbage import (
+    leave_memory_to_operating_system_at_end,
+    search_memory_for_garbage_seldom,
+)
 
 SHELL_COMPLETION_VARIABLE = "_DRUMLIN_COMPLETE"
 """Environment variable that a shell sets to complete a command line with the Tab key.
@@ -33,7 +36,9 @@ The library click then answers with the words that may come next.
 
 def main() -> NoReturn:
     """Run the command line of this process, and end the process with its exit status."""
-    sys.exit(call_function_and_return_exit_status(_prepare_process_and_run_command))
+    status = call_function_and_return_exit_status(_prepare_process_and_run_command)
+    leave_memory_to_operating_system_at_end()
+    sys.exit(status)
 
 
 def _prepare_process_and_run_command() -> int:

@@ -29,6 +29,7 @@ from drumlin.fem.equilibrium.springs import (
     find_spring_pulls_that_fit_shoe_motions,
     notes_on_spring_pulls,
 )
+from drumlin.fem.error_control.singular_points import reason_if_contact_is_too_short
 from drumlin.fem.mesh.from_file import notes_on_mesh_file
 from drumlin.fem.preparation.bodies import (
     load_column_factors_under_all_loads,
@@ -438,7 +439,7 @@ def _solve_group_of_coupled_shoes(
     if refinable and not LONG_DOUBLE_IS_WIDER:
         return _shoe_results_with_note_if_round_off_is_large(settled.group, answers)
     most = LARGEST_UNREFINED_ROUND_OFF if strict else LARGEST_REFINED_ROUND_OFF
-    lost = _largest_relative_round_off_of_pressure(answers)
+    lost = _largest_relative_round_off_that_matters(settled.group, answers)
     if lost < most and _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
         return answers
     if not refinable:
@@ -568,6 +569,28 @@ def _refine_full_system_and_return_shoe_results(
 def _largest_relative_round_off_of_pressure(answers: dict[int, _ShoeResult]) -> float:
     """The largest relative round-off error of the pressure among several shoes."""
     return max(answer.response.lost.pressure for answer in answers.values())
+
+
+def _largest_relative_round_off_that_matters(
+    group: ShoeGroup, answers: dict[int, _ShoeResult]
+) -> float:
+    """The largest relative round-off error of the results of a solved group that can be known.
+
+    It is the round-off error of the pressure. If the contact of a shoe on hp elements is too short
+    to know its pressure, the response states so, whatever a refinement gains. The round-off errors
+    of torque and support reaction then take the place of the pressure's.
+    """
+    errors = []
+    for i, shoe, body in zip(group.members, group.shoes, group.substructures_of_shoes, strict=True):
+        answer = answers[i].response
+        # On elements of degree 1 or 2 no response states errors.
+        states_errors = body.line.interpolation_degree_along_contact_line > 2
+        unknown = reason_if_contact_is_too_short(group.brake, shoe, answer) is not None
+        if states_errors and unknown:
+            errors += [answer.lost.torque, answer.lost.reaction]
+        else:
+            errors.append(answer.lost.pressure)
+    return max(errors)
 
 
 def _largest_imbalance_of_shoes(answers: dict[int, _ShoeResult]) -> float:

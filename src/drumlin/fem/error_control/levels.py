@@ -13,7 +13,10 @@ from typing import NamedTuple, Protocol
 
 from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
+from drumlin.fem.error_control.singular_points import (
+    SHORTEST_KNOWN_CONTACT,
+    singular_points_of_each_shoe_shape,
+)
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Level, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import indices_of_first_shoes_of_equal_shape as equal_shapes
@@ -258,7 +261,8 @@ def _has_any_lining_new_singular_points(
     """Whether the pressure has singular points where the elements on which it was solved are large.
 
     Such a point is an end of the contact that has moved by more than UNRESOLVED_LENGTH, or a kink
-    of the gap that has not been a point before. The keys of the points are the first shoes of each
+    of the gap that has not been a point before. Ends of contacts below SHORTEST_KNOWN_CONTACT do
+    not count, because no division resolves them. The keys of the points are the first shoes of each
     shape.
 
     Parameters
@@ -267,28 +271,31 @@ def _has_any_lining_new_singular_points(
     before : singular points at which the division has small elements
     now : singular points of the response on this division
     """
-    return any(
-        _has_lining_new_singular_points(brake.shoes[i].arcs, before[i], points)
-        for i, points in now.items()
-    )
+    for i, points in now.items():
+        shoe = brake.shoes[i]
+        shortest = SHORTEST_KNOWN_CONTACT * shoe.lining.thickness / brake.size
+        if _has_lining_new_singular_points(shoe.arcs, before[i], points, shortest):
+            return True
+    return False
 
 
 def _has_lining_new_singular_points(
     arcs: Sequence[tuple[float, float]],
     before: Sequence[SingularPoint],
     now: Sequence[SingularPoint],
+    shortest: float,
 ) -> bool:
     """Whether one of the singular points `now` of a shoe lies away from all points `before`.
 
     The elements are always small at the ends of the linings, which are the ends of `arcs`. An end
     of the contact may move by UNRESOLVED_LENGTH times the length of the contact or opening that it
-    bounds.
+    bounds. Ends of contacts and openings of less than the length `shortest` [rad] do not count.
     """
     known = [*chain(*arcs), *(point.at for point in before)]
     for point in now:
         if point.kind in {Singularity.KINK, Singularity.TIP} and point.at not in known:
             return True
-        if point.kind == Singularity.END:
+        if point.kind == Singularity.END and point.length >= shortest:
             moved = min(abs(point.at - at) for at in known)
             if moved > UNRESOLVED_LENGTH * point.length:
                 return True

@@ -583,14 +583,17 @@ def remaining_pressure_error_at_lining_corners(
     unbounded beside a slot between two linings, where no power law replaces the polynomials, and
     the stated error does not exclude the linings' ends.
     """
-    error = 0.0
+    if _does_stated_error_include_unbounded_pressure_at_slot(brake, index, response):
+        return 1.0
+    corners = corners_with_unbounded_pressure(brake, index, response)
+    if not corners:
+        return 0.0
     _, p, weight = polynomial_values_at_gauss_points(
         response.theta, response.pressure, response.order
     )
     squares = np.sum(weight * p**2, axis=1)
-    if _does_stated_error_include_unbounded_pressure_at_slot(brake, index, response):
-        return 1.0
-    for corner in corners_with_unbounded_pressure(brake, index, response):
+    error = 0.0
+    for corner in corners:
         if corner.exponent <= -0.5:
             return 1.0
         part = float(squares[0 if corner.at_start else -1] / squares.sum())
@@ -670,6 +673,8 @@ def remaining_pressure_error_at_pointed_gap_kinks(
         if has_two_columns and at_tip and pressed[k]:
             both_columns = float(column_ends[k + 1] - column_ends[k - 1])
             squared_error += tip.factor**2 * both_columns / (order + 1) ** 2
+    if not squared_error:
+        return 0.0
     _, values, weights = polynomial_values_at_gauss_points(theta, p, order)
     squared_norm = float(np.sum(weights * values**2))
     return math.sqrt(squared_error / squared_norm) if squared_norm else 0.0
