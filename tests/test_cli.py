@@ -262,7 +262,7 @@ def test_help_answers_in_some_half_a_second():
 
 
 # What a solve by columns does not need.
-BESIDE = {"scipy.optimize", "scipy.sparse", "skfem", "drumlin.foundation"}
+BESIDE = {"scipy.optimize", "drumlin.foundation"}
 HEAVY = {
     "pyvista",
     "matplotlib",

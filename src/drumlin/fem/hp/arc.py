@@ -79,8 +79,8 @@ class NodalFunctions(NamedTuple):
 def nodal_functions_along_element_column(p: int) -> NodalFunctions:
     """The nodal functions of degree p along an element column, and their symmetric unknowns.
 
-    They follow from the shape functions of the element: summed over all nodes across the column,
-    these functions are the nodal functions along the column.
+    They follow from the shape functions of scikit-fem's quadrilateral: summed over all nodes across
+    the column, these functions are the nodal functions along the column.
     """
     n = p + 1
     x, weights = gauss_points_and_weights_on_0_to_1(p)

@@ -1,9 +1,10 @@
 """The isoparametric quadrilateral of degree p: shape functions, stiffness, static condensation.
 
-The nodes of the element lie at Gauss-Lobatto points in both directions. The shape functions are
-products of Lagrange's polynomials of these nodes. The same functions describe the displacements and
-the shape of the element, so that rigid-body motions are represented exactly (Zienkiewicz & Taylor,
-The Finite Element Method, section 8).
+The nodes of the element lie at Gauss-Lobatto points in both directions. The shape functions come
+from the class ElementQuadP of scikit-fem, whose hierarchical functions span the same polynomials.
+They are transformed to nodal functions once for each degree. The same functions describe the
+displacements and the shape of the element, so that rigid-body motions are represented exactly
+(Zienkiewicz & Taylor, The Finite Element Method, section 8).
 """
 
 from collections.abc import Iterator
@@ -20,11 +21,7 @@ from drumlin.fem.substructure.elasticity import (
     isotropic_and_orthotropic_elastic_constants,
     unit_vectors_through_thickness_of_layers,
 )
-from drumlin.response.resultants import (
-    gauss_lobatto_points,
-    lagrange_shape_function_derivatives,
-    lagrange_shape_function_values,
-)
+from drumlin.response.resultants import gauss_lobatto_points
 
 SLOPES_PER_BATCH = 32_000
 """Number of derivatives of shape functions in a batch of elements computed together.
@@ -110,20 +107,22 @@ def shape_function_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]
     The element of degree p is the unit square [0, 1]^2 and has a = (p + 1)^2 nodes. Each function
     is 1 at its node and 0 at the others. The nodes form a grid and are numbered row by row.
     """
-    value = lagrange_shape_function_values(p, 2 * x - 1)  # (p + 1, 2, q)
-    slope = 2 * lagrange_shape_function_derivatives(p, 2 * x - 1)
-    both = [(slope[:, 0], value[:, 1]), (value[:, 0], slope[:, 1])]
-    slopes = np.stack([_products_of_functions_in_both_directions(*pair) for pair in both], axis=1)
-    return _products_of_functions_in_both_directions(value[:, 0], value[:, 1]), slopes
+    # scikit-fem takes long to load, and the pressure laws do not need it.
+    import skfem  # noqa: PLC0415
 
-
-def _products_of_functions_in_both_directions(first: Floats, second: Floats) -> Floats:
-    """The products (n n, q) of functions (n, q) of the first and (n, q) of the second coordinate.
-
-    The second function changes from each product to the next, and the first function only after n
-    products.
-    """
-    return np.asarray(first[:, None] * second).reshape(-1, first.shape[1])
+    hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
+    count = (p + 1) ** 2
+    at_nodes = [
+        hierarchical.lbasis(points_of_square_grid(node_positions_on_edge_from_0_to_1(p)), i)[0]
+        for i in range(count)
+    ]
+    at_points = [hierarchical.lbasis(x, i) for i in range(count)]
+    values = np.array([value for value, _ in at_points])
+    slopes = np.array([slope for _, slope in at_points])
+    # A nodal function is 1 at its own node and 0 at the others. The inverse of the matrix of values
+    # at the nodes therefore has the coefficients of the nodal functions.
+    nodal: Floats = np.asarray(np.linalg.inv(np.array(at_nodes)), dtype=float)
+    return nodal @ values, (nodal @ slopes.reshape(count, -1)).reshape(slopes.shape)
 
 
 def _shape_function_values_and_slopes_in_long_double(p: int, x: Floats) -> tuple[Any, Any]:
