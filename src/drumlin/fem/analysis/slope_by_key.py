@@ -41,6 +41,10 @@ def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> fl
             and brake.first_key_that_gives_lining_its_own_friction() is None
         )
         return slopes.friction if is_exact else None
+    of_springs = dict(zip(map(id, brake.springs), slopes.springs, strict=True))
+    if len(parts) == 1 and id(parts[0]) in of_springs:
+        by_field = of_springs[id(parts[0])]._asdict()
+        return by_field[name] if name in ("preload", "rate") else None
     found = [
         _torque_slope_by_field_of_shoe(shoe, own, part, name)
         for shoe, own in zip(brake.shoes, slopes.shoes, strict=True)

@@ -22,9 +22,16 @@ from drumlin.fem.equilibrium.sharing import (
     ForceSharing,
     make_contact_problem_with_strut_and_cam_forces,
 )
+from drumlin.fem.equilibrium.springs import (
+    SpringMatrices,
+    displacement_of_point_along_force_in_modes,
+    unit_pulls_on_shoe,
+    work_of_force_on_test_modes,
+)
 from drumlin.fem.equilibrium.state import GroupState
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
+    load_column_factors_of_force_at_point,
     load_column_factors_of_loads_besides_actuation,
     load_column_factors_under_all_loads,
 )
@@ -233,6 +240,63 @@ class GroupProblems(GroupState):
         if body.load_motion_by_friction is not None:
             travel = travel + drag * (load @ body.load_motion_by_friction)
         return np.asarray(travel)
+
+    # The following method treats springs between shoes, or from a shoe to the frame.
+
+    def spring_matrices_at_friction(self, friction: float) -> SpringMatrices:
+        """The effects of all springs of the brake on the group at a friction coefficient.
+
+        The effects are linear in the friction coefficient.
+        """
+        count, shoes = len(self.brake.springs), len(self.shoes)
+        n, k = len(self.contact_node_areas), self.rigid_body_mode_slices_of_shoes[-1].stop
+        factors = [
+            [
+                np.zeros(body.load_matrix_columns_by_load_name.number_of_load_columns)
+                for body in self.substructures_of_shoes
+            ]
+            for _ in range(count)
+        ]
+        resultants, gap = np.zeros((count, shoes, 3)), np.zeros((n, count))
+        work, by_motion = np.zeros((k, count)), np.zeros((count, k))
+        by_pressure, by_force = np.zeros((count, n)), np.zeros((count, shoes))
+        by_pull = np.zeros((count, count))
+        foot, tip = np.zeros((shoes, count)), np.zeros((shoes, count))
+        for i, shoe in enumerate(self.shoes):
+            body, sense = self.substructures_of_shoes[i], self.known_abutment_friction_directions[i]
+            nodes, modes = self.contact_node_slices_of_shoes[i], self.rigid_body_mode_slices_of_shoes[i]
+            acting = self.actuation_of_each_shoe_by_one_newton[i].load_factors
+            pulls = unit_pulls_on_shoe(self.brake, shoe)
+            for j, place, pull in pulls:
+                load = load_column_factors_of_force_at_point(body, shoe, place, pull)
+                factors[j][i], resultants[j, i] = load, pull.resultant
+                gap[nodes, j] = -(body.closure_by_load @ load)
+                work[modes, j] = work_of_force_on_test_modes(shoe, sense, pull)
+                by_motion[j, modes] = displacement_of_point_along_force_in_modes(shoe, sense, pull)
+                by_pressure[j, nodes] = self._elastic_load_point_travel_per_nodal_pressure(
+                    i, load, friction
+                )
+                by_force[j, i] = load @ body.load_motion_by_load @ acting
+                tip[i, j] = acting @ body.load_motion_by_load @ load
+                if shoe.abutment is not None:
+                    foot[i, j] = -float(
+                        shoe.unit_vector_of_smooth_abutment_force @ np.array(pull.force)
+                    )
+            for (one, *_), (other, *_) in product(pulls, repeat=2):
+                elastic = factors[one][i] @ body.load_motion_by_load @ factors[other][i]
+                by_pull[one, other] += elastic
+        return SpringMatrices(
+            tuple(map(tuple, factors)),
+            resultants,
+            gap,
+            work,
+            by_pressure,
+            by_motion,
+            by_force,
+            by_pull,
+            foot,
+            tip,
+        )
 
     # The following methods treat supports that push and cannot pull.
 
