@@ -109,7 +109,7 @@ def _stable_contact_by_newton_or_none(
     for _ in range(MOST_STEPS_TO_FRICTION):
         try:
             after = solve_contact_problem(
-                _contact_problem_with_friction_tangent(problem, friction(found.p), found.p),
+                contact_problem_with_friction_tangent(problem, friction(found.p), found.p),
                 found.active,
             )
         except NoAnswer:
@@ -121,7 +121,7 @@ def _stable_contact_by_newton_or_none(
     return None
 
 
-def _contact_problem_with_friction_tangent(
+def contact_problem_with_friction_tangent(
     problem: FrictionDependentProblem, friction: NodalFriction, p: Floats
 ) -> ContactProblem:
     """The contact problem in which tau(p) = mu(p) p is replaced by its tangent at pressures p."""
