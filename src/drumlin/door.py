@@ -267,7 +267,7 @@ def solve(
         raise NoAnswer("; ".join((str(error), *notes))) from error
     response = response_with_note_on_ignored_keys(whole, response)
     unknown = reason_if_friction_depends_on_pressure(whole, "the distance from self-locking")
-    if unknown is not None:
+    if unknown is not None and response.self_locking is None:
         return replace(response, notes=(*response.notes, f"note: {unknown}", *notes))
     locking = response.self_locking or self_locking_by_rigid_shoe_law(whole)
     notes = (*response.notes, *locking.warnings(), *notes)
@@ -781,7 +781,8 @@ class LockingLimit(NamedTuple):
     ----------
     shoes : names of the shoes whose forces depend on each other, or of a single shoe
     friction : friction coefficient mu_lock; inf if the shoes do not lock up to the largest friction
-        that was tried
+        that was tried. If friction depends on the pressure, it is the coefficient at zero pressure,
+        with all coefficients of the table raised in proportion
     bounded : whether the pressure stays finite up to mu_lock; otherwise it grows without bound
     """
 

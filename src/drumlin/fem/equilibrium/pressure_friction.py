@@ -1,6 +1,8 @@
 """The contact of a group of shoes whose friction depends on the pressure."""
 
+import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -10,7 +12,10 @@ from drumlin.brake.friction import FrictionCurve
 from drumlin.contact.active_set import Contact
 from drumlin.contact.pressure_friction import (
     FRICTION_TOLERANCE,
+    FrictionFactorLimit,
     NodalFriction,
+    find_largest_friction_factor_with_equilibrium,
+    is_equilibrium_certain_up_to_friction_factor,
     solve_contact_with_pressure_dependent_friction,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, SolvedGroup
@@ -71,6 +76,32 @@ def friction_and_its_slopes_at_nodes_of_group(
 def group_with_friction_at_nodes(group: ShoeGroup, friction: Floats) -> ShoeGroup:
     """A copy of a group with a friction coefficient (n,) for each of its contact nodes."""
     return replace(group, friction_at_nodes=friction / group.brake.friction)
+
+
+def find_friction_factor_that_locks_group(
+    settled: SolvedGroup, largest_factor: float, *, single_step: bool = False
+) -> FrictionFactorLimit:
+    """Find the factor on all friction coefficients of a solved group at which it locks itself.
+
+    The bearing supports and the friction directions at abutments are those of the solution.
+
+    Parameters
+    ----------
+    settled : the group, solved by `solve_shoe_group_with_lining_friction`
+    largest_factor : factor at which the search ends without a limit
+    single_step : whether a single step to the largest factor is tried before the search
+    """
+    group = settled.group
+    unit = replace(group, friction_at_nodes=np.ones(len(group.contact_node_areas)))
+    problem, areas = unit.contact_problem_as_function_of_friction, group.contact_node_areas
+    friction = partial(_friction_and_its_slopes_at_nodes, group)
+    if single_step and is_equilibrium_certain_up_to_friction_factor(
+        problem, friction, settled.contact, largest_factor, areas
+    ):
+        return FrictionFactorLimit(math.inf, False)
+    return find_largest_friction_factor_with_equilibrium(
+        problem, friction, settled.contact, largest_factor, areas
+    )
 
 
 def group_with_tangent_of_friction_stress(group: ShoeGroup, p: Floats) -> ShoeGroup:

@@ -169,17 +169,19 @@ def contact_problem_with_spring_nodes(
 
 
 def actuation_effects_with_spring_nodes(
-    group: ShoeGroup, nodes: SpringNodes, friction: float
+    group: ShoeGroup, nodes: SpringNodes, friction: float, first: int | None = None
 ) -> list[ForceEffects]:
     """The effects of each actuation force, with spring nodes after the contact nodes of each shoe.
 
-    Among the unknowns of the group the spring nodes follow all contact nodes.
+    `first` is the number of the first spring node among the nodes of the group; by default the
+    spring nodes follow the contact nodes of the linings.
     """
     springs, numbers = group.spring_matrices_at_friction(friction), nodes.numbers
     n = len(group.contact_node_areas)
+    first = n if first is None else first
     effects = []
     for k, own in enumerate(group.contact_effects_of_each_actuation_force(friction)):
-        places = np.append(np.arange(n)[own.nodes], n + np.arange(len(numbers)))
+        places = np.append(np.arange(n)[own.nodes], first + np.arange(len(numbers)))
         effects.append(
             own._replace(
                 nodes=places,
