@@ -143,10 +143,13 @@ def solve(
             # In the search for the self-locking limit the friction grows, while the springs keep
             # the pulls that they have in the response.
             under = brake_with_loads_assigned_to_shoes(brake, response.spring_pulls or None)
-            compare = compare_friction_with_self_locking_limits
-            if first_key_of_pressure_dependent_friction(brake) is not None:
-                compare = compare_friction_over_pressure_with_self_locking_limit
-            response = replace(response, self_locking=compare(scene, under, penalty))
+            is_over_pressure = first_key_of_pressure_dependent_friction(brake) is not None
+            found = (
+                compare_friction_over_pressure_with_self_locking_limit(scene, under, penalty)
+                if is_over_pressure
+                else compare_friction_with_self_locking_limits(scene, under, penalty)
+            )
+            response = replace(response, self_locking=found)
     if model_error and not finite_width:
         with add_elapsed_time_of_block_to_phase(seconds, "error of plane stress"):
             own = estimate_error_of_plane_stress(brake, response, penalty=penalty, cache=cache)

@@ -1136,9 +1136,7 @@ class _WearStepper:
             f"the pressure under wear of exponent {self.law.exponent:g} still changes"
         )
 
-    def _worn_contact_problem_at_pressures(
-        self, i: int, p: Floats, worn: Floats
-    ) -> ContactProblem:
+    def _worn_contact_problem_at_pressures(self, i: int, p: Floats, worn: Floats) -> ContactProblem:
         """The contact problem of worn linings, with the tangent of the friction stress at p (n,).
 
         `i` is the number of the group of linings, and `worn` (n,) the weighted gap that their worn

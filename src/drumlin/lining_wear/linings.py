@@ -227,9 +227,7 @@ def wear_setup_by_finite_elements(
     )
 
 
-def _pulls_of_unworn_brake(
-    scene: PreparedModel, brake: Brake, penalty: float
-) -> tuple[float, ...]:
+def _pulls_of_unworn_brake(scene: PreparedModel, brake: Brake, penalty: float) -> tuple[float, ...]:
     """The pull [N] of each spring, of which those without preload need a sign.
 
     They are the preloads if all springs with a rate have one.

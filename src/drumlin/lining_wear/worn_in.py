@@ -104,8 +104,8 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
 
     The clearances are computed for a round drum. An out-of-round drum stays out of round in the
     result: as it turns, it wears the lining evenly if the whole lining stays in contact. `scene`
-    holds the prepared finite elements of the brake. Raises NoAnswer for a self-locking shoe, and BadInput for
-    springs with a rate and for friction that depends on the pressure.
+    holds the prepared finite elements of the brake. Raises NoAnswer for a self-locking shoe, and
+    BadInput for springs with a rate and for friction that depends on the pressure.
     """
     require_springs_with_constant_pull(brake, "the worn-in brake")
     require_friction_independent_of_pressure(brake, "the worn-in brake")

@@ -384,7 +384,8 @@ def _apply_actuation_force_to_resting_group(
 ) -> _LoadedGroupAtRest:
     """Apply the actuation force to a group of shoes in increments while the drum is at rest.
 
-    The pulls of `springs` with a rate come on together with the force. Raises NoAnswer as `turn_holding_brake_and_return_states_at_rotations` does.
+    The pulls of `springs` with a rate come on together with the force. Raises NoAnswer as
+    `turn_holding_brake_and_return_states_at_rotations` does.
     """
     under = group if springs is None else group_under_spring_pulls(group, None)
     problem, lever = make_stick_slip_problem_and_slip_per_drum_rotation(under, springs)
@@ -415,7 +416,9 @@ def _apply_actuation_force_to_resting_group(
     )
     constant = np.append(feet.friction_coefficients_of_all_nodes(), np.zeros(further))
     friction: NodesFriction = constant
-    if any(len(group.brake.friction_coefficient_curve_of_shoe(shoe).mu) > 1 for shoe in group.shoes):
+    if any(
+        len(group.brake.friction_coefficient_curve_of_shoe(shoe).mu) > 1 for shoe in group.shoes
+    ):
         friction = partial(_friction_of_lining_and_further_nodes, under, constant)
     try:
         rest, spent = _increase_actuation_force_at_rest(problem, gap, friction, start, increments)

@@ -842,10 +842,11 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
         lines += _torque_slopes_of_shoe_as_text_lines(
             own, brake.shoes[k].actuation.force, T, elasticity
         )
-    for i, (spring, slope) in enumerate(zip(brake.springs, found.springs, strict=True)):
+    for i, (spring, own_slopes) in enumerate(zip(brake.springs, found.springs, strict=True)):
+        by_preload, by_rate = own_slopes.preload * spring.preload, own_slopes.rate * spring.rate
         lines.append(
-            f"  spring[{i}]: pull {slope.pull:.6g} N; {elasticity} preload "
-            f"{slope.preload * spring.preload / T:+.4g}, rate {slope.rate * spring.rate / T:+.4g}"
+            f"  spring[{i}]: pull {own_slopes.pull:.6g} N; {elasticity} preload "
+            f"{by_preload / T:+.4g}, rate {by_rate / T:+.4g}"
         )
     parts = ", ".join(names_of_orthotropic_parts(brake))
     if parts:

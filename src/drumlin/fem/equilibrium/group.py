@@ -632,7 +632,8 @@ def divide_pressed_shoes_into_groups(
 ) -> list[ShoeGroup]:
     """Divide the shoes that are pressed on the drum into groups that must be solved together.
 
-    `springs_join` is whether springs with a rate join all shoes to one group. Raises NoAnswer if a cam presses only one of its shoes.
+    `springs_join` is whether springs with a rate join all shoes to one group. Raises NoAnswer if a
+    cam presses only one of its shoes.
     """
     touching = indices_of_pressed_shoes_in_brake(scene, brake)
     if brake.actuation is not None and brake.actuation.is_cam_or_wedge:

@@ -57,9 +57,7 @@ def solve_shoe_group_with_lining_friction(
     )
 
 
-def friction_and_its_slopes_at_nodes_of_group(
-    group: ShoeGroup, p: Floats
-) -> NodalFriction:
+def friction_and_its_slopes_at_nodes_of_group(group: ShoeGroup, p: Floats) -> NodalFriction:
     """The friction coefficients at nodal pressures p (n,) [Pa], and their derivatives [1/Pa]."""
     parts = []
     for shoe, nodes in zip(group.shoes, group.contact_node_slices_of_shoes, strict=True):
@@ -156,9 +154,7 @@ def _friction_and_its_slopes_at_nodes(group: ShoeGroup, p: Floats) -> NodalFrict
     return NodalFriction(found.coefficient, size * found.slope)
 
 
-def _contact_whose_friction_fits_its_pressures(
-    settled: SolvedGroup, start: Floats
-) -> Contact:
+def _contact_whose_friction_fits_its_pressures(settled: SolvedGroup, start: Floats) -> Contact:
     """The contact in which the friction at each node agrees with the pressure there.
 
     The bearing supports and the friction directions at abutments are those of `settled`. `start`

@@ -264,7 +264,10 @@ class GroupProblems(GroupState):
         foot, tip = np.zeros((shoes, count)), np.zeros((shoes, count))
         for i, shoe in enumerate(self.shoes):
             body, sense = self.substructures_of_shoes[i], self.known_abutment_friction_directions[i]
-            nodes, modes = self.contact_node_slices_of_shoes[i], self.rigid_body_mode_slices_of_shoes[i]
+            nodes, modes = (
+                self.contact_node_slices_of_shoes[i],
+                self.rigid_body_mode_slices_of_shoes[i],
+            )
             acting = self.actuation_of_each_shoe_by_one_newton[i].load_factors
             pulls = unit_pulls_on_shoe(self.brake, shoe)
             for j, place, pull in pulls:

@@ -110,7 +110,9 @@ class SpringBorder(NamedTuple):
     opening: Floats
 
 
-def spring_border_at_friction(group: ShoeGroup, nodes: SpringNodes, friction: float) -> SpringBorder:
+def spring_border_at_friction(
+    group: ShoeGroup, nodes: SpringNodes, friction: float
+) -> SpringBorder:
     """The rows and columns of spring nodes in the contact problem at a friction coefficient."""
     springs, numbers, size = (
         group.spring_matrices_at_friction(friction),
@@ -146,7 +148,9 @@ def contact_problem_with_spring_nodes(
     A, q, B, C, h = group.contact_problem_with_given_actuation_forces(friction)
     border = spring_border_at_friction(group, nodes, friction)
     problem = ContactProblem(
-        A=np.block([[A, border.gap_by_force], [border.opening_by_pressure, border.opening_by_force]]),
+        A=np.block(
+            [[A, border.gap_by_force], [border.opening_by_pressure, border.opening_by_force]]
+        ),
         q=np.concatenate([q, border.opening]),
         B=np.vstack([B, border.opening_by_motion]),
         C=np.hstack([C, border.work]),
