@@ -215,13 +215,38 @@ def _shoe_sensitivity_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
     }
 
 
+class WantedSlopes(NamedTuple):
+    """Which slopes of the torque are computed besides those by friction, forces and clearances.
+
+    The slopes by moduli take nearly all of the time, since they need the displacements of all nodes
+    inside the shoes.
+
+    Attributes
+    ----------
+    moduli : whether the slopes by moduli and bending stiffnesses are computed
+    supports : whether the slopes by the data of supports are computed
+    """
+
+    moduli: bool = True
+    supports: bool = True
+
+
+ALL_SLOPES = WantedSlopes()
+"""All slopes of the torque that there are."""
+
+
 def compute_torque_sensitivity(
-    scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY
+    scene: PreparedModel,
+    brake: Brake,
+    *,
+    penalty: float = PENALTY,
+    wanted: WantedSlopes = ALL_SLOPES,
 ) -> Sensitivity:
     """Compute the sensitivities of a brake's torque to its data, on a prepared model.
 
-    Raises NoAnswer and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without
-    friction, which has no torque.
+    `wanted` are the slopes that are computed; the others are left out of the result. Raises NoAnswer
+    and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without friction, which has
+    no torque.
     """
     require_positive_penalty(penalty)
     _refuse_brake_whose_torque_has_no_slopes(scene, brake)
@@ -237,7 +262,7 @@ def compute_torque_sensitivity(
     for group in divide_pressed_shoes_into_groups(scene, under, penalty, springs_join=True):
         adjoint = solve_adjoint_for_torque_of_shoe_group(group)
         for k, i in enumerate(group.members):
-            slopes = _TorqueSlopesOfShoe(adjoint, k, changed)
+            slopes = _TorqueSlopesOfShoe(adjoint, k, changed, wanted)
             pressed[i] = slopes.compute_all_torque_slopes_of_shoe()
         ring += adjoint.ring_modulus_slope
         drive += adjoint.given_forces_slope
@@ -358,12 +383,19 @@ class _TorqueSlopesOfShoe:
     """Computes the derivatives of the brake's torque by the data of one shoe.
 
     `adjoint` is the adjoint of the shoe's group, and `k` the number of the shoe in the group.
-    `changed` is a function that returns condensed bodies of solid shoes with changed moduli.
+    `changed` is a function that returns condensed bodies of solid shoes with changed moduli, and
+    `wanted` are the slopes that are computed.
     """
 
-    def __init__(self, adjoint: GroupAdjoint, k: int, changed: BodiesOfModulus) -> None:
+    def __init__(
+        self,
+        adjoint: GroupAdjoint,
+        k: int,
+        changed: BodiesOfModulus,
+        wanted: WantedSlopes = ALL_SLOPES,
+    ) -> None:
         """Collect the shoe, its adjoint, and the signs of its rigid-body modes."""
-        self.adjoint, self.k, self.changed = adjoint, k, changed
+        self.adjoint, self.k, self.changed, self.wanted = adjoint, k, changed, wanted
         self.is_solid = adjoint.group.scene.model == "solid"
         self.group: ShoeGroup = adjoint.group
         self.own: ShoeAdjoint = adjoint.shoes[k]
@@ -405,7 +437,10 @@ class _TorqueSlopesOfShoe:
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
         phi, multipliers = body.line.angles_and_mean_pressures(own.gap_multipliers)
-        held = self._torque_slopes_by_supports()
+        held, keys = {}, []
+        if self.wanted.supports:
+            held = self._torque_slopes_by_supports()
+            keys = list(self._rigid_mode_derivatives_by_support_data())
         return ShoeSensitivity(
             name=shoe.name,
             torque=torque,
@@ -420,9 +455,7 @@ class _TorqueSlopesOfShoe:
             theta=shoe.frame.theta(phi)[forward],
             density=-shoe.lining.width * multipliers[forward],
             modulus_error=modulus_error,
-            not_given=tuple(
-                key for key in self._rigid_mode_derivatives_by_support_data() if key not in held
-            ),
+            not_given=tuple(key for key in keys if key not in held),
         )
 
     def _indices_of_shoes_pushed_by_struts(self) -> list[int]:
@@ -457,6 +490,8 @@ class _TorqueSlopesOfShoe:
         The lining's modulus E also changes the contact stiffness alpha E/t. The slope `by_penalty`
         [N m] by the contact stiffness is therefore a part of the slope by the lining's modulus.
         """
+        if not self.wanted.moduli:
+            return _SlopesByModuli({}, None, None)
         if self.is_solid:
             return self._torque_slopes_by_solid_shoe_moduli_and_error(by_penalty)
         u, v = self.displacements_due_to_loads_and_adjoint_loads

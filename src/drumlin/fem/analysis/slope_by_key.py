@@ -10,7 +10,20 @@ import math
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material, Part, Point
 from drumlin.brake.file import parts_and_field_name_of_brake_key
-from drumlin.fem.analysis.sensitivity import Sensitivity, ShoeSensitivity
+from drumlin.fem.analysis.sensitivity import Sensitivity, ShoeSensitivity, WantedSlopes
+
+
+def slopes_wanted_for_key(brake: Brake, key: str) -> WantedSlopes:
+    """The slopes of the torque that `exact_torque_slope_by_key` needs for a key.
+
+    Raises BadInput for an unknown key.
+    """
+    parts, _ = parts_and_field_name_of_brake_key(brake, key)
+    hinges = [shoe.hinge for shoe in brake.shoes if shoe.hinge is not None]
+    return WantedSlopes(
+        moduli=any(isinstance(part, Material) for part in parts),
+        supports=any(part is hinge for part in parts for hinge in hinges),
+    )
 
 
 def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> float | None:
