@@ -244,9 +244,9 @@ def compute_torque_sensitivity(
 ) -> Sensitivity:
     """Compute the sensitivities of a brake's torque to its data, on a prepared model.
 
-    `wanted` are the slopes that are computed; the others are left out of the result. Raises NoAnswer
-    and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without friction, which has
-    no torque.
+    `wanted` are the slopes that are computed; the others are left out of the result. Raises
+    NoAnswer and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without friction,
+    which has no torque.
     """
     require_positive_penalty(penalty)
     _refuse_brake_whose_torque_has_no_slopes(scene, brake)
