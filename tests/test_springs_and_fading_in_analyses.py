@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import quad
 
 import drumlin
+from drumlin.base.arrays import slices_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.contact.active_set import solve_contact_problem
@@ -34,7 +35,22 @@ from test_further_loads import PULL
 
 SOFT = PULL | {"rate": 1e5}
 STIFF = PULL | {"rate": 1e6}
+LOPSIDED: dict[str, Any] = {
+    "shoe": "right",
+    "point": {"x": 0.06, "y": 0.04},
+    "end": {"x": -0.02, "y": 0.02},
+    "preload": 100.0,
+    "rate": 1e6,
+}
+"""A spring from one shoe of a cam to the frame: its effects on the two tips do not cancel."""
 ELEMENTS = 8
+
+SPRUNG = {
+    "rigid shoes": lambda: two_shoes(spring=[STIFF]),
+    "elastic shoes": lambda: two_shoes(True, spring=[STIFF]),
+    "cam": lambda: two_shoes(True, actuation={"force": 2000.0}, spring=[LOPSIDED]),
+    "friction over pressure": lambda: over_pressure(two_shoes(True, spring=[STIFF]), FALLING),
+}
 
 
 def on_mesh(brake):
@@ -58,8 +74,8 @@ def test_wear_with_a_table_of_equal_coefficients_is_wear_with_a_number(brake):
 @pytest.mark.parametrize("sliding", ["+x", "-x"])
 def test_a_hinged_pad_wears_to_its_closed_form_under_friction_linear_in_pressure(sliding):
     """Worn in, p = c x from the hinge, and the moment about the hinge is quadratic in c."""
-    mu, slope = 0.45, -0.15 / 60e6
-    table = {"pressure": [0.0, 60e6], "mu": [mu, mu + slope * 60e6]}
+    mu, slope = 0.45, -0.15 / 1.5e6
+    table = {"pressure": [0.0, 1.5e6], "mu": [mu, mu + slope * 1.5e6]}
     brake = vary(pad("hinge"), {"friction": table, "plane.sliding": sliding})
     run = drumlin.wear(brake, elements=ELEMENTS, tolerance=1e-3)
     lining, h = brake.shoes[0].lining, brake.shoes[0].pin.y
@@ -71,6 +87,7 @@ def test_a_hinged_pad_wears_to_its_closed_form_under_friction_linear_in_pressure
     a, b = s * h * slope * integral(2), integral(2) + s * h * mu * integral(1)
     c = min(root for root in np.roots([a, b, -M]).real if root > 0)
     surface = run.setup.surfaces[0]
+    assert 0.2e6 < run.target.pressure.max() < 1.5e6
     assert_allclose(run.target.pressure, c * surface.theta, rtol=1e-9)
     force = mu * c * integral(1) + slope * c**2 * integral(2)
     assert run.target.torque == pytest.approx(force, rel=1e-9)
@@ -185,7 +202,10 @@ def test_one_node_on_a_lever_locks_at_its_closed_form():
     assert end.pressure_stays_finite
 
 
-@pytest.mark.parametrize("table", [FALLING, {"pressure": [0.0, 3e6], "mu": [0.3, 0.6]}])
+@pytest.mark.parametrize(
+    "table",
+    [FALLING, pytest.param({"pressure": [0.0, 3e6], "mu": [0.3, 0.6]}, marks=pytest.mark.slow)],
+)
 def test_the_factor_that_locks_the_brake_is_that_of_bisection_on_solve(brake, table):
     """A force of 2 mN keeps the strains small up to the limit; its table has pressures like it."""
     small = {f"shoe[{i}].actuation.force": 2e-3 for i in (0, 1)}
@@ -294,26 +314,27 @@ def test_a_spring_stops_the_wear_of_a_hinged_rigid_shoe_as_in_closed_form(sign):
     assert_allclose(states[0].pressure[:-1], M / J * np.sin(theta), rtol=2e-9)
 
 
-@pytest.mark.parametrize("body", [False, True])
-def test_wear_under_springs_begins_at_solve_and_each_shoe_balances(body):
-    brake = two_shoes(body, spring=[STIFF])
+@pytest.mark.parametrize("name", ["rigid shoes", "elastic shoes", "cam"])
+def test_wear_under_springs_begins_at_solve_and_each_shoe_balances(name):
+    brake = SPRUNG[name]()
     run = drumlin.wear(brake, elements=ELEMENTS, distance="2")
     unworn = solve(brake, elements=ELEMENTS, penalty=math.inf)
     first, *_, last = run.states
     assert first.pulls == pytest.approx(unworn.spring_pulls, rel=1e-11)
     assert first.torque == pytest.approx(unworn.torque, rel=1e-11)
-    assert last.pulls[0] > first.pulls[0] + 0.5
+    assert last.pulls[0] > first.pulls[0] + 0.3
     assert any(line.startswith("spring[0]: pulls by") for line in run.lines())
     assert run.as_dict()["states"][-1]["spring_pulls"] == [last.pulls[0]]
     assert last.removed == pytest.approx(run.law.coefficient * last.pressed, rel=1e-12)
     # Worn linings under constant springs of the last pulls are the same brake.
     constant = {"spring[0].preload": last.pulls[0], "spring[0].rate": 0.0}
     setup = run.setup
-    for interface, surface in zip(setup.interfaces, setup.surfaces, strict=True):
+    parts = slices_of_consecutive_parts(len(interface.area) for interface in setup.interfaces)
+    for interface, part in zip(setup.interfaces, parts, strict=True):
         problem = interface.problem
-        worn = problem._replace(q=problem.q + interface.weight @ last.depth[surface.part])
+        worn = problem._replace(q=problem.q + interface.weight @ last.depth[part])
         p = solve_contact_problem(worn).p
-        assert_allclose(p, last.pressure[surface.part], atol=1e-9 * p.max())
+        assert_allclose(p, last.pressure[part], atol=1e-9 * p.max())
     assert vary(brake, constant).springs[0].preload == last.pulls[0]
 
 
@@ -346,15 +367,16 @@ def test_wear_under_a_spring_needs_a_distance_and_a_spring_that_acts():
 
 @pytest.mark.parametrize("cam", [False, True])
 def test_a_spring_keeps_acting_in_a_holding_brake(cam):
-    actuation = {"actuation": {"force": 2000.0}} if cam else {}
-    brake = two_shoes(True, spring=[STIFF], **actuation)
+    brake = two_shoes(True, spring=[STIFF])
+    if cam:
+        brake = two_shoes(True, spring=[LOPSIDED], actuation={"force": 2000.0})
     states = drumlin.hold(brake, elements=ELEMENTS, steps=4).states
     solved = on_mesh(brake)
     assert states[-1].spring_pulls == pytest.approx(solved.spring_pulls, rel=1e-10)
     assert states[-1].torque == pytest.approx(solved.torque, rel=1e-10)
     assert not states[-1].notes
     # At rest the pull differs, and constant springs of these pulls hold the drum alike.
-    assert abs(states[0].spring_pulls[0] - solved.spring_pulls[0]) > 0.5
+    assert abs(states[0].spring_pulls[0] - solved.spring_pulls[0]) > 0.1
     constant = {"spring[0].preload": states[0].spring_pulls[0], "spring[0].rate": 0.0}
     rest = drumlin.hold(vary(brake, constant), elements=ELEMENTS, steps=4).states[0]
     for a, b in zip(rest.pressure, states[0].pressure, strict=True):
@@ -388,15 +410,11 @@ def torque_slope_by_differences(brake, key, value, step):
     return (up - down) / (2 * step)
 
 
-SPRUNG = {
-    "rigid shoes": lambda: two_shoes(spring=[STIFF]),
-    "elastic shoes": lambda: two_shoes(True, spring=[STIFF]),
-    "cam": lambda: two_shoes(True, actuation={"force": 2000.0}, spring=[STIFF]),
-    "friction over pressure": lambda: over_pressure(two_shoes(True, spring=[STIFF]), FALLING),
-}
-
-
-@pytest.mark.parametrize("name", SPRUNG)
+@pytest.mark.parametrize(
+    "name",
+    ["elastic shoes", "cam"]
+    + [pytest.param(name, marks=pytest.mark.slow) for name in SPRUNG if name[0] in "rf"],
+)
 def test_slopes_beside_springs_are_those_of_differences(name):
     brake = SPRUNG[name]()
     slopes = drumlin.sensitivity(brake, elements=ELEMENTS)
@@ -432,7 +450,7 @@ def test_slopes_by_the_abutment_of_a_strut_beside_a_spring_are_those_of_differen
     places = {"point": {"x": 0.06, "y": 0.01}, "end": {"x": -0.06, "y": 0.01}}
     first, second = (shoe.name for shoe in servo().shoes)
     spring = {"shoe": first, "to": second, "preload": 30.0, "rate": 1e6} | places
-    brake = vary(servo(), {"spring": [spring]})
+    brake = vary(servo(body=0.008), {"spring": [spring]})
     slopes = drumlin.sensitivity(brake, elements=ELEMENTS)
     point, held = brake.shoes[0].abutment.point, slopes.shoes[0].held
     for i, axis in enumerate("xy"):
