@@ -280,28 +280,10 @@ def wear_brake_linings_until_worn_in(
     _require_three_elements_per_lining(setup)
     law = law or WearLaw(DEFAULT_WEAR_COEFFICIENT)
     torque = options.get("torque")
-    key = first_key_of_loads_besides_actuation(setup.brake)
-    if torque is not None and key is not None:
-        raise BadInput(
-            f"{key}: a torque that is kept scales all forces alike; leave out the torque"
-        )
-    if torque is not None and setup.is_friction_dependent_on_pressure:
-        over_pressure = first_key_of_pressure_dependent_friction(setup.brake)
-        raise BadInput(
-            f"{over_pressure}: a torque that is kept takes no friction that depends on the "
-            "pressure; leave out the torque"
-        )
+    if torque is not None:
+        _require_loads_and_friction_that_allow_a_kept_torque(setup)
     if until is None and "distance" not in options:
-        if setup.springs is not None:
-            i = int(setup.springs.numbers[0])
-            raise BadInput(
-                f"spring[{i}].rate = {setup.brake.springs[i].rate * 1e-3:g} N/mm: the pull changes "
-                "as long as the linings wear, which does not settle: a distance must be given"
-            )
-        if backward is not None:
-            raise BadInput(
-                "a brake whose drum turns both ways does not settle: a distance must be given"
-            )
+        _require_that_wear_settles(setup, both_ways=backward is not None)
         until = make_function_that_tests_for_end_of_wear(
             setup, final_pressure_and_torque_of_wear_on_mesh(setup, law, torque)
         )
@@ -313,6 +295,38 @@ def wear_brake_linings_until_worn_in(
         **options,
     )
     return list(map(setup.state_with_spring_pulls_apart, states))
+
+
+def _require_loads_and_friction_that_allow_a_kept_torque(setup: WearSetup) -> None:
+    """Raise BadInput for a brake on which the actuation cannot be adjusted to keep a torque."""
+    key = first_key_of_loads_besides_actuation(setup.brake)
+    if key is not None:
+        raise BadInput(
+            f"{key}: a torque that is kept scales all forces alike; leave out the torque"
+        )
+    if setup.is_friction_dependent_on_pressure:
+        key = first_key_of_pressure_dependent_friction(setup.brake)
+        raise BadInput(
+            f"{key}: a torque that is kept takes no friction that depends on the pressure; "
+            "leave out the torque"
+        )
+
+
+def _require_that_wear_settles(setup: WearSetup, *, both_ways: bool) -> None:
+    """Raise BadInput for a wear run without a distance that does not settle.
+
+    `both_ways` is whether the drum turns both ways.
+    """
+    if setup.springs is not None:
+        i = int(setup.springs.numbers[0])
+        raise BadInput(
+            f"spring[{i}].rate = {setup.brake.springs[i].rate * 1e-3:g} N/mm: the pull changes "
+            "as long as the linings wear, which does not settle: a distance must be given"
+        )
+    if both_ways:
+        raise BadInput(
+            "a brake whose drum turns both ways does not settle: a distance must be given"
+        )
 
 
 def _require_three_elements_per_lining(setup: WearSetup) -> None:

@@ -392,17 +392,7 @@ def _apply_actuation_force_to_resting_group(
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     further = 0 if springs is None else len(springs.numbers)
     count = len(feet.shoe_numbers)
-    # The first guess of the states comes from the solution without friction. Nodes that touch in it
-    # stick, and all feet stick. One-sided supports that bear in it slip, and the others are open.
-    smooth = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=())
-    if group.one_sided_supports:
-        smooth, contact = smooth.solve_contact_and_abutment_friction()
-    else:
-        contact = smooth.solve_contact_for_given_abutment_friction()
-    start = np.append(np.where(contact.active, STICK, OPEN), np.full(count, STICK))
-    start = np.append(start, np.where(np.array(smooth.bearing, dtype=bool), FORWARD, OPEN))
-    # The nodes of springs touch and slip, since no friction acts on them.
-    start = np.append(start, np.full(further, FORWARD))
+    start = np.append(_states_of_nodes_without_friction(group, feet), np.full(further, FORWARD))
     size = under.largest_actuation_force
     unit_gaps = np.concatenate(group.gaps_of_unloaded_linings) / size
     clearances = [support.clearance for support in group.one_sided_supports]
@@ -429,6 +419,24 @@ def _apply_actuation_force_to_resting_group(
         raise NoAnswer(f"{group.names_of_shoes_as_text}: {error}, the drum at rest") from error
     per_rotation = lever * (group.brake.sign_of_motion / size)
     return _LoadedGroupAtRest(under, problem, per_rotation, friction, rest, spent, springs)
+
+
+def _states_of_nodes_without_friction(group: ShoeGroup, feet: FeetOnRoughAbutments) -> Ints:
+    """The states (n,) from which the first load increment starts, without the nodes of springs.
+
+    They come from the solution without friction. Nodes that touch in it stick, and all feet stick.
+    One-sided supports that bear in it slip, and the others are open. Springs, on which no friction
+    acts, always slip.
+    """
+    smooth = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=())
+    if group.one_sided_supports:
+        smooth, contact = smooth.solve_contact_and_abutment_friction()
+    else:
+        contact = smooth.solve_contact_for_given_abutment_friction()
+    touching = np.where(contact.active, STICK, OPEN)
+    sticking = np.full(len(feet.shoe_numbers), STICK)
+    bearing = np.where(np.array(smooth.bearing, dtype=bool), FORWARD, OPEN)
+    return np.concatenate([touching, sticking, bearing])
 
 
 def _friction_of_lining_and_further_nodes(

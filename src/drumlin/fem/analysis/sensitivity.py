@@ -251,9 +251,7 @@ def compute_torque_sensitivity(
     require_positive_penalty(penalty)
     _refuse_brake_whose_torque_has_no_slopes(scene, brake)
     require_no_shoe_on_anchors(brake, "sensitivity")
-    pulls = [spring.preload for spring in brake.springs]
-    if any(spring.rate for spring in brake.springs):
-        pulls = list(solve_prepared_model(scene, brake, penalty=penalty).spring_pulls)
+    pulls = _pulls_of_springs_in_solved_brake(scene, brake, penalty)
     under = brake_with_loads_assigned_to_shoes(brake, pulls) if pulls else brake
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
@@ -294,12 +292,18 @@ def compute_torque_sensitivity(
         shoes=tuple(shoes),
         law=friction_sensitivity_by_rigid_shoe_law(brake),
         springs=tuple(
-            SpringSensitivity(*each)
-            for each in zip(
-                pulls, by_preload.tolist(), (-by_preload * approaches).tolist(), strict=True
-            )
+            map(SpringSensitivity, pulls, by_preload.tolist(), (-by_preload * approaches).tolist())
         ),
     )
+
+
+def _pulls_of_springs_in_solved_brake(
+    scene: PreparedModel, brake: Brake, penalty: float
+) -> list[float]:
+    """The pull [N] of each spring in the solved brake; without rates the preloads."""
+    if any(spring.rate for spring in brake.springs):
+        return list(solve_prepared_model(scene, brake, penalty=penalty).spring_pulls)
+    return [spring.preload for spring in brake.springs]
 
 
 def _refuse_brake_whose_torque_has_no_slopes(scene: PreparedModel, brake: Brake) -> None:

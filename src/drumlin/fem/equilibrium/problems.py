@@ -248,58 +248,49 @@ class GroupProblems(GroupState):
 
         The effects are linear in the friction coefficient.
         """
-        count, shoes = len(self.brake.springs), len(self.shoes)
-        n, k = len(self.contact_node_areas), self.rigid_body_mode_slices_of_shoes[-1].stop
-        factors = [
+        found = SpringMatrices.zeros(
             [
-                np.zeros(body.load_matrix_columns_by_load_name.number_of_load_columns)
+                body.load_matrix_columns_by_load_name.number_of_load_columns
                 for body in self.substructures_of_shoes
-            ]
-            for _ in range(count)
-        ]
-        resultants, gap = np.zeros((count, shoes, 3)), np.zeros((n, count))
-        work, by_motion = np.zeros((k, count)), np.zeros((count, k))
-        by_pressure, by_force = np.zeros((count, n)), np.zeros((count, shoes))
-        by_pull = np.zeros((count, count))
-        foot, tip = np.zeros((shoes, count)), np.zeros((shoes, count))
-        for i, shoe in enumerate(self.shoes):
-            body, sense = self.substructures_of_shoes[i], self.known_abutment_friction_directions[i]
-            nodes, modes = (
-                self.contact_node_slices_of_shoes[i],
-                self.rigid_body_mode_slices_of_shoes[i],
-            )
-            acting = self.actuation_of_each_shoe_by_one_newton[i].load_factors
-            pulls = unit_pulls_on_shoe(self.brake, shoe)
-            for j, place, pull in pulls:
-                load = load_column_factors_of_force_at_point(body, shoe, place, pull)
-                factors[j][i], resultants[j, i] = load, pull.resultant
-                gap[nodes, j] = -(body.closure_by_load @ load)
-                work[modes, j] = work_of_force_on_test_modes(shoe, sense, pull)
-                by_motion[j, modes] = displacement_of_point_along_force_in_modes(shoe, sense, pull)
-                by_pressure[j, nodes] = self._elastic_load_point_travel_per_nodal_pressure(
-                    i, load, friction
-                )
-                by_force[j, i] = load @ body.load_motion_by_load @ acting
-                tip[i, j] = acting @ body.load_motion_by_load @ load
-                if shoe.abutment is not None:
-                    foot[i, j] = -float(
-                        shoe.unit_vector_of_smooth_abutment_force @ np.array(pull.force)
-                    )
-            for (one, *_), (other, *_) in product(pulls, repeat=2):
-                elastic = factors[one][i] @ body.load_motion_by_load @ factors[other][i]
-                by_pull[one, other] += elastic
-        return SpringMatrices(
-            tuple(map(tuple, factors)),
-            resultants,
-            gap,
-            work,
-            by_pressure,
-            by_motion,
-            by_force,
-            by_pull,
-            foot,
-            tip,
+            ],
+            springs=len(self.brake.springs),
+            nodes=len(self.contact_node_areas),
+            modes=self.rigid_body_mode_slices_of_shoes[-1].stop,
         )
+        for i in range(len(self.shoes)):
+            self._add_effects_of_springs_on_shoe(found, i, friction)
+        return found
+
+    def _add_effects_of_springs_on_shoe(
+        self, found: SpringMatrices, i: int, friction: float
+    ) -> None:
+        """Add the effects of all springs on shoe `i` to `found`, whose arrays are changed."""
+        shoe, body = self.shoes[i], self.substructures_of_shoes[i]
+        sense = self.known_abutment_friction_directions[i]
+        nodes, modes = self.contact_node_slices_of_shoes[i], self.rigid_body_mode_slices_of_shoes[i]
+        acting = self.actuation_of_each_shoe_by_one_newton[i].load_factors
+        pulls = unit_pulls_on_shoe(self.brake, shoe)
+        for j, place, pull in pulls:
+            load = load_column_factors_of_force_at_point(body, shoe, place, pull)
+            found.load_factors[j][i][:] = load
+            found.resultants[j, i] = pull.resultant
+            found.gap_by_pull[nodes, j] = -(body.closure_by_load @ load)
+            found.work[modes, j] = work_of_force_on_test_modes(shoe, sense, pull)
+            found.approach_by_motion[j, modes] = displacement_of_point_along_force_in_modes(
+                shoe, sense, pull
+            )
+            found.approach_by_pressure[j, nodes] = (
+                self._elastic_load_point_travel_per_nodal_pressure(i, load, friction)
+            )
+            found.approach_by_force[j, i] = load @ body.load_motion_by_load @ acting
+            found.tip_travel_by_pull[i, j] = acting @ body.load_motion_by_load @ load
+            if shoe.abutment is not None:
+                found.foot_force_by_pull[i, j] = -float(
+                    shoe.unit_vector_of_smooth_abutment_force @ np.array(pull.force)
+                )
+        for (one, *_), (other, *_) in product(pulls, repeat=2):
+            loads = found.load_factors[one][i], found.load_factors[other][i]
+            found.approach_by_pull[one, other] += loads[0] @ body.load_motion_by_load @ loads[1]
 
     # The following methods treat supports that push and cannot pull.
 

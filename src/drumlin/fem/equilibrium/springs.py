@@ -6,7 +6,7 @@ where the loads act. As long as the same nodes are in contact, d is a linear fun
 so that Broyden's method ends after a few contact solves on the same condensed bodies.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -65,6 +65,31 @@ class SpringMatrices:
     approach_by_pull: Floats
     foot_force_by_pull: Floats
     tip_travel_by_pull: Floats
+
+    @classmethod
+    def zeros(
+        cls, load_columns: Sequence[int], *, springs: int, nodes: int, modes: int
+    ) -> "SpringMatrices":
+        """The matrices of springs without any effect.
+
+        Parameters
+        ----------
+        load_columns : number of load columns of each shoe's body
+        springs, nodes, modes : numbers of springs, of contact nodes and of rigid-body modes
+        """
+        m, shoes = springs, len(load_columns)
+        return cls(
+            load_factors=tuple(tuple(map(np.zeros, load_columns)) for _ in range(m)),
+            resultants=np.zeros((m, shoes, 3)),
+            gap_by_pull=np.zeros((nodes, m)),
+            work=np.zeros((modes, m)),
+            approach_by_pressure=np.zeros((m, nodes)),
+            approach_by_motion=np.zeros((m, modes)),
+            approach_by_force=np.zeros((m, shoes)),
+            approach_by_pull=np.zeros((m, m)),
+            foot_force_by_pull=np.zeros((shoes, m)),
+            tip_travel_by_pull=np.zeros((shoes, m)),
+        )
 
 
 def unit_pulls_on_shoe(brake: Brake, shoe: Shoe) -> list[tuple[int, int, ForceAtPoint]]:
