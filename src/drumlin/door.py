@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from drumlin.fem.analysis.sensitivity import Sensitivity
     from drumlin.laws.own import Shape
     from drumlin.lining_wear.whole_brake import WearRun
+    from drumlin.models import Model
     from drumlin.response.response import Response
     from drumlin.sizing import Sizing
     from drumlin.sweeps.sweep_table import SweepTable
@@ -223,12 +224,6 @@ def solve(
     >>> round(drumlin.solve(brake).torque), round(drumlin.solve(brake, "sine").torque)
     (448, 435)
     """
-    from drumlin.brake.friction import reason_if_friction_depends_on_pressure
-    from drumlin.brake.plausibility import notes_on_implausible_brake_values
-    from drumlin.laws.rigid import (
-        response_with_note_on_ignored_keys,
-        self_locking_by_rigid_shoe_law,
-    )
     from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
 
     whole = _brake_itself_or_read_from_file(brake)
@@ -253,10 +248,26 @@ def solve(
         raise BadInput("--finite-width: does not apply to worn-in linings")
     if finite_width and not model_error:
         raise BadInput("--no-model-error: --finite-width states the error that remains")
-    if model == "fem" and model_error and not worn_in:
-        options["model_error"] = True
     if model == "fem" and not worn_in:
-        options["self_locking"] = True
+        options |= {"model_error": model_error, "self_locking": True}
+    return _response_with_notes_and_self_locking(whole, chosen, options)
+
+
+def _response_with_notes_and_self_locking(
+    whole: Brake, chosen: Model, options: Mapping[str, Any]
+) -> Response:
+    """Solve a brake, and add notes on unlikely values, ignored keys and self-locking.
+
+    `chosen` is the model, and `options` are its options. Raises NoAnswer with the notes on unlikely
+    values.
+    """
+    from drumlin.brake.friction import reason_if_friction_depends_on_pressure
+    from drumlin.brake.plausibility import notes_on_implausible_brake_values
+    from drumlin.laws.rigid import (
+        response_with_note_on_ignored_keys,
+        self_locking_by_rigid_shoe_law,
+    )
+
     # Notes on unlikely values come with a result, and also with the reason why there is no result.
     notes = notes_on_implausible_brake_values(whole)
     try:
@@ -267,7 +278,7 @@ def solve(
         raise NoAnswer("; ".join((str(error), *notes))) from error
     response = response_with_note_on_ignored_keys(whole, response)
     unknown = reason_if_friction_depends_on_pressure(whole, "the distance from self-locking")
-    if unknown is not None:
+    if unknown is not None and response.self_locking is None:
         return replace(response, notes=(*response.notes, f"note: {unknown}", *notes))
     locking = response.self_locking or self_locking_by_rigid_shoe_law(whole)
     notes = (*response.notes, *locking.warnings(), *notes)
@@ -398,7 +409,7 @@ def size(
     (1838, 'shoe.actuation.force')
     """
     from drumlin.brake.file import si_unit_of_brake_key
-    from drumlin.models import check_options_belong_to_model
+    from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
     from drumlin.sizing import LARGEST, Question, size_brake
 
     whole = _brake_itself_or_read_from_file(brake)
@@ -430,7 +441,18 @@ def size(
         high=None if high is None else _value_of_function_option_in_si("--to", high, unit),
         say=say,
     )
-    return size_brake(question, lambda sized: solve(sized, model, **given))
+
+    def answer(sized: Brake) -> Response:
+        """The response of the sized brake, with all errors that its model states."""
+        options = dict(given)
+        if model == "fem":
+            options |= {"model_error": True, "self_locking": True}
+        if model in {"fem", "solid"}:
+            options["cache"] = question.cache
+        chosen = model_with_name_that_applies_to_brake(model, sized)
+        return _response_with_notes_and_self_locking(sized, chosen, options)
+
+    return size_brake(question, answer)
 
 
 @_make_public_function_that_rewords_errors
@@ -781,7 +803,8 @@ class LockingLimit(NamedTuple):
     ----------
     shoes : names of the shoes whose forces depend on each other, or of a single shoe
     friction : friction coefficient mu_lock; inf if the shoes do not lock up to the largest friction
-        that was tried
+        that was tried. If friction depends on the pressure, it is the coefficient at zero pressure,
+        with all coefficients of the table raised in proportion
     bounded : whether the pressure stays finite up to mu_lock; otherwise it grows without bound
     """
 

@@ -31,8 +31,9 @@ from drumlin.brake.file import (
 )
 from drumlin.brake.units import quantity_with_usual_unit
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
-from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key
+from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key, slopes_wanted_for_key
 from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.response import Response
@@ -140,6 +141,9 @@ class Question:
     low, high : ends of the range of the key [SI]; None for a range about the value of the file
     say : called with a line of text before each trial
     cache : store of condensed shoe bodies, so that a body is not condensed again in each trial
+    trials : the trials that are solved already, by the value of the key
+    last_model : the prepared model of the last solve in plane stress, by the value of the key; with
+        it the slope of the torque needs no further solve
     """
 
     brake: Brake
@@ -152,6 +156,8 @@ class Question:
     high: float | None = None
     say: Callable[[str], None] = lambda words: None
     cache: Cache = field(default_factory=Cache)
+    trials: dict[float, Trial] = field(default_factory=dict)
+    last_model: dict[float, PreparedModel] = field(default_factory=dict)
 
     @cached_property
     def unit(self) -> str:
@@ -215,10 +221,27 @@ class Question:
         options = dict(self.options)
         if self.model in {"fem", "solid"}:
             options["cache"] = self.cache
+        if self.model == "fem":
+
+            def keep_model(scene: PreparedModel, _: Response) -> None:
+                """Keep the prepared model of this solve alone."""
+                self.last_model.clear()
+                self.last_model[value] = scene
+
+            options["use_model"] = keep_model
         return model_with_name_that_applies_to_brake(self.model, varied).solve(varied, **options)
 
     def solve_trial_at_key_value(self, value: float) -> Trial:
-        """Solve the brake with a value of the key; the trial has an answer or a `failure`."""
+        """Solve the brake with a value of the key; the trial has an answer or a `failure`.
+
+        A value that has been solved already is not solved again.
+        """
+        if value not in self.trials:
+            self.trials[value] = self._newly_solved_trial(value)
+        return self.trials[value]
+
+    def _newly_solved_trial(self, value: float) -> Trial:
+        """Solve the brake with a value of the key, as `solve_trial_at_key_value` does."""
         try:
             response = self.solve(value)
         except (BadInput, NoAnswer) as error:
@@ -642,8 +665,11 @@ def _exact_torque_slope_at_key_value(question: Question, value: float, name: str
     }
     stiffness = {name: question.options[name] for name in {"penalty"} & question.options.keys()}
     try:
-        model = prepared_model_with_finest_elements(brake, **on_mesh, cache=question.cache)
-        slopes = compute_torque_sensitivity(model, brake, **stiffness)
+        model = question.last_model.get(value) or prepared_model_with_finest_elements(
+            brake, **on_mesh, cache=question.cache
+        )
+        wanted = slopes_wanted_for_key(brake, question.key)
+        slopes = compute_torque_sensitivity(model, brake, **stiffness, wanted=wanted)
     except (BadInput, NoAnswer):
         return None
     return exact_torque_slope_by_key(brake, question.key, slopes)

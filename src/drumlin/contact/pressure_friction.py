@@ -11,19 +11,37 @@ Josephy 1979). The error of a step is squared in the next step.
 
 If the steps do not converge, friction is brought from a known constant value to mu(p) in smaller
 parts.
+
+A brake with this friction locks itself if mu(p) is raised by a large enough factor at all pressures
+alike. The solution is followed as the factor grows from 1, in steps over which the contact force
+grows by little. It ends where the pressures grow without bound, or where two solutions meet.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats
+from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.texts import number_as_text
 from drumlin.contact.active_set import Contact, solve_contact_problem
 from drumlin.contact.equations import ContactProblem
-from drumlin.contact.self_locking import FrictionDependentProblem
+from drumlin.contact.self_locking import (
+    LARGEST_FORCE_GROWTH,
+    LARGEST_FRICTION_STEP,
+    POLE_DISTANCE,
+    FrictionDependentProblem,
+)
+from drumlin.contact.stick_slip import (
+    BACKWARD,
+    FORWARD,
+    FrictionalProblem,
+    Increment,
+    SlipHistory,
+    solve_stick_slip_load_increment,
+)
 
 FRICTION_TOLERANCE = 1e-10
 """Largest change of a pressure in the last step of Newton's method, relative to the peak pressure.
@@ -56,6 +74,147 @@ class NodalFriction(NamedTuple):
 
 FrictionAtPressures = Callable[[Floats], NodalFriction]
 """A function that takes nodal pressures (n,) and returns the friction at the nodes."""
+
+
+class FrictionFactorLimit(NamedTuple):
+    """The factor on all friction coefficients up to which a contact has an equilibrium.
+
+    Attributes
+    ----------
+    factor : the factor; inf if the search found no limit
+    pressure_stays_finite : whether two solutions meet at the limit at finite pressures; otherwise
+        the pressures grow without bound
+    """
+
+    factor: float
+    pressure_stays_finite: bool
+
+
+def find_largest_friction_factor_with_equilibrium(
+    problem: FrictionDependentProblem,
+    friction: FrictionAtPressures,
+    start: Contact,
+    largest_factor: float,
+    areas: Floats,
+) -> FrictionFactorLimit:
+    """Find the factor on friction that depends on pressure up to which there is an equilibrium.
+
+    Parameters
+    ----------
+    problem : the contact problem at every friction coefficient
+    friction : function that returns the friction at nodal pressures, for the factor 1
+    start : solution at the factor 1
+    largest_factor : factor at which the search ends without a limit
+    areas : areas (n,) of the nodes, which turn pressures into forces
+    """
+    factor, found, step = 1.0, start, LARGEST_FRICTION_STEP
+    while factor < largest_factor:
+        target = min(factor + step, largest_factor)
+        after = _continued_to_friction_factor_or_none(problem, friction, target, found, areas)
+        if after is not None:
+            found, factor = after, target
+            step = min(2 * step, LARGEST_FRICTION_STEP * factor)
+            continue
+        step = 0.5 * (target - factor)
+        if step < POLE_DISTANCE * factor:
+            # Beyond the last pressure of its table friction is constant. If the pressures grow
+            # without bound, all of them end there.
+            slopes = friction(found.p).slope[found.active]
+            return FrictionFactorLimit(factor, bool(slopes.any()))
+    return FrictionFactorLimit(np.inf, False)
+
+
+def is_equilibrium_certain_up_to_friction_factor(
+    problem: FrictionDependentProblem,
+    friction: FrictionAtPressures,
+    start: Contact,
+    factor: float,
+    areas: Floats,
+) -> bool:
+    """Whether there certainly is an equilibrium up to a factor on friction, by one single step.
+
+    The contact force must grow by little from the factor 1 on. The parameters are those of
+    `find_largest_friction_factor_with_equilibrium`.
+    """
+    return (
+        _continued_to_friction_factor_or_none(problem, friction, factor, start, areas) is not None
+    )
+
+
+def _continued_to_friction_factor_or_none(
+    problem: FrictionDependentProblem,
+    friction: FrictionAtPressures,
+    factor: float,
+    before: Contact,
+    areas: Floats,
+) -> Contact | None:
+    """The stable solution at a factor on friction that continues a solution `before`, or None.
+
+    The contact force may grow by at most LARGEST_FORCE_GROWTH.
+    """
+
+    def raised_friction(p: Floats) -> NodalFriction:
+        """The friction at pressures p, raised by the factor."""
+        whole = friction(p)
+        return NodalFriction(factor * whole.coefficient, factor * whole.slope)
+
+    after = _stable_contact_by_newton_or_none(problem, raised_friction, before)
+    if after is None:
+        return None
+    growth = float(areas @ after.p) / float(areas @ before.p)
+    return after if growth <= 1 + LARGEST_FORCE_GROWTH else None
+
+
+def solve_stick_slip_increment_with_pressure_dependent_friction(
+    problem: FrictionalProblem,
+    friction: FrictionAtPressures,
+    history: SlipHistory,
+    start: Ints,
+    p: Floats,
+) -> Increment:
+    """Solve a load increment of contact that sticks and slips, whose friction depends on pressure.
+
+    A node that slips has the friction stress of the tangent of mu(p) p at the last pressures. The
+    tangent's stress at the pressure 0 is taken out of the unknown traction. A node that sticks is
+    bounded by the friction coefficient at the last pressures, and so is a node whose tangent falls.
+
+    Parameters
+    ----------
+    problem : the equations of n nodes
+    friction : function that returns the friction at nodal pressures
+    history : tractions and slips of the last increment
+    start : states (n,) from which Newton's method starts
+    p : pressures (n,) from which Newton's method starts
+
+    Raises
+    ------
+    NoAnswer
+        if there is no solution, or if friction and pressures do not come to agree
+    """
+    state = start
+    for _ in range(MOST_STEPS_TO_FRICTION):
+        at = friction(p)
+        tangent = at.coefficient + at.slope * p
+        sense = np.where(state == FORWARD, 1.0, 0.0) - np.where(state == BACKWARD, 1.0, 0.0)
+        sense[tangent <= 0] = 0.0
+        apart = -sense * at.slope * p**2
+        moved = problem._replace(
+            q_w=problem.q_w + problem.A_wt @ apart,
+            q_s=problem.q_s + problem.A_st @ apart,
+            h=problem.h - problem.C_t @ apart,
+        )
+        found = solve_stick_slip_load_increment(
+            moved,
+            np.where(sense == 0, at.coefficient, tangent),
+            SlipHistory(history.t - apart, history.s),
+            state,
+        )
+        settled = np.array_equal(found.state, state)
+        settled = settled and np.abs(found.p - p).max() <= FRICTION_TOLERANCE * found.p.max()
+        p, state = found.p, found.state
+        if settled:
+            return replace(found, t=found.t + apart)
+    raise NoAnswer("friction and pressure do not agree, not converged")
 
 
 def solve_contact_with_pressure_dependent_friction(
@@ -109,7 +268,7 @@ def _stable_contact_by_newton_or_none(
     for _ in range(MOST_STEPS_TO_FRICTION):
         try:
             after = solve_contact_problem(
-                _contact_problem_with_friction_tangent(problem, friction(found.p), found.p),
+                contact_problem_with_friction_tangent(problem, friction(found.p), found.p),
                 found.active,
             )
         except NoAnswer:
@@ -121,7 +280,7 @@ def _stable_contact_by_newton_or_none(
     return None
 
 
-def _contact_problem_with_friction_tangent(
+def contact_problem_with_friction_tangent(
     problem: FrictionDependentProblem, friction: NodalFriction, p: Floats
 ) -> ContactProblem:
     """The contact problem in which tau(p) = mu(p) p is replaced by its tangent at pressures p."""

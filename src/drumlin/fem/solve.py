@@ -15,7 +15,10 @@ from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
-from drumlin.fem.equilibrium.locking import compare_friction_with_self_locking_limits
+from drumlin.fem.equilibrium.locking import (
+    compare_friction_over_pressure_with_self_locking_limit,
+    compare_friction_with_self_locking_limits,
+)
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCE,
     Tolerance,
@@ -92,8 +95,7 @@ def solve(
         fem/width/correction.py; it then states the error that remains
     model_error : whether the response states the error that plane stress itself causes, see
         fem/width/error.py; not needed together with `finite_width`
-    self_locking : whether the response states how far the friction is from locking the brake;
-        without effect for friction that depends on the pressure
+    self_locking : whether the response states how far the friction is from locking the brake
     use_model : called with the prepared model and its response in plane stress, before any
         correction, for instance to write the stresses inside the shoes
     use_first_level : called with the response on the first level, without errors of its own, if the
@@ -134,14 +136,19 @@ def solve(
             )
     elif not brake.surface.is_plane_and_not_drum:
         response = _response_with_note_on_curve_balance(brake, response)
-    if self_locking and first_key_of_pressure_dependent_friction(brake) is None:
+    if self_locking:
         # If the self-locking limit of the elastic brake is not found, the response is returned
         # without this limit.
         with add_elapsed_time_of_block_to_phase(seconds, "self-locking"), suppress(NoAnswer):
             # In the search for the self-locking limit the friction grows, while the springs keep
             # the pulls that they have in the response.
             under = brake_with_loads_assigned_to_shoes(brake, response.spring_pulls or None)
-            found = compare_friction_with_self_locking_limits(scene, under, penalty)
+            is_over_pressure = first_key_of_pressure_dependent_friction(brake) is not None
+            found = (
+                compare_friction_over_pressure_with_self_locking_limit(scene, under, penalty)
+                if is_over_pressure
+                else compare_friction_with_self_locking_limits(scene, under, penalty)
+            )
             response = replace(response, self_locking=found)
     if model_error and not finite_width:
         with add_elapsed_time_of_block_to_phase(seconds, "error of plane stress"):

@@ -35,6 +35,11 @@ form of the equations of a rigid shoe on a bed of springs. Their solution, by `s
 is the end of wear on the given mesh. As the mesh is refined this solution converges to the
 rigid-shoe law.
 
+If the friction coefficient mu(p) depends on the pressure, A and C depend on p. Newton's method then
+replaces the friction stress mu(p) p by its tangent, as in contact.pressure_friction, in each stage
+together with the wear rate. The pull of a spring whose points move with the shoes is a further
+unknown in x. It does not wear, so that its rows and columns of G are zero.
+
 The module knows nothing of brakes. The module `linings` makes contact problems from a brake.
 """
 
@@ -56,6 +61,12 @@ from drumlin.base.lapack import block_diag
 from drumlin.contact import active_set
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
+from drumlin.contact.pressure_friction import (
+    FRICTION_TOLERANCE,
+    FrictionAtPressures,
+    contact_problem_with_friction_tangent,
+)
+from drumlin.contact.self_locking import FrictionDependentProblem
 
 GAMMA = 1 - 1 / math.sqrt(2)
 """Coefficient gamma of the two implicit stages of a wear step, a Runge-Kutta method.
@@ -140,10 +151,13 @@ class AbutmentFrictionCase(NamedTuple):
     problem : contact problem of the unworn linings under this friction
     stands : function that tells whether a solution of `problem` agrees with the case: the friction
         must oppose the slide of each foot, or be large enough to hold the foot
+    over_friction : the same contact problem as a linear function of the friction coefficients, if
+        friction depends on the pressure; otherwise None
     """
 
     problem: ContactProblem
     stands: Callable[[Contact], bool] = accept_any_contact_solution
+    over_friction: FrictionDependentProblem | None = None
 
 
 class WearInterface(NamedTuple):
@@ -158,7 +172,8 @@ class WearInterface(NamedTuple):
     weight : G (n, n), weighted gap per worn depth
     pressure : (n,), pressure [Pa] per unit of each contact unknown, the diagonal of the matrix D
     area : (n,) [m^2], worn volume per worn depth at each unknown; also normal force per pressure
-    torque : (n,) [m^3], torque per pressure at each unknown
+    torque : (n,) [m^3], torque per pressure at each unknown; per friction stress if friction
+        depends on the pressure
     stands : function that tells whether a solution of `problem` agrees with the friction that the
         problem assumes at the abutments
     others : the other cases of the friction at the abutments, each with its contact problem
@@ -166,6 +181,9 @@ class WearInterface(NamedTuple):
         without a first guess. It returns the position of the friction case in
         `abutment_friction_cases`, and a mask (n,) of the unknowns in contact. It raises NoAnswer if
         these linings have no equilibrium.
+    over_friction : as in `AbutmentFrictionCase`, for the first case
+    friction : function that returns the friction at pressures (n,) [Pa]; None if friction does not
+        depend on the pressure
     """
 
     problem: ContactProblem
@@ -177,6 +195,8 @@ class WearInterface(NamedTuple):
     stands: Callable[[Contact], bool] = accept_any_contact_solution
     others: tuple[AbutmentFrictionCase, ...] = ()
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
+    over_friction: FrictionDependentProblem | None = None
+    friction: FrictionAtPressures | None = None
 
     @property
     def abutment_friction_cases(self) -> tuple[AbutmentFrictionCase, ...]:
@@ -184,7 +204,25 @@ class WearInterface(NamedTuple):
 
         The first case has the contact problem `problem`, the further cases are `others`.
         """
-        return (AbutmentFrictionCase(self.problem, self.stands), *self.others)
+        return (AbutmentFrictionCase(self.problem, self.stands, self.over_friction), *self.others)
+
+    def quantities_per_torque_arm(self, p: Floats) -> Floats:
+        """The values (n,) [Pa] that `torque` multiplies, at pressures p (n,).
+
+        They are the pressures, or the friction stresses if friction depends on the pressure.
+        """
+        return p if self.friction is None else self.friction(p).coefficient * p
+
+    def contact_problem_at_pressures(
+        self, footing: AbutmentFrictionCase, p: Floats
+    ) -> ContactProblem:
+        """The contact problem of a friction case, with the tangent of the friction stress at p.
+
+        Without friction that depends on the pressures p (n,) it is the problem of the case itself.
+        """
+        if self.friction is None or footing.over_friction is None:
+            return footing.problem
+        return contact_problem_with_friction_tangent(footing.over_friction, self.friction(p), p)
 
 
 class WearLaw(NamedTuple):
@@ -242,6 +280,7 @@ class WearState:
     removed : worn volume [m^3], the integral of the wear rate over area and sliding distance
     pressed : integral [N m] of the normal force over the sliding distance
     work : integral [N m^2] of the torque over the sliding distance
+    pulls : pull [N] of each spring of the brake; empty if no spring has a rate
     """
 
     s: float
@@ -253,6 +292,7 @@ class WearState:
     removed: float
     pressed: float
     work: float
+    pulls: tuple[float, ...] = ()
 
 
 WearInterfaces = Sequence[WearInterface]
@@ -578,18 +618,36 @@ def _solve_steady_wear_for_abutment_friction(
 ) -> Contact:
     """Solve the steady wear of linings under the friction case `footing` at the abutments.
 
+    If friction depends on the pressure, Newton's method takes its tangent at the last pressures.
+    Raises NoAnswer if there is no equilibrium.
+    """
+    p = np.zeros(len(interface.area))
+    for _ in range(MAX_NEWTON_STEPS):
+        problem = interface.contact_problem_at_pressures(footing, p)
+        contact = _solve_steady_wear_of_contact_problem(interface, problem, law)
+        change, p = float(np.abs(contact.p - p).max()), contact.p
+        if interface.friction is None or change <= FRICTION_TOLERANCE * float(p.max()):
+            return contact
+    raise NoAnswer("no worn-in pressure found whose friction agrees with it")
+
+
+def _solve_steady_wear_of_contact_problem(
+    interface: WearInterface, problem: ContactProblem, law: WearLaw
+) -> Contact:
+    """Solve the steady wear of linings with a given contact problem.
+
     For the exponent 1 of the wear law, steady wear is the solution of one contact problem. In this
     problem the wear depth per pressure takes the place of the elastic compliance. For other
     exponents this solution is the first guess. Raises NoAnswer if there is no equilibrium.
     """
-    _, q, B, C, h = footing.problem
+    _, q, B, C, h = problem
     compliance = interface.weight * interface.pressure
     linear = active_set.solve_contact_problem(ContactProblem(compliance, np.zeros(len(q)), B, C, h))
     if not linear.stable:
         raise NoAnswer("worn in, a rigid shoe would lock itself")
     if law.exponent == 1:
         return linear
-    return _solve_steady_power_law_wear(interface, footing.problem, law.exponent, linear)
+    return _solve_steady_power_law_wear(interface, problem, law.exponent, linear)
 
 
 def _solve_steady_power_law_wear(
@@ -799,6 +857,9 @@ class _WearStepper:
         self.area = _concatenate_attribute_of_objects(self.interfaces, "area")
         self.lever = _concatenate_attribute_of_objects(self.interfaces, "torque")
         self.sets: list[Bools | None] = [None] * len(self.interfaces)
+        # The pressures of the last stage, from which Newton's method starts if friction depends on
+        # the pressure.
+        self.pressures = [np.zeros(len(interface.area)) for interface in self.interfaces]
         self.forward = True
 
     def _contact_problems_of_linings(self, interface: WearInterface) -> list[ContactProblem]:
@@ -861,7 +922,9 @@ class _WearStepper:
         least = math.inf
         for interface in self.interfaces:
             of_wear = np.diagonal(interface.weight) * interface.pressure
-            ratios = np.diagonal(interface.problem.A) / of_wear
+            # Unknowns that do not wear, the pulls of springs, are left out.
+            wears = of_wear != 0
+            ratios = np.diagonal(interface.problem.A)[wears] / of_wear[wears]
             least = min(least, float(np.abs(ratios).min()))
         return math.sqrt(tolerance) * least / slope
 
@@ -902,7 +965,12 @@ class _WearStepper:
         integrals = _WearIntegrals(
             removed=state.removed + integral_over_wear_step(first.rate, second.rate, self.area),
             pressed=state.pressed + integral_over_wear_step(first.p, second.p, self.area),
-            work=state.work + integral_over_wear_step(first.p, second.p, self.lever),
+            work=state.work
+            + integral_over_wear_step(
+                self._quantities_per_torque_arm(first.p),
+                self._quantities_per_torque_arm(second.p),
+                self.lever,
+            ),
         )
         return self._make_wear_state(state.s + ds, depth, second.p, integrals), error
 
@@ -954,7 +1022,15 @@ class _WearStepper:
         `integrals` are the integrals over the sliding distance up to s.
         """
         force = self._actuation_factor_that_balances_pressures(0, p)
-        return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *integrals)
+        torque = float(self.lever @ self._quantities_per_torque_arm(p))
+        return WearState(s, depth, p, torque, force, self.forward, *integrals)
+
+    def _quantities_per_torque_arm(self, p: Floats) -> Floats:
+        """The values (n,) [Pa] whose product with `lever` is the torque, at pressures p (n,)."""
+        if all(interface.friction is None for interface in self.interfaces):
+            return p
+        each = zip(self.interfaces, self.parts, strict=True)
+        return np.concatenate([own.quantities_per_torque_arm(p[part]) for own, part in each])
 
     def _solve_contact_of_all_linings(self, depth: Floats, ds: float) -> _WornContact:
         """Solve the contact of all linings at a stage of a wear step.
@@ -1028,24 +1104,30 @@ class _WearStepper:
         `depth` (n,) [m] is the worn depth before the stage, and `ds` [m] the distance over which
         the stage wears the linings.
         """
-        interface, problem = self.interfaces[i], self.problems[i][self.footing[i]]
-        A, q, B, C, h = problem._replace(q=problem.q + interface.weight @ depth)
-        is_linear = self.law.exponent == 1 or ds == 0
+        interface, worn = self.interfaces[i], self.interfaces[i].weight @ depth
+        A, q, B, C, h = self._worn_contact_problem_at_pressures(i, self.pressures[i], worn)
+        is_linear = (self.law.exponent == 1 or ds == 0) and interface.friction is None
         p = self._first_guess_of_pressure(i, ContactProblem(A, q, B, C, h))
         rounded = ROUNDED_PRESSURE * float(interface.area @ p) / float(interface.area.sum())
         for _ in range(1 if is_linear else MAX_NEWTON_STEPS):
+            if interface.friction is not None:
+                A, q, B, C, h = self._worn_contact_problem_at_pressures(i, p, worn)
             rate, slope = self.law.wear_rate_and_its_slope(p, rounded)
             softer = A + ds * interface.weight * (slope * interface.pressure)
             shift = ds * (interface.weight @ (rate - slope * p))
             contact = active_set.solve_contact_problem(
                 ContactProblem(softer, q + shift, B, C, h), self.sets[i]
             )
-            if not contact.stable and self.held is None:
-                raise NoAnswer("self-locking, no stable equilibrium")
-            self.sets[i] = contact.active
             new = interface.pressure * contact.p
             change, p = float(np.abs(new - p).max()), new
-            if is_linear or change <= NEWTON_TOLERANCE * float(np.abs(p).max()):
+            settled = is_linear or change <= NEWTON_TOLERANCE * float(np.abs(p).max())
+            # The tangent of the friction stress at pressures that are not settled yet may be that
+            # of a brake that locks itself.
+            if not contact.stable and self.held is None and (settled or interface.friction is None):
+                raise NoAnswer("self-locking, no stable equilibrium")
+            self.sets[i] = contact.active
+            if settled:
+                self.pressures[i] = p
                 return _InterfaceContact(
                     p, self.law.wear_rate_and_its_slope(p, rounded)[0], contact
                 )
@@ -1054,14 +1136,28 @@ class _WearStepper:
             f"the pressure under wear of exponent {self.law.exponent:g} still changes"
         )
 
+    def _worn_contact_problem_at_pressures(self, i: int, p: Floats, worn: Floats) -> ContactProblem:
+        """The contact problem of worn linings, with the tangent of the friction stress at p (n,).
+
+        `i` is the number of the group of linings, and `worn` (n,) the weighted gap that their worn
+        depth opens.
+        """
+        interface, number = self.interfaces[i], self.footing[i]
+        problem = self.problems[i][number]
+        if interface.friction is not None:
+            footing = interface.abutment_friction_cases[number]
+            problem = interface.contact_problem_at_pressures(footing, p)
+        return problem._replace(q=problem.q + worn)
+
     def _first_guess_of_pressure(self, i: int, problem: ContactProblem) -> Floats:
         """The pressure (n,) [Pa] from which Newton's method starts, for lining group `i`.
 
         It is the pressure of the linings without the wear of this stage. For the exponent 1 of the
-        wear law the equations are linear and need no first guess, so that zeros are returned.
+        wear law the equations are linear and need no first guess, so that zeros are returned. If
+        friction depends on the pressure, the pressures of the last stage are returned.
         """
         if self.law.exponent == 1:
-            return np.zeros(len(problem.q))
+            return self.pressures[i] if self.interfaces[i].friction else np.zeros(len(problem.q))
         contact = active_set.solve_contact_problem(problem, self.sets[i])
         self.sets[i] = contact.active
         return self.interfaces[i].pressure * contact.p
@@ -1152,6 +1248,9 @@ def interpolate_wear_state_at_distance(states: Sequence[WearState], s: float) ->
         removed=interpolate_number_at_distance(a.removed, b.removed),
         pressed=interpolate_number_at_distance(a.pressed, b.pressed),
         work=interpolate_number_at_distance(a.work, b.work),
+        pulls=tuple(
+            interpolate_number_at_distance(x, y) for x, y in zip(a.pulls, b.pulls, strict=True)
+        ),
     )
 
 

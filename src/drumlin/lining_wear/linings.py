@@ -6,7 +6,7 @@ actuations of shoes are allowed.
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
@@ -16,14 +16,30 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Rows, table_rows_from_coordinates_and_values
 from drumlin.brake.file import vary
-from drumlin.brake.friction import require_friction_independent_of_pressure
-from drumlin.brake.further_loads import require_springs_with_constant_pull
+from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
+from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
+from drumlin.contact.pressure_friction import NodalFriction
+from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.pressure_friction import (
+    friction_and_its_slopes_at_nodes_of_group,
+    group_with_friction_at_nodes,
+    solve_shoe_group_with_lining_friction,
+)
+from drumlin.fem.equilibrium.spring_nodes import (
+    SpringNodes,
+    contact_problem_with_spring_nodes,
+    contact_without_spring_nodes,
+    group_under_spring_pulls,
+    spring_nodes_of_brake,
+)
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import brake_angles_from_beam_angles
@@ -31,6 +47,7 @@ from drumlin.laws.hinged import actuation_moment_towards_drum
 from drumlin.lining_wear.archard import (
     AbutmentFrictionCase,
     WearInterface,
+    WearState,
     find_contact_set_from_soft_linings,
 )
 
@@ -102,12 +119,34 @@ class WearSetup(NamedTuple):
     model : name of the model that the contact problems come from, "fem", "solid" or "foundation"
     interfaces : groups of coupled linings; each group is one contact problem
     surfaces : each lining with the positions of its contact unknowns in the interfaces
+    springs : the springs with a rate, whose forces are the last unknowns of the only interface;
+        None without such springs
+    at_constant_pulls : function that returns the setup of the same brake whose springs pull with
+        constant forces [N]; None without springs with a rate
     """
 
     brake: Brake
     model: str
     interfaces: tuple[WearInterface, ...]
     surfaces: tuple[WornLining, ...]
+    springs: SpringNodes | None = None
+    at_constant_pulls: "Callable[[Sequence[float]], WearSetup] | None" = None
+
+    @property
+    def is_friction_dependent_on_pressure(self) -> bool:
+        """Whether the friction of a lining depends on the pressure."""
+        return any(interface.friction is not None for interface in self.interfaces)
+
+    def state_with_spring_pulls_apart(self, state: WearState) -> WearState:
+        """A state whose arrays hold the linings' values only, and which has the springs' pulls.
+
+        Raises NoAnswer if a spring is slack in this state.
+        """
+        if self.springs is None:
+            return state
+        n = len(state.pressure) - len(self.springs.numbers)
+        pulls = self.springs.pulls_of_all_springs(self.brake, state.pressure[n:])
+        return replace(state, depth=state.depth[:n], pressure=state.pressure[:n], pulls=pulls)
 
     @property
     def lining_stiffness_per_area(self) -> float:
@@ -151,11 +190,13 @@ def wear_setup_by_finite_elements(
     NoAnswer
         if no shoe touches the drum
     """
-    require_springs_with_constant_pull(brake, "wear")
-    require_friction_independent_of_pressure(brake, "wear")
+    springs = None
+    if any(spring.rate for spring in brake.springs):
+        require_no_shoe_on_anchors(brake, "wear with a spring rate")
+        springs = spring_nodes_of_brake(brake, _pulls_of_unworn_brake(scene, brake, penalty))
     interfaces: list[WearInterface] = []
     surfaces: list[WornLining] = []
-    for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
+    for group in divide_pressed_shoes_into_groups(scene, brake, penalty, springs_join=True):
         placed = []
         for i, body, shoe in zip(
             group.members, group.substructures_of_shoes, group.shoes, strict=True
@@ -173,8 +214,27 @@ def wear_setup_by_finite_elements(
                     )
                 )
         surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
-        interfaces.append(_wear_contact_problem_of_shoe_group(group))
-    return _make_wear_setup(brake, scene.model, interfaces, surfaces)
+        interfaces.append(_wear_contact_problem_of_shoe_group(group, springs))
+    setup = _make_wear_setup(brake, scene.model, interfaces, surfaces)
+    if springs is None:
+        return setup
+    constant = wear_setup_by_finite_elements
+    return setup._replace(
+        springs=springs,
+        at_constant_pulls=lambda pulls: constant(
+            scene, brake_with_springs_of_constant_pull(brake, pulls), penalty=penalty
+        ),
+    )
+
+
+def _pulls_of_unworn_brake(scene: PreparedModel, brake: Brake, penalty: float) -> tuple[float, ...]:
+    """The pull [N] of each spring, of which those without preload need a sign.
+
+    They are the preloads if all springs with a rate have one.
+    """
+    if all(spring.preload or not spring.rate for spring in brake.springs):
+        return tuple(spring.preload for spring in brake.springs)
+    return solve_prepared_model(scene, brake, penalty=penalty).spring_pulls
 
 
 def _position_of_lining_at_angles(shoe: Shoe, theta: Floats) -> int:
@@ -187,37 +247,80 @@ def _position_of_lining_at_angles(shoe: Shoe, theta: Floats) -> int:
     return max(bisect_right(starts, float(theta.mean())) - 1, 0)
 
 
-def _wear_contact_problem_of_shoe_group(group: ShoeGroup) -> WearInterface:
+def _wear_contact_problem_of_shoe_group(
+    group: ShoeGroup, springs: SpringNodes | None
+) -> WearInterface:
     """The contact problem of a group of coupled shoes, for steps of wear.
 
     Friction at an abutment may act in several ways: the shoe's foot slides one way or the other,
     or sticks. The result has a contact problem (`AbutmentFrictionCase`) for each of these cases.
+    The forces of `springs` with a rate are the last unknowns.
     """
-    first, *others = group.groups_with_each_abutment_friction_direction()
+    ways = tuple(group.groups_with_each_abutment_friction_direction())
+    first, *others = ways
+    further = 0 if springs is None else len(springs.numbers)
     couplings = list(map(attrgetter("coupling"), group.substructures_of_shoes))
     gap = np.concatenate(group.gaps_of_unloaded_linings)
-    problem = _contact_problem_in_newtons(first)
+    case = _abutment_friction_case_of_group(first, springs)
+    torque = group.brake.friction * group.torque_of_each_shoe_per_nodal_pressure.sum(axis=1)
+    friction = None
+    if _depends_friction_of_group_on_pressure(group):
+        # The torque is then that of friction stresses, not of pressures.
+        torque = np.concatenate(list(map(attrgetter("lever"), couplings)))
+        friction = partial(_friction_of_linings_and_spring_nodes, group, further)
+    area = np.concatenate(list(map(attrgetter("areas_of_contact_nodes"), couplings)))
+    nothing = np.zeros(further)
+    mass = group.mass_matrix_of_contact_nodes
     return WearInterface(
-        problem=problem,
-        loaded=problem.q - group.mass_matrix_of_contact_nodes @ gap,
-        weight=group.mass_matrix_of_contact_nodes,
-        pressure=np.ones(len(gap)),
-        area=np.concatenate(list(map(attrgetter("areas_of_contact_nodes"), couplings))),
-        torque=group.brake.friction * group.torque_of_each_shoe_per_nodal_pressure.sum(axis=1),
-        stands=partial(_are_abutment_friction_and_supports_as_assumed, first),
-        others=tuple(
-            AbutmentFrictionCase(
-                _contact_problem_in_newtons(way),
-                partial(_are_abutment_friction_and_supports_as_assumed, way),
-            )
-            for way in others
-        ),
-        settle=partial(_find_friction_case_and_contact_of_worn_lining_group, (first, *others)),
+        problem=case.problem,
+        loaded=case.problem.q - np.append(mass @ gap, nothing),
+        weight=block_diag(mass, np.zeros((further, further))) if further else mass,
+        pressure=np.ones(len(gap) + further),
+        area=np.append(area, nothing),
+        torque=np.append(torque, nothing),
+        stands=case.stands,
+        others=tuple(_abutment_friction_case_of_group(way, springs) for way in others),
+        settle=partial(_find_friction_case_and_contact_of_worn_lining_group, ways, further),
+        over_friction=case.over_friction,
+        friction=friction,
     )
 
 
+def _depends_friction_of_group_on_pressure(group: ShoeGroup) -> bool:
+    """Whether the friction coefficient of a lining of the group depends on the pressure."""
+    curves = map(group.brake.friction_coefficient_curve_of_shoe, group.shoes)
+    return any(len(curve.mu) > 1 for curve in curves)
+
+
+def _friction_of_linings_and_spring_nodes(
+    group: ShoeGroup, further: int, p: Floats
+) -> NodalFriction:
+    """The friction at pressures p (n + further,) [Pa]; 0 at the `further` unknowns of springs."""
+    found = friction_and_its_slopes_at_nodes_of_group(group, p[: len(p) - further])
+    nothing = np.zeros(further)
+    return NodalFriction(np.append(found.coefficient, nothing), np.append(found.slope, nothing))
+
+
+def _abutment_friction_case_of_group(
+    group: ShoeGroup, springs: SpringNodes | None
+) -> AbutmentFrictionCase:
+    """The case of friction at the abutments of a group, with its contact problem in newtons."""
+    stands = partial(_are_abutment_friction_and_supports_as_assumed, group, springs)
+    problem = _contact_problem_in_newtons(group, group.brake.friction, springs)
+    if not _depends_friction_of_group_on_pressure(group):
+        return AbutmentFrictionCase(problem, stands)
+    # At the friction coefficient 1 of every node the terms with friction can be scaled by the
+    # coefficient of each node.
+    unit = replace(group, friction_at_nodes=np.ones(len(group.contact_node_areas)))
+    over_friction = FrictionDependentProblem.linear_function_of_friction_from_two_problems(
+        _contact_problem_in_newtons(unit, 0.0, springs),
+        _contact_problem_in_newtons(unit, 1.0, springs),
+    )
+    return AbutmentFrictionCase(problem, stands, over_friction)
+
+
 def _find_friction_case_and_contact_of_worn_lining_group(
-    ways: Sequence[ShoeGroup], depth: Floats
+    ways: Sequence[ShoeGroup], further: int, depth: Floats
 ) -> tuple[int, Bools]:
     """Solve the contact of worn linings without a first guess.
 
@@ -228,6 +331,8 @@ def _find_friction_case_and_contact_of_worn_lining_group(
     ----------
     ways : the group of shoes, once for each case of friction at the abutments; the search starts
         from the first case
+    further : number of unknowns of springs after the contact unknowns, which count as in contact;
+        the search is made under the preloads of the springs
     depth : worn depth (n,) [m] at the contact unknowns
 
     Raises
@@ -235,9 +340,9 @@ def _find_friction_case_and_contact_of_worn_lining_group(
     NoAnswer
         if the worn linings have no equilibrium
     """
-    worn = replace(ways[0], worn_depth=depth)
+    worn = replace(ways[0], worn_depth=depth[: len(depth) - further])
     try:
-        settled, contact = worn.solve_contact_and_abutment_friction()
+        settled, contact = solve_shoe_group_with_lining_friction(worn)
     except NoAnswer:
         # The search without a first guess may miss an equilibrium. The contact of very soft linings
         # is easy to find. Following it as the linings become stiffer gives a first guess.
@@ -246,11 +351,12 @@ def _find_friction_case_and_contact_of_worn_lining_group(
         )
         if active is None:
             raise
-        settled, contact = worn.solve_contact_and_abutment_friction(active)
+        settled, contact = solve_shoe_group_with_lining_friction(worn, active)
     # A solution belongs to the case in `ways` with the same senses of friction at the abutments and
     # the same supports in contact.
     choices = attrgetter("known_abutment_friction_directions", "bearing")
-    return list(map(choices, ways)).index(choices(settled)), contact.active
+    active = np.append(contact.active, np.ones(further, dtype=bool))
+    return list(map(choices, ways)).index(choices(settled)), active
 
 
 def brake_with_added_worn_depths(
@@ -289,26 +395,49 @@ def brake_with_given_lining_clearances(
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def _contact_problem_in_newtons(group: ShoeGroup) -> ContactProblem:
-    """The contact problem of a group of shoes with loads in newtons.
+def _contact_problem_in_newtons(
+    group: ShoeGroup, friction: float, springs: SpringNodes | None
+) -> ContactProblem:
+    """The contact problem of a group of shoes at a friction coefficient, with loads in newtons.
 
-    The group itself has its largest actuation force as the unit of force.
+    The group itself has its largest actuation force as the unit of force. The forces of `springs`
+    with a rate are the last unknowns.
     """
-    size, problem = group.largest_actuation_force, group.contact_problem_of_group
+    if springs is None:
+        size = group.largest_actuation_force
+        problem = (
+            group.contact_problem_of_group
+            if friction == group.brake.friction
+            else group.contact_problem_of_group_at_friction(friction)
+        )
+    else:
+        under = group_under_spring_pulls(group, None)
+        size = under.largest_actuation_force
+        problem = contact_problem_with_spring_nodes(under, springs, friction)
     return problem._replace(q=size * problem.q, h=size * problem.h)
 
 
-def _are_abutment_friction_and_supports_as_assumed(group: ShoeGroup, contact: Contact) -> bool:
+def _are_abutment_friction_and_supports_as_assumed(
+    group: ShoeGroup, springs: SpringNodes | None, contact: Contact
+) -> bool:
     """Whether a solution agrees with what was assumed at the supports of a group of shoes.
 
     Friction at an abutment must oppose the slide of the shoe's foot or hold the foot. Each
-    one-sided support must touch or be free as assumed. `contact` is the solution in newtons.
+    one-sided support must touch or be free as assumed. `contact` is the solution in newtons, with
+    the forces of `springs` with a rate after the pressures.
     """
-    unit = replace(
-        contact,
-        p=contact.p / group.largest_actuation_force,
-        y=contact.y / group.largest_actuation_force,
-    )
+    if group.has_neither_strut_cam_nor_abutment:
+        return True
+    own = contact
+    if springs is not None:
+        own = contact_without_spring_nodes(contact, springs)
+        forces = contact.p[len(own.p) :]
+        group = group_under_spring_pulls(group, springs.pulls_of_all_springs(group.brake, forces))
+    if _depends_friction_of_group_on_pressure(group):
+        found = friction_and_its_slopes_at_nodes_of_group(group, own.p)
+        group = group_with_friction_at_nodes(group, found.coefficient)
+    size = group.largest_actuation_force
+    unit = replace(own, p=own.p / size, y=own.y / size)
     return group.does_contact_confirm_support_assumptions(unit)
 
 

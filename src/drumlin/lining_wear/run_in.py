@@ -21,6 +21,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake
+from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.brake.further_loads import first_key_of_loads_besides_actuation
 from drumlin.brake.units import text_in_mm
 from drumlin.laws import rigid
@@ -70,7 +71,8 @@ def final_wear_pressure_and_torque_by_rigid_shoe_law(
     """The pressure and the torque to which wear tends as the mesh is refined.
 
     For finite elements and the exponent 1 of the wear law, the rigid-shoe law gives the pressure,
-    which is constant across the width. For the foundation model and for other exponents,
+    which is constant across the width. For the foundation model, for other exponents, and for
+    friction that depends on the pressure,
     `final_pressure_and_torque_of_wear_on_mesh` gives the result.
 
     Parameters
@@ -84,8 +86,9 @@ def final_wear_pressure_and_torque_by_rigid_shoe_law(
     NoAnswer
         if a rigid shoe has no equilibrium
     """
-    # The rigid-shoe law holds only if wear is proportional to the pressure.
-    if setup.model == "foundation" or (law is not None and law.exponent != 1):
+    # The rigid-shoe law holds only if wear is proportional to the pressure and friction constant.
+    is_archard = law is None or law.exponent == 1
+    if setup.model == "foundation" or not is_archard or setup.is_friction_dependent_on_pressure:
         return final_pressure_and_torque_of_wear_on_mesh(setup, law, torque)
     forced = rigid.brake_with_cam_and_strut_forces_by_rigid_law(setup.brake)
     pressures = []
@@ -124,7 +127,7 @@ def final_pressure_and_torque_of_wear_on_mesh(
     for interface in setup.interfaces:
         p = interface.pressure * solve_steady_wear(interface, law).contact.p
         pressures.append(p)
-        total += float(interface.torque @ p)
+        total += float(interface.torque @ interface.quantities_per_torque_arm(p))
     return _final_pressure_scaled_to_held_torque(np.concatenate(pressures), total, torque)
 
 
@@ -277,26 +280,53 @@ def wear_brake_linings_until_worn_in(
     _require_three_elements_per_lining(setup)
     law = law or WearLaw(DEFAULT_WEAR_COEFFICIENT)
     torque = options.get("torque")
-    key = first_key_of_loads_besides_actuation(setup.brake)
-    if torque is not None and key is not None:
-        raise BadInput(
-            f"{key}: a torque that is kept scales all forces alike; leave out the torque"
-        )
+    if torque is not None:
+        _require_loads_and_friction_that_allow_a_kept_torque(setup)
     if until is None and "distance" not in options:
-        if backward is not None:
-            raise BadInput(
-                "a brake whose drum turns both ways does not settle: a distance must be given"
-            )
+        _require_that_wear_settles(setup, both_ways=backward is not None)
         until = make_function_that_tests_for_end_of_wear(
             setup, final_pressure_and_torque_of_wear_on_mesh(setup, law, torque)
         )
-    return archard.wear_linings_over_sliding_distance(
+    states = archard.wear_linings_over_sliding_distance(
         setup.interfaces,
         law,
         backward=backward.interfaces if backward else (),
         until=until or (lambda _: False),
         **options,
     )
+    return list(map(setup.state_with_spring_pulls_apart, states))
+
+
+def _require_loads_and_friction_that_allow_a_kept_torque(setup: WearSetup) -> None:
+    """Raise BadInput for a brake on which the actuation cannot be adjusted to keep a torque."""
+    key = first_key_of_loads_besides_actuation(setup.brake)
+    if key is not None:
+        raise BadInput(
+            f"{key}: a torque that is kept scales all forces alike; leave out the torque"
+        )
+    if setup.is_friction_dependent_on_pressure:
+        key = first_key_of_pressure_dependent_friction(setup.brake)
+        raise BadInput(
+            f"{key}: a torque that is kept takes no friction that depends on the pressure; "
+            "leave out the torque"
+        )
+
+
+def _require_that_wear_settles(setup: WearSetup, *, both_ways: bool) -> None:
+    """Raise BadInput for a wear run without a distance that does not settle.
+
+    `both_ways` is whether the drum turns both ways.
+    """
+    if setup.springs is not None:
+        i = int(setup.springs.numbers[0])
+        raise BadInput(
+            f"spring[{i}].rate = {setup.brake.springs[i].rate * 1e-3:g} N/mm: the pull changes "
+            "as long as the linings wear, which does not settle: a distance must be given"
+        )
+    if both_ways:
+        raise BadInput(
+            "a brake whose drum turns both ways does not settle: a distance must be given"
+        )
 
 
 def _require_three_elements_per_lining(setup: WearSetup) -> None:
@@ -483,8 +513,8 @@ def _imbalance_of_wear_and_friction_energy(
 ) -> float | None:
     """The relative difference between the worn volume and k W/mu, with the friction energy W.
 
-    The result is None if mu is 0 or not the same for all shoes, or if the exponent of the wear law
-    is not 1, because k W/mu is then not the worn volume.
+    The result is None if mu is 0, depends on the pressure or is not the same for all shoes, or if
+    the exponent of the wear law is not 1, because k W/mu is then not the worn volume.
 
     Parameters
     ----------
@@ -496,6 +526,7 @@ def _imbalance_of_wear_and_friction_energy(
     brake = setup.brake
     if (
         brake.friction == 0
+        or setup.is_friction_dependent_on_pressure
         or brake.first_key_that_gives_lining_its_own_friction()
         or law.exponent != 1
     ):
@@ -584,6 +615,7 @@ def wear_run_as_json_data(
             "pressure_from_law": off.pressure,
             "torque_from_law": off.torque,
             "worn_volume": state.removed,
+            **({"spring_pulls": list(state.pulls)} if state.pulls else {}),
             "depth": list_of_values_for_each_lining(state.depth),
             "pressure": list_of_values_for_each_lining(state.pressure),
             **({"face": face} if is_solid else {}),
@@ -633,6 +665,7 @@ def report_lines_of_wear_run(
     text = _heading_lines_of_wear_report(setup, law)
     for i in np.unique(np.rint(np.linspace(0, len(states) - 1, lines)).astype(int)):
         text.append(_table_line_of_wear_state(setup, states[i], goal, law))
+    text += _lines_on_spring_pulls_of_wear_run(setup.brake, states)
     text.append(f"worn in (law): {surface.effect} {goal.torque:.6g} {surface.effect_unit}")
     text += _notes_on_difference_of_wear_end_from_law(setup, goal, law)
     if law.coefficient > 0:
@@ -657,6 +690,18 @@ def report_lines_of_wear_run(
         f"{ripple}{len(states) - 1} steps"
     )
     return text
+
+
+def _lines_on_spring_pulls_of_wear_run(brake: Brake, states: Sequence[WearState]) -> list[str]:
+    """A line for each spring whose pull changes in a wear run; the law then has the last pulls."""
+    lines = []
+    for i, (first, last) in enumerate(zip(states[0].pulls, states[-1].pulls, strict=True)):
+        if first != last:
+            lines.append(
+                f"spring[{i}]: pulls by {first:.6g} N unworn and {last:.6g} N at the end, which "
+                "the law below takes"
+            )
+    return lines
 
 
 def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:

@@ -235,6 +235,10 @@ def wear_linings_of_whole_brake(
         options["distance"] = sliding_distance_from_option("--distance", distance, unit)
     states = wear_brake_linings_until_worn_in(setup, law, backward=backward, **options)
     require_linings_not_worn_through(setup, states)
+    # Wear tends to the pressure that belongs to the pulls of the springs. These still change, and
+    # those of the last state count.
+    if setup.at_constant_pulls is not None:
+        setup = setup.at_constant_pulls(states[-1].pulls)
     goal = final_wear_pressure_and_torque_by_rigid_shoe_law(setup, law, torque)
     # A held torque changes the actuation of the unworn state, and with it the contact.
     error = start_error if torque is None else None

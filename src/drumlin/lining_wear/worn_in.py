@@ -46,6 +46,8 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Rows, table_rows_from_coordinates_and_values
+from drumlin.brake.friction import require_friction_independent_of_pressure
+from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import prepared_model_with_finest_elements
@@ -102,8 +104,11 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
 
     The clearances are computed for a round drum. An out-of-round drum stays out of round in the
     result: as it turns, it wears the lining evenly if the whole lining stays in contact. `scene`
-    holds the prepared finite elements of the brake. Raises NoAnswer for a self-locking shoe.
+    holds the prepared finite elements of the brake. Raises NoAnswer for a self-locking shoe, and
+    BadInput for springs with a rate and for friction that depends on the pressure.
     """
+    require_springs_with_constant_pull(brake, "the worn-in brake")
+    require_friction_independent_of_pressure(brake, "the worn-in brake")
     setup = wear_setup_by_finite_elements(
         scene, brake_without_misfit_and_clearance(brake, drum=True)
     )

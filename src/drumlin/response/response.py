@@ -23,7 +23,7 @@ from drumlin.response.resultants import (
     polynomial_nodes_on_linings_and_slots,
     slots_between_nodes,
 )
-from drumlin.response.self_locking import SelfLocking
+from drumlin.response.self_locking import SelfLocking, SelfLockingFactor
 from drumlin.response.show import (
     html_table_of_response,
     plot_pressure_of_each_shoe,
@@ -515,7 +515,7 @@ class Response(EqualByArrays):
     error: Mapping[str, float] | None = None
     surface: FrictionSurface = DRUM
     plane_stress_error: ModelError | None = None
-    self_locking: SelfLocking | None = None
+    self_locking: SelfLocking | SelfLockingFactor | None = None
     spring_pulls: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:

@@ -106,6 +106,52 @@ class SelfLocking(NamedTuple):
             )
 
 
+class SelfLockingFactor(NamedTuple):
+    """How far friction that depends on the pressure is from locking the brake.
+
+    All friction coefficients of the brake are raised by one factor, at all pressures alike.
+
+    Attributes
+    ----------
+    key : key of the brake file by which friction depends on the pressure
+    elastic : the shoes that lock first by finite elements, and the factor at which they lock, in
+        place of mu_lock; None if the factor was not sought
+    sought : factor up to which the limit was sought; 0 if it was not sought
+    """
+
+    key: str
+    elastic: LockedShoes | None = None
+    sought: float = 0.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """The factor as plain data for JSON; a factor that was not found is None."""
+        factor = None if self.elastic is None else self.elastic.friction
+        return {"factor": _finite_or_none(factor), "factor_sought_up_to": self.sought}
+
+    def line(self) -> str:
+        """A line that states the factor on the friction at which the brake locks itself."""
+        if self.elastic is None:
+            return f"self-locking: not sought for {self.key}; drumlin.self_locking finds it"
+        if math.isinf(self.elastic.friction):
+            return (
+                f"self-locking: the elastic brake does not lock below {self.sought:.4g} times its "
+                f"friction ({self.key})"
+            )
+        return (
+            f"self-locking: the elastic brake locks at {self.elastic.friction:.4g} times its "
+            f"friction ({self.key})"
+        )
+
+    def warnings(self) -> Iterator[str]:
+        """Yield a warning if the friction exceeds WARNED_SHARE of that which locks the brake."""
+        if self.elastic is not None and WARNED_SHARE * self.elastic.friction < 1:
+            yield (
+                f"warning: {_shoe_names_as_text(self.elastic.shoes)}: the elastic brake locks at "
+                f"{self.elastic.friction:.4g} times its friction ({self.key}), "
+                "towards which the torque grows"
+            )
+
+
 def first_shoes_to_lock(limits: Sequence[LockedShoes]) -> LockedShoes:
     """The shoes that lock first: those with the smallest mu_lock among all `limits`."""
     return min(limits, key=lambda limit: limit.friction)

@@ -10,7 +10,9 @@ mu times an integral of p. If mu depends on p, the equations have the tangent of
 mu(p) p, and dmu changes all coefficients in proportion.
 
 The actuation forces are unknowns of the equations, so that forces of struts and cams need no
-special case: c is the change of T per given force.
+special case: c is the change of T per given force. The pulls of springs are unknowns as well. The
+equation of a spring with the preload T_0, the rate k and the approach d of its points is T + k d =
+T_0, and its multiplier is the change of the torque per preload.
 """
 
 from typing import NamedTuple
@@ -25,6 +27,8 @@ from drumlin.fem.equilibrium.pressure_friction import (
     solve_shoe_group_with_lining_friction,
 )
 from drumlin.fem.equilibrium.sharing import contact_matrix_with_forces_as_unknowns
+from drumlin.fem.equilibrium.springs import SpringMatrices
+from drumlin.fem.preparation.bodies import load_column_factors_under_all_loads
 
 
 class ShoeAdjoint(NamedTuple):
@@ -62,6 +66,9 @@ class GroupAdjoint(NamedTuple):
     ring_modulus_slope : change of the group's torque by the logarithm of the ring's modulus [N m]
     given_forces_slope : change of the group's torque by the logarithm of all actuation forces that
         the brake file gives [N m]
+    springs : the effects of the brake's springs on the group, at the friction of the solution
+    preload_slopes : change of the group's torque per preload (springs,) [m]
+    approaches : motion (springs,) [m] by which the points of each spring come nearer to each other
     """
 
     group: ShoeGroup
@@ -70,6 +77,9 @@ class GroupAdjoint(NamedTuple):
     friction_slopes: Floats
     ring_modulus_slope: float
     given_forces_slope: float
+    springs: SpringMatrices
+    preload_slopes: Floats
+    approaches: Floats
 
 
 def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
@@ -92,11 +102,11 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     y = group.rigid_body_coordinates_of_each_shoe(contact)
     F = np.abs(group.actuation_forces_under_contact_pressures(contact.p))
     coordinates = sum(map(len, y))
-    # Under a cam the last unknown is the travel of the points of actuation. The matrix that
-    # multiplies `answer` below holds only coefficients that depend on friction, and the
-    # coefficients of the travel do not. Zeros may therefore stand for the travel.
-    travel = np.zeros(len(without_friction) - n - coordinates - len(F))
-    answer = np.concatenate([contact.p, *y, F, travel])
+    # The last unknowns are the travel of the points of actuation under a cam, and the pulls of
+    # springs. The matrix that multiplies `answer` below holds only coefficients that depend on
+    # friction, and their coefficients do not. Zeros may therefore stand for them.
+    further = np.zeros(len(without_friction) - n - coordinates - len(F))
+    answer = np.concatenate([contact.p, *y, F, further])
     weights = np.zeros((len(answer), len(F)))
     weights[:n] = mu * tangent.torque_of_each_shoe_per_nodal_pressure
     # Pressures are unknowns only at the nodes in contact. All other unknowns are always free.
@@ -105,7 +115,8 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
         without_friction + mu * tangent_per_friction, on, weights
     )
     # The torque of the group is the sum of the shoes' torques, and so is its adjoint.
-    a, b, c = np.split(each.sum(axis=1), [n, n + coordinates])
+    first_spring = len(answer) - len(group.brake.springs)
+    a, b, c, by_preload = np.split(each.sum(axis=1), [n, n + coordinates, first_spring])
     shoes = []
     for k, (nodes, modes) in enumerate(
         zip(group.contact_node_slices_of_shoes, group.rigid_body_mode_slices_of_shoes, strict=True)
@@ -116,6 +127,7 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     # change of the pressures, because the equations contain the friction.
     by_friction = lever.T @ contact.p - each.T @ (per_friction @ answer)
     given = _torque_slope_by_logarithm_of_actuation_forces(group, shoes)
+    springs = group.spring_matrices_at_friction(mu)
     return GroupAdjoint(
         group=group,
         shoes=shoes,
@@ -125,7 +137,33 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
         given_forces_slope=size * group.sum_of_cam_forces_over_largest_force * float(c[-1])
         if group.indices_of_shoes_under_cam
         else given,
+        springs=springs,
+        preload_slopes=by_preload,
+        approaches=_approaches_of_springs(group, springs, contact.p, shoes),
     )
+
+
+def _approaches_of_springs(
+    group: ShoeGroup, springs: SpringMatrices, p: Floats, shoes: list[ShoeAdjoint]
+) -> Floats:
+    """The motions (springs,) [m] by which the points of each spring come nearer in a solution.
+
+    Parameters
+    ----------
+    group : the solved group
+    springs : the effects of its springs
+    p : pressures (n,) per newton of the group's actuation force
+    shoes : the solution of each shoe
+    """
+    y = np.concatenate([own.coordinates for own in shoes])
+    found = group.largest_actuation_force * (springs.approach_by_pressure @ p)
+    found = found + springs.approach_by_motion @ y
+    for k, own in enumerate(shoes):
+        body = group.substructures_of_shoes[k]
+        load = load_column_factors_under_all_loads(body, group.shoes[k], own.force)
+        for j, factors in enumerate(springs.load_factors):
+            found[j] += float(factors[k] @ body.load_motion_by_load @ load)
+    return np.asarray(found)
 
 
 def _torque_slope_by_logarithm_of_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> float:
@@ -166,12 +204,44 @@ def _equation_matrix_of_shoe_group(group: ShoeGroup, friction: float) -> Floats:
     """
     blocks = group.contact_problem_with_given_actuation_forces(friction)
     effects = group.contact_effects_of_each_actuation_force(friction)
-    return contact_matrix_with_forces_as_unknowns(
+    matrix = contact_matrix_with_forces_as_unknowns(
         blocks,
         effects,
         group.indices_of_pushing_and_pushed_shoe_of_struts,
         group.indices_of_shoes_under_cam,
     )
+    if not group.brake.springs:
+        return matrix
+    return _equation_matrix_with_spring_pulls(
+        matrix, group, group.spring_matrices_at_friction(friction)
+    )
+
+
+def _equation_matrix_with_spring_pulls(
+    matrix: Floats, group: ShoeGroup, springs: SpringMatrices
+) -> Floats:
+    """The matrix of the equations of a group with the pulls of its springs as last unknowns.
+
+    Parameters
+    ----------
+    matrix : the matrix without the pulls
+    group : the group of shoes
+    springs : the effects of the springs, at the friction coefficient of `matrix`
+    """
+    rates = np.array([spring.rate for spring in group.brake.springs])
+    n, k = len(springs.gap_by_pull), len(springs.work)
+    force, first = n + k, len(matrix)
+    by_pull = np.zeros((first, len(rates)))
+    by_pull[:n], by_pull[n:force] = springs.gap_by_pull, springs.work
+    for source, to in group.indices_of_pushing_and_pushed_shoe_of_struts:
+        by_pull[force + to] = -springs.foot_force_by_pull[source]
+    for i in group.indices_of_shoes_under_cam:
+        by_pull[force + i] = springs.tip_travel_by_pull[i]
+    approach = np.zeros((len(rates), first))
+    approach[:, :n], approach[:, n:force] = springs.approach_by_pressure, springs.approach_by_motion
+    approach[:, force : force + len(group.shoes)] = springs.approach_by_force
+    of_pulls = np.eye(len(rates)) + rates[:, None] * springs.approach_by_pull
+    return np.block([[matrix, by_pull], [rates[:, None] * approach, of_pulls]])
 
 
 def _solve_adjoint_equations_for_torques(matrix: Floats, on: Bools, weights: Floats) -> Floats:

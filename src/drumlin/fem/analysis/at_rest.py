@@ -22,6 +22,11 @@ from drumlin.fem.equilibrium.sharing import (
     ForceEffects,
     make_contact_problem_with_strut_and_cam_forces,
 )
+from drumlin.fem.equilibrium.spring_nodes import (
+    SpringNodes,
+    actuation_effects_with_spring_nodes,
+    spring_border_at_friction,
+)
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.bodies import (
     load_column_factors_and_pin_moment_per_newton,
@@ -31,7 +36,7 @@ from drumlin.fem.preparation.bodies import (
 
 
 def make_stick_slip_problem_and_slip_per_drum_rotation(
-    group: ShoeGroup,
+    group: ShoeGroup, springs: SpringNodes | None = None
 ) -> tuple[FrictionalProblem, Floats]:
     """The stick-slip problem of a group of shoes on a drum at rest, and the slip per drum rotation.
 
@@ -42,7 +47,8 @@ def make_stick_slip_problem_and_slip_per_drum_rotation(
     the brake.
 
     The nodes of the linings come first, then one node for each foot on a rough abutment, see
-    `FeetOnRoughAbutments`, then one frictionless node for each one-sided support.
+    `FeetOnRoughAbutments`, then one frictionless node for each one-sided support, or for each of
+    the `springs` with a rate. The group is then that of `group_under_spring_pulls` with None.
     """
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     still = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=feet.senses)
@@ -50,8 +56,10 @@ def make_stick_slip_problem_and_slip_per_drum_rotation(
     problem = feet.stick_slip_problem_with_abutment_nodes(
         _stick_slip_problem_without_abutments(still, shoes), still
     )
+    if springs is not None:
+        problem = _stick_slip_problem_with_spring_nodes(still, problem, shoes, springs)
     if group.indices_of_pushing_and_pushed_shoe_of_struts or group.indices_of_shoes_under_cam:
-        problem = _stick_slip_problem_with_strut_and_cam_forces(still, problem, shoes)
+        problem = _stick_slip_problem_with_strut_and_cam_forces(still, problem, shoes, springs)
     problem = _stick_slip_problem_with_one_sided_support_nodes(still, problem, shoes)
     lever = np.concatenate([body.coupling.lever for body in group.substructures_of_shoes])
     return problem, np.append(lever, np.zeros(len(problem.q_w) - len(lever)))
@@ -336,8 +344,54 @@ def _zero_matrix_with_lower_left_block(block: Floats, count: int) -> Floats:
     return whole
 
 
+def _stick_slip_problem_with_spring_nodes(
+    still: ShoeGroup,
+    problem: FrictionalProblem,
+    shoes: list[_TractionMatrices],
+    springs: SpringNodes,
+) -> FrictionalProblem:
+    """Add a node without friction for each spring with a rate to a stick-slip problem.
+
+    The pressure of the node is the pull of the spring [N], and its gap is zero while it acts.
+
+    Parameters
+    ----------
+    still : the group without friction
+    problem : the stick-slip problem of the linings, and of the feet on rough abutments
+    shoes : the matrices of tractions on each lining
+    springs : the springs
+    """
+    border, count = spring_border_at_friction(still, springs, 0.0), len(springs.numbers)
+    factors = still.spring_matrices_at_friction(0.0).load_factors
+    size, linings = len(problem.q_w), border.opening_by_pressure.shape[1]
+    by_pressure, by_traction = np.zeros((count, size)), np.zeros((count, size))
+    gap, of_shoes = np.zeros((size, count)), still.contact_node_slices_of_shoes
+    by_pressure[:, :linings], gap[:linings] = border.opening_by_pressure, border.gap_by_force
+    for row, j in enumerate(springs.numbers.tolist()):
+        for shoe, nodes, load in zip(shoes, of_shoes, factors[j], strict=True):
+            by_traction[row, nodes] = springs.signs[row] * (shoe.load_travel @ load)
+    lower_left = _zero_matrix_with_lower_left_block(by_traction, count)
+    nothing, no_slip = np.zeros((count, count)), np.zeros((count, problem.B_s.shape[1]))
+    return problem._replace(
+        A_wp=np.block([[problem.A_wp, gap], [by_pressure, border.opening_by_force]]),
+        A_wt=block_diag(problem.A_wt, nothing) + lower_left,
+        A_sp=block_diag(problem.A_sp, nothing) - lower_left.T,
+        A_st=block_diag(problem.A_st, nothing),
+        Q=block_diag(problem.Q, np.diag(1 / springs.rates)),
+        B_w=np.vstack([problem.B_w, border.opening_by_motion]),
+        B_s=np.vstack([problem.B_s, no_slip]),
+        C_p=np.hstack([problem.C_p, border.work]),
+        C_t=np.hstack([problem.C_t, no_slip.T]),
+        q_w=np.append(problem.q_w, border.opening),
+        q_s=np.append(problem.q_s, np.zeros(count)),
+    )
+
+
 def _stick_slip_problem_with_strut_and_cam_forces(
-    still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
+    still: ShoeGroup,
+    problem: FrictionalProblem,
+    shoes: list[_TractionMatrices],
+    springs: SpringNodes | None,
 ) -> FrictionalProblem:
     """Replace the actuation forces in a stick-slip problem by the forces of struts and a cam.
 
@@ -346,10 +400,11 @@ def _stick_slip_problem_with_strut_and_cam_forces(
     still : the group without friction
     problem : the stick-slip problem in which each shoe has its own, given actuation force
     shoes : the matrices of tractions on each lining
+    springs : springs whose nodes are the last nodes of the problem; None without such nodes
     """
     sharing = make_contact_problem_with_strut_and_cam_forces(
         _contact_problem_with_tractions_among_pressures(problem),
-        _actuation_effects_on_pressures_and_tractions(still, shoes, len(problem.q_w)),
+        _actuation_effects_on_pressures_and_tractions(still, shoes, len(problem.q_w), springs),
         still.actuation_forces_of_file_over_largest_force,
         still.indices_of_pushing_and_pushed_shoe_of_struts,
         still.indices_of_shoes_under_cam,
@@ -376,7 +431,7 @@ def _contact_problem_with_tractions_among_pressures(
 
 
 def _actuation_effects_on_pressures_and_tractions(
-    still: ShoeGroup, shoes: list[_TractionMatrices], n: int
+    still: ShoeGroup, shoes: list[_TractionMatrices], n: int, springs: SpringNodes | None
 ) -> list[ForceEffects]:
     """The `ForceEffects` of each shoe, with slips after the gaps and tractions after the pressures.
 
@@ -388,12 +443,17 @@ def _actuation_effects_on_pressures_and_tractions(
     still : the group without friction
     shoes : the matrices of tractions on each lining
     n : number of nodes, each with one pressure and one traction
+    springs : springs whose nodes are the last of the n nodes; None without such nodes
     """
     effects = []
-    for normal, shoe in zip(still.contact_effects_of_each_actuation_force(0.0), shoes, strict=True):
+    whole = still.contact_effects_of_each_actuation_force(0.0)
+    slipping = [np.arange(n)[own.nodes] for own in whole]
+    if springs is not None:
+        whole = actuation_effects_with_spring_nodes(still, springs, 0.0, n - len(springs.numbers))
+    for normal, slips, shoe in zip(whole, slipping, shoes, strict=True):
         nodes, tangential = np.arange(n)[normal.nodes], shoe.effects
         both = normal._replace(
-            nodes=np.concatenate([nodes, n + nodes]),
+            nodes=np.concatenate([nodes, n + slips]),
             gap_by_force=np.concatenate([normal.gap_by_force, tangential.gap_by_force]),
             tip_travel_by_pressure=np.concatenate(
                 [normal.tip_travel_by_pressure, tangential.tip_travel_by_pressure]

@@ -27,10 +27,14 @@ import numpy as np
 from drumlin.base.arrays import EqualByArrays, Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.friction import require_friction_independent_of_pressure
-from drumlin.brake.further_loads import require_springs_with_constant_pull
+from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.contact import stick_slip
 from drumlin.contact.active_set import Contact
+from drumlin.contact.pressure_friction import (
+    FrictionAtPressures,
+    NodalFriction,
+    solve_stick_slip_increment_with_pressure_dependent_friction,
+)
 from drumlin.contact.stick_slip import (
     BACKWARD,
     FORWARD,
@@ -48,6 +52,15 @@ from drumlin.fem.equilibrium.group import (
     ShoeGroup,
     divide_shoes_into_groups,
     indices_of_pressed_shoes_in_brake,
+)
+from drumlin.fem.equilibrium.pressure_friction import (
+    friction_and_its_slopes_at_nodes_of_group,
+    solve_shoe_group_with_lining_friction,
+)
+from drumlin.fem.equilibrium.spring_nodes import (
+    SpringNodes,
+    group_under_spring_pulls,
+    spring_nodes_of_brake,
 )
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
@@ -103,6 +116,10 @@ The nodes across the width at one angle may have different states. The lining co
 this angle if one of these nodes sticks, and otherwise as slipping if one of them slips.
 """
 
+NodesFriction = float | Floats | FrictionAtPressures
+"""The friction coefficient of all nodes, (n,) of each node, or the friction as a function of the
+pressures."""
+
 Arcs = tuple[tuple[float, float], ...]
 """The type of arcs along a lining: the angles [rad] at which each arc starts and ends."""
 
@@ -145,6 +162,7 @@ class Hold(EqualByArrays):
     face : contact nodes of each lining
     notes : notes that explain why the moment at full slip differs from the moment by `solve`, and
         what the model of solid shoes neglects
+    spring_pulls : pull [N] of each spring; empty if no spring has a rate
     """
 
     rotation: float
@@ -159,6 +177,7 @@ class Hold(EqualByArrays):
     dissipated: float
     face: tuple[HeldFace, ...]
     notes: tuple[str, ...] = ()
+    spring_pulls: tuple[float, ...] = ()
 
     @property
     def sticking(self) -> float:
@@ -182,17 +201,30 @@ class _LoadedGroupAtRest(NamedTuple):
         supports
     slip_per_rotation : growth (n,) of the weighted slips q_s of the nodes per radian of drum
         rotation in the brake's sense
-    friction : friction coefficient (n,) of each node
+    friction : friction coefficient (n,) of each node, or a function of the pressures
     rest : the last load increment before the drum turns, at whose end the full force acts
     dissipated : energy [J/N^2] dissipated by slip while the force was applied
+    springs : the springs with a rate, whose nodes are the last; None without such nodes. The group
+        is then that of `group_under_spring_pulls` with None.
     """
 
     group: ShoeGroup
     problem: FrictionalProblem
     slip_per_rotation: Floats
-    friction: Floats
+    friction: NodesFriction
     rest: Increment
     dissipated: float
+    springs: SpringNodes | None = None
+
+    def pulls_of_springs(self, at: Increment) -> tuple[float, ...]:
+        """The pull [N] of each spring of the brake at an increment; empty without a rate.
+
+        Raises NoAnswer if a spring is slack.
+        """
+        if self.springs is None:
+            return ()
+        forces = self.group.largest_actuation_force * at.p[-len(self.springs.numbers) :]
+        return self.springs.pulls_of_all_springs(self.group.brake, forces)
 
     @property
     def number_of_lining_nodes(self) -> int:
@@ -331,60 +363,115 @@ def _apply_actuation_forces_to_resting_groups(
     """
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
-    require_springs_with_constant_pull(brake, "hold")
-    require_friction_independent_of_pressure(brake, "hold")
+    springs = None
+    if any(spring.rate for spring in brake.springs):
+        require_no_shoe_on_anchors(brake, "hold with a spring rate")
+        pulls = solve_prepared_model(scene, brake, penalty=penalty).spring_pulls
+        springs = spring_nodes_of_brake(brake, pulls)
     touching = indices_of_pressed_shoes_in_brake(scene, brake)
     for i, shoe in enumerate(brake.shoes):
         if i not in touching:
             raise NoAnswer(
                 f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it"
             )
-    for group in divide_shoes_into_groups(scene, brake, list(range(len(brake.shoes))), penalty):
-        yield _apply_actuation_force_to_resting_group(group, increments)
+    shoes = list(range(len(brake.shoes)))
+    for group in divide_shoes_into_groups(scene, brake, shoes, penalty, springs_join=True):
+        yield _apply_actuation_force_to_resting_group(group, increments, springs)
 
 
 def _apply_actuation_force_to_resting_group(
-    group: ShoeGroup, increments: int
+    group: ShoeGroup, increments: int, springs: SpringNodes | None
 ) -> _LoadedGroupAtRest:
     """Apply the actuation force to a group of shoes in increments while the drum is at rest.
 
-    Raises NoAnswer as `turn_holding_brake_and_return_states_at_rotations` does.
+    The pulls of `springs` with a rate come on together with the force. Raises NoAnswer as
+    `turn_holding_brake_and_return_states_at_rotations` does.
     """
-    problem, lever = make_stick_slip_problem_and_slip_per_drum_rotation(group)
+    under = group if springs is None else group_under_spring_pulls(group, None)
+    problem, lever = make_stick_slip_problem_and_slip_per_drum_rotation(under, springs)
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
+    further = 0 if springs is None else len(springs.numbers)
     count = len(feet.shoe_numbers)
-    # The first guess of the states comes from the solution without friction. Nodes that touch in it
-    # stick, and all feet stick. One-sided supports that bear in it slip, and the others are open.
-    smooth = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=())
-    if group.one_sided_supports:
-        smooth, contact = smooth.solve_contact_and_abutment_friction()
-    else:
-        contact = smooth.solve_contact_for_given_abutment_friction()
-    start = np.append(np.where(contact.active, STICK, OPEN), np.full(count, STICK))
-    start = np.append(start, np.where(np.array(smooth.bearing, dtype=bool), FORWARD, OPEN))
-    unit_gaps = np.concatenate(group.gaps_of_unloaded_linings) / group.largest_actuation_force
+    start = np.append(_states_of_nodes_without_friction(group, feet), np.full(further, FORWARD))
+    size = under.largest_actuation_force
+    unit_gaps = np.concatenate(group.gaps_of_unloaded_linings) / size
     clearances = [support.clearance for support in group.one_sided_supports]
     gap = np.concatenate(
         [
             group.mass_matrix_of_contact_nodes @ unit_gaps,
             np.zeros(count),
-            np.array(clearances) / group.largest_actuation_force,
+            np.array(clearances) / size,
+            np.zeros(further),
         ]
     )
-    friction = feet.friction_coefficients_of_all_nodes()
+    constant = np.append(feet.friction_coefficients_of_all_nodes(), np.zeros(further))
+    friction: NodesFriction = constant
+    if any(
+        len(group.brake.friction_coefficient_curve_of_shoe(shoe).mu) > 1 for shoe in group.shoes
+    ):
+        friction = partial(_friction_of_lining_and_further_nodes, under, constant)
     try:
         rest, spent = _increase_actuation_force_at_rest(problem, gap, friction, start, increments)
     except NoAnswer as error:
         # On a brake that locks itself, `solve_contact_and_abutment_friction` raises a NoAnswer that
         # states the friction limit. It takes precedence over the error below.
-        group.solve_contact_and_abutment_friction()
+        solve_shoe_group_with_lining_friction(group)
         raise NoAnswer(f"{group.names_of_shoes_as_text}: {error}, the drum at rest") from error
-    per_rotation = lever * (group.brake.sign_of_motion / group.largest_actuation_force)
-    return _LoadedGroupAtRest(group, problem, per_rotation, friction, rest, spent)
+    per_rotation = lever * (group.brake.sign_of_motion / size)
+    return _LoadedGroupAtRest(under, problem, per_rotation, friction, rest, spent, springs)
+
+
+def _states_of_nodes_without_friction(group: ShoeGroup, feet: FeetOnRoughAbutments) -> Ints:
+    """The states (n,) from which the first load increment starts, without the nodes of springs.
+
+    They come from the solution without friction. Nodes that touch in it stick, and all feet stick.
+    One-sided supports that bear in it slip, and the others are open. Springs, on which no friction
+    acts, always slip.
+    """
+    smooth = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=())
+    if group.one_sided_supports:
+        smooth, contact = smooth.solve_contact_and_abutment_friction()
+    else:
+        contact = smooth.solve_contact_for_given_abutment_friction()
+    touching = np.where(contact.active, STICK, OPEN)
+    sticking = np.full(len(feet.shoe_numbers), STICK)
+    bearing = np.where(np.array(smooth.bearing, dtype=bool), FORWARD, OPEN)
+    return np.concatenate([touching, sticking, bearing])
+
+
+def _friction_of_lining_and_further_nodes(
+    group: ShoeGroup, constant: Floats, p: Floats
+) -> NodalFriction:
+    """The friction of all nodes at pressures p (n,) per newton of the group's actuation force.
+
+    Nodes behind those of the linings have the coefficients of `constant` (n,).
+    """
+    size, n = group.largest_actuation_force, len(group.contact_node_areas)
+    found = friction_and_its_slopes_at_nodes_of_group(group, size * p[:n])
+    coefficient = np.append(found.coefficient, constant[n:])
+    return NodalFriction(coefficient, np.append(size * found.slope, 0 * constant[n:]))
+
+
+def _solve_load_increment(
+    problem: FrictionalProblem,
+    friction: NodesFriction,
+    history: SlipHistory,
+    state: Ints,
+    p: Floats,
+) -> Increment:
+    """Solve a load increment under friction that may depend on the pressure.
+
+    `state` and `p` (n,) are the states and pressures from which the iteration starts.
+    """
+    if callable(friction):
+        return solve_stick_slip_increment_with_pressure_dependent_friction(
+            problem, friction, history, state, p
+        )
+    return stick_slip.solve_stick_slip_load_increment(problem, friction, history, state)
 
 
 def _increase_actuation_force_at_rest(
-    problem: FrictionalProblem, gap: Floats, friction: Floats, state: Ints, increments: int
+    problem: FrictionalProblem, gap: Floats, friction: NodesFriction, state: Ints, increments: int
 ) -> tuple[Increment, float]:
     """Increase the actuation force to its full value while the drum rests.
 
@@ -397,7 +484,7 @@ def _increase_actuation_force_at_rest(
     ----------
     problem : the stick-slip problem under the full force
     gap : weighted gaps (n,) of the unloaded linings
-    friction : friction coefficient (n,) of each node
+    friction : friction coefficient (n,) of each node, or a function of the pressures
     state : states (n,) of the nodes from which the first increment starts
     increments : number of increments
 
@@ -411,7 +498,7 @@ def _increase_actuation_force_at_rest(
         if the last increment does not converge
     """
     history = SlipHistory(np.zeros(len(gap)), np.zeros(len(gap)))
-    energy = 0.0
+    energy, p = 0.0, np.zeros(len(gap))
     # Without a gap, the force is applied in one increment.
     shares = np.ones(1)
     if gap.any():
@@ -420,13 +507,14 @@ def _increase_actuation_force_at_rest(
         q_w = gap + share * (problem.q_w - gap)
         part = problem._replace(q_w=q_w, q_s=share * problem.q_s, h=share * problem.h)
         try:
-            increment = stick_slip.solve_stick_slip_load_increment(part, friction, history, state)
+            increment = _solve_load_increment(part, friction, history, state, p)
         except NoAnswer:
             if share == 1:
                 raise
             continue
         energy += _energy_dissipated_by_slip_per_squared_force(problem, increment, history)
         history, state = increment.tractions_and_slips_for_next_increment, increment.state
+        p = increment.p
     return increment, energy
 
 
@@ -455,9 +543,9 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
             # On a brake that locks itself, `solve_contact_and_abutment_friction` raises a NoAnswer
             # with the friction limit. It takes precedence over the error below.
             turning = brake if rotation > reached else brake.brake_with_reversed_motion()
-            _shoe_group_with_other_rotation_or_friction(
-                group, turning
-            ).solve_contact_and_abutment_friction()
+            solve_shoe_group_with_lining_friction(
+                _shoe_group_with_other_rotation_or_friction(group, turning)
+            )
             raise NoAnswer(
                 f"{group.names_of_shoes_as_text}: {error}, turned by {rotation:.3g} rad"
             ) from error
@@ -472,7 +560,7 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
 def turn_drum_in_increments(
     problem: FrictionalProblem,
     lever: Floats,
-    friction: float | Floats,
+    friction: NodesFriction,
     increment: Increment,
     start: float,
     end: float,
@@ -486,7 +574,7 @@ def turn_drum_in_increments(
     ----------
     problem : the stick-slip problem while the drum rests
     lever : growth (n,) of the nodes' weighted slips q_s per radian of drum rotation
-    friction : friction coefficient of all nodes, or (n,) of each node
+    friction : friction coefficient of all nodes, (n,) of each node, or a function of the pressures
     increment : the converged increment at the rotation `start`
     start, end : rotations [rad]
 
@@ -501,8 +589,12 @@ def turn_drum_in_increments(
         step = end if pieces == 1 else reached + (end - reached) / pieces
         moved = problem._replace(q_s=problem.q_s + lever * step)
         try:
-            increment = stick_slip.solve_stick_slip_load_increment(
-                moved, friction, increment.tractions_and_slips_for_next_increment, increment.state
+            increment = _solve_load_increment(
+                moved,
+                friction,
+                increment.tractions_and_slips_for_next_increment,
+                increment.state,
+                increment.p,
             )
         except NoAnswer:
             if pieces >= 2**MOST_HALVINGS:
@@ -547,7 +639,9 @@ def _state_of_brake_at_rotation(
     linings: dict[int, _LiningNodeStates] = {}
     torque, dissipated = 0.0, 0.0
     notes: list[str] = []
+    pulls: tuple[float, ...] = ()
     for path in paths:
+        pulls = path.held.pulls_of_springs(path.increments[k])
         dissipated += path.dissipated[k]
         notes += _notes_if_moment_differs_from_solve(path, k)
         torque += path.held.torque(path.increments[k])
@@ -570,6 +664,7 @@ def _state_of_brake_at_rotation(
         dissipated=dissipated,
         face=face,
         notes=tuple(notes),
+        spring_pulls=pulls,
     )
 
 
@@ -628,7 +723,11 @@ def _solve_contact_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _
         held.group, brake if sense == brake.sign_of_motion else brake.brake_with_reversed_motion()
     )
     try:
-        group, contact = group.solve_contact_and_abutment_friction()
+        if held.springs is not None:
+            # The group has the pulls that its springs have in `solve`.
+            solved = solve_prepared_model(group.scene, group.brake, penalty=group.penalty)
+            group = group_under_spring_pulls(group, solved.spring_pulls)
+        group, contact = solve_shoe_group_with_lining_friction(group)
     except NoAnswer as error:
         return _SlidingDrumSolution(group, None, math.nan, str(error))
     torque = (
@@ -777,7 +876,8 @@ def _find_drum_rotation_of_full_slip_of_group(
         if np.isin(increment.state[:n], [OPEN, slipping]).all():
             # The friction of a sticking foot depends on whether the force is applied before the
             # drum turns, so that the moment may differ from the target.
-            has_feet = len(increment.state) > n
+            springs = 0 if held.springs is None else len(held.springs.numbers)
+            has_feet = len(increment.state) > n + springs
             if has_feet or math.isclose(torque, target, rel_tol=LARGEST_TORQUE_DIFFERENCE):
                 return reached
             raise NoAnswer(
@@ -812,6 +912,7 @@ def holding_states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
             "torque": state.torque,
             "dissipated": state.dissipated,
             "notes": list(state.notes),
+            **({"spring_pulls": list(state.spring_pulls)} if state.spring_pulls else {}),
             "shoes": shoes,
         }
         rows.append(row)

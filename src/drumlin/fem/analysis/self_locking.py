@@ -6,11 +6,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
-from drumlin.brake.friction import require_friction_independent_of_pressure
+from drumlin.brake.friction import (
+    first_key_of_pressure_dependent_friction,
+    require_friction_independent_of_pressure,
+)
 from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION, FrictionLimit
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.pressure_friction import (
+    find_friction_factor_that_locks_group,
+    solve_shoe_group_with_lining_friction,
+)
 from drumlin.fem.preparation.scene import PreparedModel
 
 
@@ -24,7 +32,8 @@ def self_locking_friction_of_shoe_groups(
 
     The keys of the result are the positions of the group's shoes in the brake. If a foot leaves its
     abutment at a smaller friction, or a cam or a strut would have to pull there, this smaller
-    friction is the limit.
+    friction is the limit. If friction depends on the pressure, the limit is the coefficient at zero
+    pressure, with all coefficients in proportion.
 
     Parameters
     ----------
@@ -39,11 +48,40 @@ def self_locking_friction_of_shoe_groups(
         if a group has no equilibrium at any friction
     """
     require_springs_with_constant_pull(brake, "self-locking")
-    require_friction_independent_of_pressure(brake, "self-locking")
+    if first_key_of_pressure_dependent_friction(brake) is not None:
+        return _limits_of_friction_over_pressure(scene, brake, most, penalty)
     return {
         group.members: group.find_friction_limit_by_following_contact(most).limit
         for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
     }
+
+
+def _limits_of_friction_over_pressure(
+    scene: PreparedModel, brake: Brake, most: float, penalty: float
+) -> dict[tuple[int, ...], FrictionLimit]:
+    """The limits of `self_locking_friction_of_shoe_groups` for friction that depends on pressure.
+
+    They are the brake's friction coefficient at zero pressure, with all its coefficients in
+    proportion. Raises BadInput for supports, struts and cams that may end the equilibrium earlier.
+    """
+    limits = {}
+    for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
+        if not group.has_neither_strut_cam_nor_abutment:
+            key = first_key_of_pressure_dependent_friction(brake)
+            raise BadInput(
+                f"{key}: self-locking takes no friction that depends on the pressure on shoes with "
+                "abutments, anchors, struts or a cam"
+            )
+        settled = solve_shoe_group_with_lining_friction(group)
+        found = find_friction_factor_that_locks_group(settled, most / brake.friction)
+        limits[group.members] = FrictionLimit(
+            friction=found.factor * brake.friction,
+            pressure_stays_finite=found.pressure_stays_finite,
+            last_contact=settled.contact,
+            last_friction=brake.friction,
+            steps=0,
+        )
+    return limits
 
 
 def shoe_torques_at_friction_coefficients(

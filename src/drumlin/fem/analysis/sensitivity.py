@@ -37,7 +37,7 @@ from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.friction import first_key_of_pressure_dependent_friction
-from drumlin.brake.further_loads import require_springs_with_constant_pull
+from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.brake.orthotropic import names_of_orthotropic_parts
@@ -65,7 +65,7 @@ from drumlin.fem.analysis.wide_moduli import (
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
-from drumlin.fem.model import PENALTY, require_positive_penalty
+from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
     couple_shoe_with_drum_or_plane,
@@ -137,6 +137,23 @@ class ShoeSensitivity:
     not_given: tuple[str, ...] = ()
 
 
+class SpringSensitivity(NamedTuple):
+    """The pull of a spring in the solved brake, and the derivatives of the brake's torque by it.
+
+    On a plane the torque is the braking force [N], and the units are divided by a length.
+
+    Attributes
+    ----------
+    pull : pull of the spring [N]
+    preload : dT per preload [m]
+    rate : dT per rate [m^2]
+    """
+
+    pull: float
+    preload: float
+    rate: float
+
+
 @dataclass(frozen=True)
 class Sensitivity:
     """The sensitivities of a brake's torque T.
@@ -158,6 +175,7 @@ class Sensitivity:
     shoes : the sensitivities of each shoe
     law : S by the rigid-shoe law: for each shoe, and then for the whole brake; None if the law has
         no solution, or does not apply
+    springs : the sensitivities by each spring
     """
 
     friction_coefficient: float
@@ -169,11 +187,17 @@ class Sensitivity:
     ring_bending_stiffness: float | None
     shoes: tuple[ShoeSensitivity, ...]
     law: tuple[float | None, ...] | None
+    springs: tuple[SpringSensitivity, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Convert the sensitivities of the brake to plain data for JSON, in SI units."""
         shoes = list(map(_shoe_sensitivity_as_dict, self.shoes))
-        return vars(self) | {"shoes": shoes, "law": None if self.law is None else list(self.law)}
+        law = None if self.law is None else list(self.law)
+        data = vars(self) | {"shoes": shoes, "law": law}
+        del data["springs"]
+        if self.springs:
+            data["springs"] = [spring._asdict() for spring in self.springs]
+        return data
 
 
 def _shoe_sensitivity_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
@@ -191,28 +215,57 @@ def _shoe_sensitivity_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
     }
 
 
+class WantedSlopes(NamedTuple):
+    """Which slopes of the torque are computed besides those by friction, forces and clearances.
+
+    The slopes by moduli take nearly all of the time, since they need the displacements of all nodes
+    inside the shoes.
+
+    Attributes
+    ----------
+    moduli : whether the slopes by moduli and bending stiffnesses are computed
+    supports : whether the slopes by the data of supports are computed
+    """
+
+    moduli: bool = True
+    supports: bool = True
+
+
+ALL_SLOPES = WantedSlopes()
+"""All slopes of the torque that there are."""
+
+
 def compute_torque_sensitivity(
-    scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY
+    scene: PreparedModel,
+    brake: Brake,
+    *,
+    penalty: float = PENALTY,
+    wanted: WantedSlopes = ALL_SLOPES,
 ) -> Sensitivity:
     """Compute the sensitivities of a brake's torque to its data, on a prepared model.
 
-    Raises NoAnswer and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without
-    friction, which has no torque.
+    `wanted` are the slopes that are computed; the others are left out of the result. Raises
+    NoAnswer and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without friction,
+    which has no torque.
     """
     require_positive_penalty(penalty)
     _refuse_brake_whose_torque_has_no_slopes(scene, brake)
     require_no_shoe_on_anchors(brake, "sensitivity")
-    require_springs_with_constant_pull(brake, "sensitivity")
+    pulls = _pulls_of_springs_in_solved_brake(scene, brake, penalty)
+    under = brake_with_loads_assigned_to_shoes(brake, pulls) if pulls else brake
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
+    by_preload, approaches = np.zeros(len(pulls)), np.zeros(len(pulls))
     changed = function_that_condenses_shoes_with_other_moduli(scene)
-    for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
+    for group in divide_pressed_shoes_into_groups(scene, under, penalty, springs_join=True):
         adjoint = solve_adjoint_for_torque_of_shoe_group(group)
         for k, i in enumerate(group.members):
-            slopes = _TorqueSlopesOfShoe(adjoint, k, changed)
+            slopes = _TorqueSlopesOfShoe(adjoint, k, changed, wanted)
             pressed[i] = slopes.compute_all_torque_slopes_of_shoe()
         ring += adjoint.ring_modulus_slope
         drive += adjoint.given_forces_slope
+        by_preload += adjoint.preload_slopes
+        approaches += adjoint.approaches
     shoes = []
     for i, shoe in enumerate(brake.shoes):
         shoes.append(
@@ -238,7 +291,19 @@ def compute_torque_sensitivity(
         ring_bending_stiffness=ring if scaled and given else None,
         shoes=tuple(shoes),
         law=friction_sensitivity_by_rigid_shoe_law(brake),
+        springs=tuple(
+            map(SpringSensitivity, pulls, by_preload.tolist(), (-by_preload * approaches).tolist())
+        ),
     )
+
+
+def _pulls_of_springs_in_solved_brake(
+    scene: PreparedModel, brake: Brake, penalty: float
+) -> list[float]:
+    """The pull [N] of each spring in the solved brake; without rates the preloads."""
+    if any(spring.rate for spring in brake.springs):
+        return list(solve_prepared_model(scene, brake, penalty=penalty).spring_pulls)
+    return [spring.preload for spring in brake.springs]
 
 
 def _refuse_brake_whose_torque_has_no_slopes(scene: PreparedModel, brake: Brake) -> None:
@@ -322,12 +387,19 @@ class _TorqueSlopesOfShoe:
     """Computes the derivatives of the brake's torque by the data of one shoe.
 
     `adjoint` is the adjoint of the shoe's group, and `k` the number of the shoe in the group.
-    `changed` is a function that returns condensed bodies of solid shoes with changed moduli.
+    `changed` is a function that returns condensed bodies of solid shoes with changed moduli, and
+    `wanted` are the slopes that are computed.
     """
 
-    def __init__(self, adjoint: GroupAdjoint, k: int, changed: BodiesOfModulus) -> None:
+    def __init__(
+        self,
+        adjoint: GroupAdjoint,
+        k: int,
+        changed: BodiesOfModulus,
+        wanted: WantedSlopes = ALL_SLOPES,
+    ) -> None:
         """Collect the shoe, its adjoint, and the signs of its rigid-body modes."""
-        self.adjoint, self.k, self.changed = adjoint, k, changed
+        self.adjoint, self.k, self.changed, self.wanted = adjoint, k, changed, wanted
         self.is_solid = adjoint.group.scene.model == "solid"
         self.group: ShoeGroup = adjoint.group
         self.own: ShoeAdjoint = adjoint.shoes[k]
@@ -369,7 +441,10 @@ class _TorqueSlopesOfShoe:
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
         phi, multipliers = body.line.angles_and_mean_pressures(own.gap_multipliers)
-        held = self._torque_slopes_by_supports()
+        held, keys = {}, []
+        if self.wanted.supports:
+            held = self._torque_slopes_by_supports()
+            keys = list(self._rigid_mode_derivatives_by_support_data())
         return ShoeSensitivity(
             name=shoe.name,
             torque=torque,
@@ -384,9 +459,7 @@ class _TorqueSlopesOfShoe:
             theta=shoe.frame.theta(phi)[forward],
             density=-shoe.lining.width * multipliers[forward],
             modulus_error=modulus_error,
-            not_given=tuple(
-                key for key in self._rigid_mode_derivatives_by_support_data() if key not in held
-            ),
+            not_given=tuple(key for key in keys if key not in held),
         )
 
     def _indices_of_shoes_pushed_by_struts(self) -> list[int]:
@@ -408,7 +481,8 @@ class _TorqueSlopesOfShoe:
             [self.drag * (T.T @ self.dragging) - N.T @ own.pressures, N.T @ own.gap_multipliers]
         )
         adjoint_force = -own.force_multiplier if self.under_cam else 0.0
-        loads = np.column_stack([self._load_column_factors_of_shoe(), adjoint_force * load])
+        adjoint_load = adjoint_force * load + self._adjoint_load_of_springs()
+        loads = np.column_stack([self._load_column_factors_of_shoe(), adjoint_load])
         u, v = self.body.condensed.nodal_displacements_in_load_cases(
             nodal, np.zeros((FRAME, 2)), loads
         ).T
@@ -420,6 +494,8 @@ class _TorqueSlopesOfShoe:
         The lining's modulus E also changes the contact stiffness alpha E/t. The slope `by_penalty`
         [N m] by the contact stiffness is therefore a part of the slope by the lining's modulus.
         """
+        if not self.wanted.moduli:
+            return _SlopesByModuli({}, None, None)
         if self.is_solid:
             return self._torque_slopes_by_solid_shoe_moduli_and_error(by_penalty)
         u, v = self.displacements_due_to_loads_and_adjoint_loads
@@ -449,13 +525,28 @@ class _TorqueSlopesOfShoe:
             self.drag,
             self._load_column_factors_of_shoe(),
             own.gap_multipliers,
-            adjoint_force * load,
+            adjoint_force * load + self._adjoint_load_of_springs(),
         )
         found = torque_slopes_by_moduli_of_solid_shoe(
             self.body, self.changed(self.group.members[self.k]), loads
         )
         slopes = found.slopes | {"lining": found.slopes["lining"] + by_penalty}
         return _SlopesByModuli(slopes, None, found.error)
+
+    @cached_property
+    def _spring_multipliers(self) -> Floats:
+        """The adjoint multiplier (springs,) of each spring's approach, its slope times its rate."""
+        rates = [spring.rate for spring in self.group.brake.springs]
+        return self.adjoint.preload_slopes * np.array(rates)
+
+    def _adjoint_load_of_springs(self) -> Floats:
+        """The factors (l,) of the load columns by which springs add to the adjoint load."""
+        load = np.zeros(self.body.load_matrix_columns_by_load_name.number_of_load_columns)
+        for multiplier, factors in zip(
+            self._spring_multipliers, self.adjoint.springs.load_factors, strict=True
+        ):
+            load -= multiplier * factors[self.k]
+        return load
 
     def _load_column_factors_of_shoe(self) -> Floats:
         """The factors (l,) by which the load columns make up all loads on the shoe."""
@@ -539,7 +630,10 @@ class _TorqueSlopesOfShoe:
         if shoe.has_loads_besides_actuation:
             by_equilibria = by_equilibria + change.tests @ shoe.resultant_of_loads_besides_actuation
         by_tip = self.tip_multiplier * (y * works) @ (change.motions @ push)
-        return float(y @ (change.motions @ of_gaps) - b @ by_equilibria - by_tip)
+        # The points of springs move with the rigid-body modes, too.
+        of_springs = self._spring_multipliers @ self.adjoint.springs.resultants[:, self.k]
+        by_springs = y @ (change.motions @ of_springs)
+        return float(y @ (change.motions @ of_gaps) - b @ by_equilibria - by_tip - by_springs)
 
     def _torque_slopes_by_node_motions(self, moves: list[NodeMotion]) -> Floats:
         """The slopes (moves,) of the torque by motions of the body's nodes.
@@ -682,6 +776,7 @@ class _TorqueSlopesOfShoe:
         return own.force * float(
             own.gap_multipliers @ (body.closure_by_load @ load)
             - own.equilibrium_multipliers @ tested
+            + self._adjoint_load_of_springs() @ (body.load_motion_by_load @ load)
         )
 
     def torque_slopes_by_strut_force_point(self) -> list[Floats]:
@@ -785,6 +880,12 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
         )
         lines += _torque_slopes_of_shoe_as_text_lines(
             own, brake.shoes[k].actuation.force, T, elasticity
+        )
+    for i, (spring, own_slopes) in enumerate(zip(brake.springs, found.springs, strict=True)):
+        by_preload, by_rate = own_slopes.preload * spring.preload, own_slopes.rate * spring.rate
+        lines.append(
+            f"  spring[{i}]: pull {own_slopes.pull:.6g} N; {elasticity} preload "
+            f"{by_preload / T:+.4g}, rate {by_rate / T:+.4g}"
         )
     parts = ", ".join(names_of_orthotropic_parts(brake))
     if parts:

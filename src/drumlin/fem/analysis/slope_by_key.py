@@ -10,7 +10,20 @@ import math
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material, Part, Point
 from drumlin.brake.file import parts_and_field_name_of_brake_key
-from drumlin.fem.analysis.sensitivity import Sensitivity, ShoeSensitivity
+from drumlin.fem.analysis.sensitivity import Sensitivity, ShoeSensitivity, WantedSlopes
+
+
+def slopes_wanted_for_key(brake: Brake, key: str) -> WantedSlopes:
+    """The slopes of the torque that `exact_torque_slope_by_key` needs for a key.
+
+    Raises BadInput for an unknown key.
+    """
+    parts, _ = parts_and_field_name_of_brake_key(brake, key)
+    hinges = [shoe.hinge for shoe in brake.shoes if shoe.hinge is not None]
+    return WantedSlopes(
+        moduli=any(isinstance(part, Material) for part in parts),
+        supports=any(part is hinge for part in parts for hinge in hinges),
+    )
 
 
 def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> float | None:
@@ -41,6 +54,10 @@ def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> fl
             and brake.first_key_that_gives_lining_its_own_friction() is None
         )
         return slopes.friction if is_exact else None
+    of_springs = dict(zip(map(id, brake.springs), slopes.springs, strict=True))
+    if len(parts) == 1 and id(parts[0]) in of_springs:
+        by_field = of_springs[id(parts[0])]._asdict()
+        return by_field[name] if name in ("preload", "rate") else None
     found = [
         _torque_slope_by_field_of_shoe(shoe, own, part, name)
         for shoe, own in zip(brake.shoes, slopes.shoes, strict=True)

@@ -628,18 +628,19 @@ def _bisect_friction_at_which_supports_change(
 
 
 def divide_pressed_shoes_into_groups(
-    scene: PreparedModel, brake: Brake, penalty: float = math.inf
+    scene: PreparedModel, brake: Brake, penalty: float = math.inf, *, springs_join: bool = False
 ) -> list[ShoeGroup]:
     """Divide the shoes that are pressed on the drum into groups that must be solved together.
 
-    Raises NoAnswer if a cam presses only one of its shoes.
+    `springs_join` is whether springs with a rate join all shoes to one group. Raises NoAnswer if a
+    cam presses only one of its shoes.
     """
     touching = indices_of_pressed_shoes_in_brake(scene, brake)
     if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         lacking = [shoe.name for i, shoe in enumerate(brake.shoes) if i not in touching]
         if lacking:
             raise NoAnswer(f"shoe {lacking[0]!r}: the cam does not press it")
-    return divide_shoes_into_groups(scene, brake, touching, penalty)
+    return divide_shoes_into_groups(scene, brake, touching, penalty, springs_join=springs_join)
 
 
 def indices_of_pressed_shoes_in_brake(scene: PreparedModel, brake: Brake) -> list[int]:
@@ -659,7 +660,12 @@ def indices_of_pressed_shoes_in_brake(scene: PreparedModel, brake: Brake) -> lis
 
 
 def divide_shoes_into_groups(
-    scene: PreparedModel, brake: Brake, pressed_shoes: list[int], penalty: float = math.inf
+    scene: PreparedModel,
+    brake: Brake,
+    pressed_shoes: list[int],
+    penalty: float = math.inf,
+    *,
+    springs_join: bool = False,
 ) -> list[ShoeGroup]:
     """Return a group for each pressed shoe, or one group of all pressed shoes.
 
@@ -671,10 +677,13 @@ def divide_shoes_into_groups(
     brake : the brake
     pressed_shoes : positions of the shoes that are pressed on the drum
     penalty : factor alpha of the contact stiffness alpha E/t
+    springs_join : whether springs with a rate join all shoes to one group
     """
     alone = (
-        scene.ring is None or scene.apart
-    ) and brake.reason_why_cam_or_strut_sets_forces is None
+        (scene.ring is None or scene.apart)
+        and brake.reason_why_cam_or_strut_sets_forces is None
+        and not (springs_join and any(spring.rate for spring in brake.springs))
+    )
     members: list[tuple[int, ...]]
     members = [(i,) for i in pressed_shoes] if alone else [tuple(pressed_shoes)]
     groups = []

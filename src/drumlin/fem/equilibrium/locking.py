@@ -9,6 +9,7 @@ from contextlib import suppress
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
+from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.contact.active_set import solve_contact_by_block_pivoting
 from drumlin.contact.self_locking import (
     COARSE_PATH_ABOVE_NODES,
@@ -16,11 +17,16 @@ from drumlin.contact.self_locking import (
     is_equilibrium_certain_up_to_friction,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.pressure_friction import (
+    find_friction_factor_that_locks_group,
+    solve_shoe_group_with_lining_friction,
+)
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.self_locking import (
     WARNED_SHARE,
     LockedShoes,
     SelfLocking,
+    SelfLockingFactor,
     first_shoes_to_lock,
 )
 
@@ -89,6 +95,45 @@ def compare_friction_with_self_locking_limits(
         limits.append(LockedShoes(shoes, _locking_friction_of_elastic_group(group, sought)))
         sought = min(sought, limits[-1].friction)
     return SelfLocking(friction, law, first_shoes_to_lock(limits), sought, scaled)
+
+
+def compare_friction_over_pressure_with_self_locking_limit(
+    scene: PreparedModel, brake: Brake, penalty: float
+) -> SelfLockingFactor:
+    """The factor on friction that depends on the pressure at which a brake locks itself.
+
+    The factor is sought as `compare_friction_with_self_locking_limits` seeks the friction. The
+    law's limit is compared with the largest coefficient of each lining.
+
+    Parameters
+    ----------
+    scene : the prepared model on which the brake was solved
+    brake : the brake, which has a solution on this model
+    penalty : factor alpha of the contact stiffness alpha E/t
+
+    Raises
+    ------
+    NoAnswer
+        if the brake has no solution on this model
+    """
+    key = first_key_of_pressure_dependent_friction(brake) or ""
+    groups = divide_pressed_shoes_into_groups(scene, brake, penalty)
+    if not groups or not all(map(_is_locking_friction_of_group_cheap_to_compute, groups)):
+        return SelfLockingFactor(key)
+    by_law = [
+        limit / brake.friction_coefficient_curve_of_shoe(shoe).mu.max()
+        for shoe, limit in zip(brake.shoes, scene.locking_frictions_of_rigid_shoes, strict=True)
+    ]
+    limits, sought = [], 1 / WARNED_SHARE
+    if NEAR_LAW * min(by_law) < 1:
+        sought = FURTHEST_SEARCH
+    for group in groups:
+        shoes = tuple(brake.shoes[i].name for i in group.members)
+        settled = solve_shoe_group_with_lining_friction(group)
+        limit = find_friction_factor_that_locks_group(settled, sought, single_step=True)
+        limits.append(LockedShoes(shoes, limit.factor))
+        sought = min(sought, limit.factor)
+    return SelfLockingFactor(key, first_shoes_to_lock(limits), sought)
 
 
 def _is_locking_friction_of_group_cheap_to_compute(group: ShoeGroup) -> bool:

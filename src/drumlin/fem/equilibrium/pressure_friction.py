@@ -1,6 +1,8 @@
 """The contact of a group of shoes whose friction depends on the pressure."""
 
+import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -10,7 +12,10 @@ from drumlin.brake.friction import FrictionCurve
 from drumlin.contact.active_set import Contact
 from drumlin.contact.pressure_friction import (
     FRICTION_TOLERANCE,
+    FrictionFactorLimit,
     NodalFriction,
+    find_largest_friction_factor_with_equilibrium,
+    is_equilibrium_certain_up_to_friction_factor,
     solve_contact_with_pressure_dependent_friction,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, SolvedGroup
@@ -39,18 +44,61 @@ def solve_shoe_group_with_lining_friction(
         return group.solve_contact_and_abutment_friction(first)
     start, settled = _solve_group_at_smallest_else_largest_friction(group, curves, first)
     for _ in range(MOST_CHANGES_OF_SUPPORT):
-        contact = _contact_whose_friction_fits_its_pressures(settled, curves, start)
-        friction = _friction_and_its_slopes_at_nodes(settled.group, curves, contact.p).coefficient
+        contact = _contact_whose_friction_fits_its_pressures(settled, start)
+        friction = _friction_and_its_slopes_at_nodes(settled.group, contact.p).coefficient
         # The contact is solved once more at these fixed coefficients, as for any other brake. This
         # solve checks that the solution is the one that friction growing from zero reaches.
         settled = _solve_group_at_nodal_friction(settled.group, friction, contact.active)
-        reached = _friction_and_its_slopes_at_nodes(
-            settled.group, curves, settled.contact.p
-        ).coefficient
+        reached = _friction_and_its_slopes_at_nodes(settled.group, settled.contact.p).coefficient
         if np.abs(reached - friction).max() <= FRICTION_TOLERANCE * friction.max():
             return settled
     raise NoAnswer(
         f"{group.names_of_shoes_as_text}: friction and pressure do not agree, not converged"
+    )
+
+
+def friction_and_its_slopes_at_nodes_of_group(group: ShoeGroup, p: Floats) -> NodalFriction:
+    """The friction coefficients at nodal pressures p (n,) [Pa], and their derivatives [1/Pa]."""
+    parts = []
+    for shoe, nodes in zip(group.shoes, group.contact_node_slices_of_shoes, strict=True):
+        curve = group.brake.friction_coefficient_curve_of_shoe(shoe)
+        parts.append(
+            NodalFriction(
+                curve.friction_coefficients_at_pressures(p[nodes]),
+                curve.friction_slopes_at_pressures(p[nodes]),
+            )
+        )
+    return NodalFriction(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+
+
+def group_with_friction_at_nodes(group: ShoeGroup, friction: Floats) -> ShoeGroup:
+    """A copy of a group with a friction coefficient (n,) for each of its contact nodes."""
+    return replace(group, friction_at_nodes=friction / group.brake.friction)
+
+
+def find_friction_factor_that_locks_group(
+    settled: SolvedGroup, largest_factor: float, *, single_step: bool = False
+) -> FrictionFactorLimit:
+    """Find the factor on all friction coefficients of a solved group at which it locks itself.
+
+    The bearing supports and the friction directions at abutments are those of the solution.
+
+    Parameters
+    ----------
+    settled : the group, solved by `solve_shoe_group_with_lining_friction`
+    largest_factor : factor at which the search ends without a limit
+    single_step : whether a single step to the largest factor is tried before the search
+    """
+    group = settled.group
+    unit = replace(group, friction_at_nodes=np.ones(len(group.contact_node_areas)))
+    problem, areas = unit.contact_problem_as_function_of_friction, group.contact_node_areas
+    friction = partial(_friction_and_its_slopes_at_nodes, group)
+    if single_step and is_equilibrium_certain_up_to_friction_factor(
+        problem, friction, settled.contact, largest_factor, areas
+    ):
+        return FrictionFactorLimit(math.inf, False)
+    return find_largest_friction_factor_with_equilibrium(
+        problem, friction, settled.contact, largest_factor, areas
     )
 
 
@@ -64,8 +112,8 @@ def group_with_tangent_of_friction_stress(group: ShoeGroup, p: Floats) -> ShoeGr
     curves = [group.brake.friction_coefficient_curve_of_shoe(shoe) for shoe in group.shoes]
     if all(len(curve.mu) == 1 for curve in curves):
         return group
-    friction = _friction_and_its_slopes_at_nodes(group, curves, p)
-    return _group_with_nodal_friction(group, friction.coefficient + friction.slope * p)
+    friction = _friction_and_its_slopes_at_nodes(group, p)
+    return group_with_friction_at_nodes(group, friction.coefficient + friction.slope * p)
 
 
 def _solve_group_at_smallest_else_largest_friction(
@@ -93,33 +141,20 @@ def _solve_group_at_nodal_friction(
     group: ShoeGroup, friction: Floats, first: Bools | None
 ) -> SolvedGroup:
     """Solve a group at given nodal friction (n,), starting from the contact set `first` (n,)."""
-    return _group_with_nodal_friction(group, friction).solve_contact_and_abutment_friction(first)
+    return group_with_friction_at_nodes(group, friction).solve_contact_and_abutment_friction(first)
 
 
-def _group_with_nodal_friction(group: ShoeGroup, friction: Floats) -> ShoeGroup:
-    """A copy of a group with a friction coefficient (n,) for each of its contact nodes."""
-    return replace(group, friction_at_nodes=friction / group.brake.friction)
+def _friction_and_its_slopes_at_nodes(group: ShoeGroup, p: Floats) -> NodalFriction:
+    """The friction coefficients at nodal pressures p (n,), and their derivatives by pressure.
+
+    The pressures are per newton of the group's largest actuation force.
+    """
+    size = group.largest_actuation_force
+    found = friction_and_its_slopes_at_nodes_of_group(group, size * p)
+    return NodalFriction(found.coefficient, size * found.slope)
 
 
-def _friction_and_its_slopes_at_nodes(
-    group: ShoeGroup, curves: list[FrictionCurve], p: Floats
-) -> NodalFriction:
-    """The friction coefficients at nodal pressures p (n,), and their derivatives by pressure."""
-    size, parts = group.largest_actuation_force, []
-    for curve, nodes in zip(curves, group.contact_node_slices_of_shoes, strict=True):
-        pressure = size * p[nodes]
-        parts.append(
-            NodalFriction(
-                curve.friction_coefficients_at_pressures(pressure),
-                size * curve.friction_slopes_at_pressures(pressure),
-            )
-        )
-    return NodalFriction(*(np.concatenate(each) for each in zip(*parts, strict=True)))
-
-
-def _contact_whose_friction_fits_its_pressures(
-    settled: SolvedGroup, curves: list[FrictionCurve], start: Floats
-) -> Contact:
+def _contact_whose_friction_fits_its_pressures(settled: SolvedGroup, start: Floats) -> Contact:
     """The contact in which the friction at each node agrees with the pressure there.
 
     The bearing supports and the friction directions at abutments are those of `settled`. `start`
@@ -132,7 +167,7 @@ def _contact_whose_friction_fits_its_pressures(
     try:
         return solve_contact_with_pressure_dependent_friction(
             unit.contact_problem_as_function_of_friction,
-            lambda p: _friction_and_its_slopes_at_nodes(group, curves, p),
+            lambda p: _friction_and_its_slopes_at_nodes(group, p),
             settled.contact,
             start,
         )

@@ -22,9 +22,16 @@ from drumlin.fem.equilibrium.sharing import (
     ForceSharing,
     make_contact_problem_with_strut_and_cam_forces,
 )
+from drumlin.fem.equilibrium.springs import (
+    SpringMatrices,
+    displacement_of_point_along_force_in_modes,
+    unit_pulls_on_shoe,
+    work_of_force_on_test_modes,
+)
 from drumlin.fem.equilibrium.state import GroupState
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
+    load_column_factors_of_force_at_point,
     load_column_factors_of_loads_besides_actuation,
     load_column_factors_under_all_loads,
 )
@@ -233,6 +240,57 @@ class GroupProblems(GroupState):
         if body.load_motion_by_friction is not None:
             travel = travel + drag * (load @ body.load_motion_by_friction)
         return np.asarray(travel)
+
+    # The following method treats springs between shoes, or from a shoe to the frame.
+
+    def spring_matrices_at_friction(self, friction: float) -> SpringMatrices:
+        """The effects of all springs of the brake on the group at a friction coefficient.
+
+        The effects are linear in the friction coefficient.
+        """
+        found = SpringMatrices.zeros(
+            [
+                body.load_matrix_columns_by_load_name.number_of_load_columns
+                for body in self.substructures_of_shoes
+            ],
+            springs=len(self.brake.springs),
+            nodes=len(self.contact_node_areas),
+            modes=self.rigid_body_mode_slices_of_shoes[-1].stop,
+        )
+        for i in range(len(self.shoes)):
+            self._add_effects_of_springs_on_shoe(found, i, friction)
+        return found
+
+    def _add_effects_of_springs_on_shoe(
+        self, found: SpringMatrices, i: int, friction: float
+    ) -> None:
+        """Add the effects of all springs on shoe `i` to `found`, whose arrays are changed."""
+        shoe, body = self.shoes[i], self.substructures_of_shoes[i]
+        sense = self.known_abutment_friction_directions[i]
+        nodes, modes = self.contact_node_slices_of_shoes[i], self.rigid_body_mode_slices_of_shoes[i]
+        acting = self.actuation_of_each_shoe_by_one_newton[i].load_factors
+        pulls = unit_pulls_on_shoe(self.brake, shoe)
+        for j, place, pull in pulls:
+            load = load_column_factors_of_force_at_point(body, shoe, place, pull)
+            found.load_factors[j][i][:] = load
+            found.resultants[j, i] = pull.resultant
+            found.gap_by_pull[nodes, j] = -(body.closure_by_load @ load)
+            found.work[modes, j] = work_of_force_on_test_modes(shoe, sense, pull)
+            found.approach_by_motion[j, modes] = displacement_of_point_along_force_in_modes(
+                shoe, sense, pull
+            )
+            found.approach_by_pressure[j, nodes] = (
+                self._elastic_load_point_travel_per_nodal_pressure(i, load, friction)
+            )
+            found.approach_by_force[j, i] = load @ body.load_motion_by_load @ acting
+            found.tip_travel_by_pull[i, j] = acting @ body.load_motion_by_load @ load
+            if shoe.abutment is not None:
+                found.foot_force_by_pull[i, j] = -float(
+                    shoe.unit_vector_of_smooth_abutment_force @ np.array(pull.force)
+                )
+        for (one, *_), (other, *_) in product(pulls, repeat=2):
+            loads = found.load_factors[one][i], found.load_factors[other][i]
+            found.approach_by_pull[one, other] += loads[0] @ body.load_motion_by_load @ loads[1]
 
     # The following methods treat supports that push and cannot pull.
 

@@ -6,7 +6,8 @@ where the loads act. As long as the same nodes are in contact, d is a linear fun
 so that Broyden's method ends after a few contact solves on the same condensed bodies.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
+from drumlin.brake.further_loads import ForceAtPoint, brake_with_loads_assigned_to_shoes
 from drumlin.fem.preparation.bodies import ShoeSubstructure, load_column_factors_of_force_at_point
 
 SETTLED_PULL = 1e-12
@@ -28,6 +29,109 @@ MOST_SPRING_STEPS = 40
 """Contact solves after which the iteration for the spring pulls fails. Usual brakes take four."""
 
 Answer = TypeVar("Answer")
+
+
+@dataclass(frozen=True)
+class SpringMatrices:
+    """The effects of the m springs of a brake on a group of s shoes, with n nodes and k modes.
+
+    The approach of a spring is the motion by which its two points come nearer to each other. Pulls
+    and pressures are per newton of the group's actuation force, and so are motions. A spring that
+    holds no shoe of the group has zeros.
+
+    Attributes
+    ----------
+    load_factors : for each spring and shoe, the factors (l,) by which the load columns of the
+        shoe's body make up a pull of 1 N
+    resultants : (m, s, 3) force x, force y [N] and moment about the origin [N m] on each shoe of a
+        pull of 1 N
+    gap_by_pull : opening (n, m) of the weighted gaps per pull
+    work : work (k, m) of the pulls on the test modes
+    approach_by_pressure : approach (m, n) per nodal pressure
+    approach_by_motion : approach (m, k) per coordinate of a rigid-body mode
+    approach_by_force : approach (m, s) per actuation force
+    approach_by_pull : approach (m, m) per pull
+    foot_force_by_pull : force (s, m) along the strut that the foot of each shoe transmits
+    tip_travel_by_pull : elastic travel (s, m) of each shoe's point of actuation along its force
+    """
+
+    load_factors: tuple[tuple[Floats, ...], ...]
+    resultants: Floats
+    gap_by_pull: Floats
+    work: Floats
+    approach_by_pressure: Floats
+    approach_by_motion: Floats
+    approach_by_force: Floats
+    approach_by_pull: Floats
+    foot_force_by_pull: Floats
+    tip_travel_by_pull: Floats
+
+    @classmethod
+    def zeros(
+        cls, load_columns: Sequence[int], *, springs: int, nodes: int, modes: int
+    ) -> "SpringMatrices":
+        """The matrices of springs without any effect.
+
+        Parameters
+        ----------
+        load_columns : number of load columns of each shoe's body
+        springs, nodes, modes : numbers of springs, of contact nodes and of rigid-body modes
+        """
+        m, shoes = springs, len(load_columns)
+        return cls(
+            load_factors=tuple(tuple(map(np.zeros, load_columns)) for _ in range(m)),
+            resultants=np.zeros((m, shoes, 3)),
+            gap_by_pull=np.zeros((nodes, m)),
+            work=np.zeros((modes, m)),
+            approach_by_pressure=np.zeros((m, nodes)),
+            approach_by_motion=np.zeros((m, modes)),
+            approach_by_force=np.zeros((m, shoes)),
+            approach_by_pull=np.zeros((m, m)),
+            foot_force_by_pull=np.zeros((shoes, m)),
+            tip_travel_by_pull=np.zeros((shoes, m)),
+        )
+
+
+def unit_pulls_on_shoe(brake: Brake, shoe: Shoe) -> list[tuple[int, int, ForceAtPoint]]:
+    """For each spring that holds a shoe: its number, its place, and its pull of 1 N on the shoe.
+
+    The place is the number of the spring's force among the shoe's loads besides the actuation.
+    """
+    found = []
+    # Among the loads of the body, the springs' forces follow the forces in `shoe.forces`, in the
+    # order of the springs.
+    place = len(shoe.forces)
+    for j, spring in enumerate(brake.springs):
+        pull = spring.spring_or_lever_force_on_shoe(shoe.name, 1.0)
+        if pull is not None:
+            found.append((j, place, pull))
+            place += 1
+    return found
+
+
+def work_of_force_on_test_modes(shoe: Shoe, sense: int, force: ForceAtPoint) -> Floats:
+    """The work (k,) of a force on the test modes of a shoe, in the sense of the shoe's frame.
+
+    `sense` is the direction of friction at the shoe's abutment.
+    """
+    free = shoe.rigid_body_modes_of_support(sense)
+    return _signs_of_modes_in_shoe_frame(shoe, free.names) * (free.tests @ force.resultant)
+
+
+def displacement_of_point_along_force_in_modes(
+    shoe: Shoe, sense: int, force: ForceAtPoint
+) -> Floats:
+    """The displacement (k,) [m] along a unit force of its point, in the modes of a shoe's support.
+
+    `sense` is the direction of friction at the shoe's abutment.
+    """
+    free = shoe.rigid_body_modes_of_support(sense)
+    return _signs_of_modes_in_shoe_frame(shoe, free.names) * (free.motions @ force.resultant)
+
+
+def _signs_of_modes_in_shoe_frame(shoe: Shoe, names: tuple[str, ...]) -> Floats:
+    """The sign (k,) of each mode in the shoe's frame: turns change it in a mirrored frame."""
+    return np.where(np.array(names) == "turn", float(shoe.frame.sense), 1.0)
 
 
 def find_spring_pulls_that_fit_shoe_motions(
@@ -100,15 +204,8 @@ def displacements_of_spring_points_along_pulls(
     pin_motion : (3,) displacement x, y [m] of the pin and turn [rad], in the frame of the shoe
     """
     found = np.zeros(len(brake.springs))
-    # Among the loads of the body, the springs' forces follow the forces in `shoe.forces`, in the
-    # order of the springs.
-    index = len(shoe.forces)
-    for j, spring in enumerate(brake.springs):
-        pull = spring.spring_or_lever_force_on_shoe(shoe.name, 1.0)
-        if pull is None:
-            continue
-        at_own_place = load_column_factors_of_force_at_point(body, shoe, index, pull)
-        index += 1
+    for j, place, pull in unit_pulls_on_shoe(brake, shoe):
+        at_own_place = load_column_factors_of_force_at_point(body, shoe, place, pull)
         fx, fy, moment = pull.resultant.tolist()
         about_pin = shoe.frame.sense * (moment - (shoe.pin.x * fy - shoe.pin.y * fx))
         at_pin = np.array(

@@ -1,0 +1,211 @@
+"""The pulls of springs with a rate as unknowns of the contact problem of a group of shoes.
+
+A spring of the preload T_0 and the rate k pulls by T = T_0 - k d, where d is the motion by which
+its two points come nearer to each other. The spring takes the form of a contact node: its pull
+t = s T takes the place of a pressure, with the sign s of its preload, and s d + (t - s T_0)/k the
+place of a gap. This gap is zero as long as the spring acts, and opens when the spring goes slack.
+All contact solvers then find the pulls together with the pressures, in one problem.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats, Ints
+from drumlin.base.errors import NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
+from drumlin.contact.active_set import Contact
+from drumlin.contact.equations import ContactProblem
+from drumlin.fem.equilibrium.group import ShoeGroup
+from drumlin.fem.equilibrium.sharing import (
+    ForceEffects,
+    make_contact_problem_with_strut_and_cam_forces,
+)
+from drumlin.fem.preparation.bodies import load_column_factors_under_all_loads
+
+
+class SpringNodes(NamedTuple):
+    """The springs with a rate of a brake, as m nodes after the contact nodes of a group of shoes.
+
+    Attributes
+    ----------
+    numbers : numbers (m,) of the springs among all springs of the brake
+    signs : sign (m,) of the pulls: 1 for springs that pull, -1 for springs that push
+    rates : rate (m,) of each spring [N/m]
+    preloads : preload (m,) of each spring [N]
+    """
+
+    numbers: Ints
+    signs: Floats
+    rates: Floats
+    preloads: Floats
+
+    def pulls_of_all_springs(self, brake: Brake, forces: Floats) -> tuple[float, ...]:
+        """The pull [N] of each spring of the brake, under forces (m,) [N] of the spring nodes.
+
+        Raises NoAnswer if a spring is slack.
+        """
+        pulls = np.array([spring.preload for spring in brake.springs])
+        pulls[self.numbers] = self.signs * forces
+        for i, force in zip(self.numbers.tolist(), forces.tolist(), strict=True):
+            if force <= 0:
+                verb = ("pushes", "pull") if brake.springs[i].preload < 0 else ("pulls", "push")
+                raise NoAnswer(
+                    f"spring[{i}]: goes slack: it {verb[0]} by its preload and would have to "
+                    f"{verb[1]}"
+                )
+        return tuple(pulls.tolist())
+
+
+def spring_nodes_of_brake(brake: Brake, pulls: Sequence[float]) -> SpringNodes:
+    """The springs with a rate of a brake as nodes.
+
+    `pulls` [N] are pulls of all springs, whose signs the springs without preload have.
+    """
+    numbers = [i for i, spring in enumerate(brake.springs) if spring.rate]
+    preloads = np.array([brake.springs[i].preload for i in numbers])
+    known = np.where(preloads == 0, np.array([pulls[i] for i in numbers]), preloads)
+    return SpringNodes(
+        np.array(numbers, dtype=int),
+        np.where(known < 0, -1.0, 1.0),
+        np.array([brake.springs[i].rate for i in numbers]),
+        preloads,
+    )
+
+
+def group_under_spring_pulls(group: ShoeGroup, pulls: Sequence[float] | None) -> ShoeGroup:
+    """A copy of a group under given pulls [N] of all springs; None for preloads without rate.
+
+    With None, the springs with a rate do not act, because their pulls are unknowns.
+    """
+    if pulls is None:
+        pulls = [0.0 if spring.rate else spring.preload for spring in group.brake.springs]
+    return replace(group, brake=brake_with_loads_assigned_to_shoes(group.brake, pulls))
+
+
+class SpringBorder(NamedTuple):
+    """The rows and columns of m spring nodes in the contact problem of a group.
+
+    The group is that of `group_under_spring_pulls` with None. Forces are in newtons, and motions
+    per newton of its largest actuation force times this force.
+
+    Attributes
+    ----------
+    gap_by_force : opening (n, m) of the weighted gaps per force of a node
+    work : work (k, m) of the forces on the test modes
+    opening_by_pressure : opening (m, n) of the nodes per pressure
+    opening_by_motion : opening (m, k) per rigid-body motion
+    opening_by_force : opening (m, m) per force of a node
+    opening : opening (m,) under the loads, per newton of the group's actuation force
+    """
+
+    gap_by_force: Floats
+    work: Floats
+    opening_by_pressure: Floats
+    opening_by_motion: Floats
+    opening_by_force: Floats
+    opening: Floats
+
+
+def spring_border_at_friction(
+    group: ShoeGroup, nodes: SpringNodes, friction: float
+) -> SpringBorder:
+    """The rows and columns of spring nodes in the contact problem at a friction coefficient."""
+    springs, numbers, size = (
+        group.spring_matrices_at_friction(friction),
+        nodes.numbers,
+        group.largest_actuation_force,
+    )
+    signs = nodes.signs
+    opening = -nodes.preloads / (nodes.rates * size)
+    for k, body in enumerate(group.substructures_of_shoes):
+        own_force = group.shoes[k].actuation.force
+        acting = load_column_factors_under_all_loads(body, group.shoes[k], own_force) / size
+        for row, j in enumerate(numbers.tolist()):
+            opening[row] += float(springs.load_factors[j][k] @ body.load_motion_by_load @ acting)
+    of_pulls = springs.approach_by_pull[np.ix_(numbers, numbers)]
+    return SpringBorder(
+        gap_by_force=springs.gap_by_pull[:, numbers] * signs,
+        work=springs.work[:, numbers] * signs,
+        opening_by_pressure=signs[:, None] * springs.approach_by_pressure[numbers],
+        opening_by_motion=signs[:, None] * springs.approach_by_motion[numbers],
+        opening_by_force=np.diag(1 / nodes.rates) + signs[:, None] * of_pulls * signs,
+        opening=signs * opening,
+    )
+
+
+def contact_problem_with_spring_nodes(
+    group: ShoeGroup, nodes: SpringNodes, friction: float
+) -> ContactProblem:
+    """The contact problem of a group at a friction coefficient, with spring nodes at its end.
+
+    The group is that of `group_under_spring_pulls` with None, without one-sided supports. The
+    problem is linear in the friction coefficient.
+    """
+    A, q, B, C, h = group.contact_problem_with_given_actuation_forces(friction)
+    border = spring_border_at_friction(group, nodes, friction)
+    problem = ContactProblem(
+        A=np.block(
+            [[A, border.gap_by_force], [border.opening_by_pressure, border.opening_by_force]]
+        ),
+        q=np.concatenate([q, border.opening]),
+        B=np.vstack([B, border.opening_by_motion]),
+        C=np.hstack([C, border.work]),
+        h=h,
+    )
+    struts, cam = (
+        group.indices_of_pushing_and_pushed_shoe_of_struts,
+        group.indices_of_shoes_under_cam,
+    )
+    if not struts and not cam:
+        return problem
+    return make_contact_problem_with_strut_and_cam_forces(
+        problem,
+        actuation_effects_with_spring_nodes(group, nodes, friction),
+        group.actuation_forces_of_file_over_largest_force,
+        struts,
+        cam,
+        group.sum_of_cam_forces_over_largest_force,
+    ).problem
+
+
+def actuation_effects_with_spring_nodes(
+    group: ShoeGroup, nodes: SpringNodes, friction: float, first: int | None = None
+) -> list[ForceEffects]:
+    """The effects of each actuation force, with spring nodes after the contact nodes of each shoe.
+
+    `first` is the number of the first spring node among the nodes of the group; by default the
+    spring nodes follow the contact nodes of the linings.
+    """
+    springs, numbers = group.spring_matrices_at_friction(friction), nodes.numbers
+    n = len(group.contact_node_areas)
+    first = n if first is None else first
+    effects = []
+    for k, own in enumerate(group.contact_effects_of_each_actuation_force(friction)):
+        places = np.append(np.arange(n)[own.nodes], first + np.arange(len(numbers)))
+        effects.append(
+            own._replace(
+                nodes=places,
+                gap_by_force=np.append(
+                    own.gap_by_force, nodes.signs * springs.approach_by_force[numbers, k]
+                ),
+                tip_travel_by_pressure=np.append(
+                    own.tip_travel_by_pressure,
+                    nodes.signs * springs.tip_travel_by_pull[k, numbers],
+                ),
+                foot_force_by_pressure=np.append(
+                    own.foot_force_by_pressure,
+                    nodes.signs * springs.foot_force_by_pull[k, numbers],
+                ),
+            )
+        )
+    return effects
+
+
+def contact_without_spring_nodes(contact: Contact, nodes: SpringNodes) -> Contact:
+    """The part of a solution with spring nodes that belongs to the contact nodes of the linings."""
+    n = len(contact.p) - len(nodes.numbers)
+    return replace(contact, p=contact.p[:n], w=contact.w[:n], active=contact.active[:n])
