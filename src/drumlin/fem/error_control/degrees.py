@@ -252,6 +252,21 @@ def mesh_levels_of_brake(brake: Brake, cache: Cache) -> MeshLevels:
     return FINE_MESH_LEVELS if vertices >= FINE_MESH else MESH_LEVELS
 
 
+def prepared_model_on_second_level_of_mesh_files(
+    brake: Brake, cache: Cache | None = None
+) -> PreparedModel:
+    """The prepared model of a brake with mesh files on the second of its levels of refinement.
+
+    Analyses use it for a brake that has no solution in sliding. The errors raised are those of
+    `prepared_model_of_mesh_files`; `cache` keeps condensed bodies of earlier solves.
+    """
+    cache = cache or Cache()
+    mesh_levels = mesh_levels_of_brake(brake, cache)
+    return prepared_model_of_mesh_files(
+        brake, mesh_levels.levels[1], degrees_below=mesh_levels.degrees_below, cache=cache
+    )
+
+
 def prepared_model_of_mesh_files(
     brake: Brake,
     level: Level,
