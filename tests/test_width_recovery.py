@@ -9,7 +9,7 @@ import pytest
 from conftest import partly
 from drumlin.base.lapack import dtrtrs
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.fields import nodal_displacements_of_shoe
+from drumlin.fem.preparation.displacements import nodal_displacements_of_shoe
 from drumlin.fem.analysis.solid_fields import (
     contact_face_of_solid_shoe,
     displacement_unknowns_of_solid_shoe,

@@ -7,6 +7,7 @@ straight element sides on curved outlines are bent to arcs, states the error of 
 Shoes without a mesh file and the drum's ring are divided into the hp elements of the same level.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -24,6 +25,7 @@ from drumlin.fem.error_control.adapt import (
     is_tolerance_met,
     response_with_estimated_errors,
 )
+from drumlin.fem.error_control.changed_shape import prepared_model_with_moved_nodes
 from drumlin.fem.error_control.estimate import (
     FACTORS,
     QUANTITIES,
@@ -186,29 +188,30 @@ def solve_brake_on_mesh_files(
     error: Errors | None = None
     stopped = ""
     mesh_levels = mesh_levels_of_brake(brake, cache)
+    straight = _has_mesh_straight_sides_on_curved_outline(brake, cache)
     prepare = partial(
         prepared_model_of_mesh_files,
         brake,
         degrees_below=mesh_levels.degrees_below,
+        keep_factors_at=CURVED_DEGREE if straight else None,
         cache=cache,
     )
     levels = solve_brake_on_finer_and_finer_mesh_levels(
         brake, respond, cache, mesh_levels.levels, prepare=prepare
     )
     try:
-        for scene, response in levels:
-            responses.append(response_with_power_laws_at_corners(brake, response))
-            solved_last = scene
+        for solved in levels:
+            responses.append(response_with_power_laws_at_corners(brake, solved.response))
+            solved_last = solved.scene
             if len(responses) == 1:
-                first = SolvedLevel(scene, response)
+                first = solved
                 continue
             if len(responses) == 2:
-                # Elements of degree 1 have straight sides, and those of the second level are taken.
-                second = SolvedLevel(scene, response)
-                curved = second if mesh_levels is FINE_MESH_LEVELS else first
-                smooth = partial(prepare, smooth=True)
-                shape = _errors_due_to_straight_element_sides(brake, respond, curved, smooth, cache)
-                shape = shape + _errors_due_to_rounded_mesh_coordinates(brake, cache)
+                shape: Floats | float = _errors_due_to_rounded_mesh_coordinates(brake, cache)
+                if straight:
+                    # Elements of degree 1 have straight sides, and the second level is taken.
+                    curved = solved if mesh_levels is FINE_MESH_LEVELS else first
+                    shape = shape + _errors_due_to_straight_element_sides(brake, respond, curved)
                 fitting = partial(prepare, fitting=True)
                 shape = shape + _errors_due_to_gaps_below_rounding(
                     brake, respond, first, fitting, cache
@@ -273,8 +276,8 @@ def prepared_model_of_mesh_files(
     points: PointsByShape | None = None,
     *,
     degrees_below: int = MESH_LEVELS.degrees_below,
-    smooth: bool = False,
     fitting: bool = False,
+    keep_factors_at: int | None = None,
     cache: Cache | None = None,
 ) -> PreparedModel:
     """The prepared model of a brake on a level, with the meshes of its files split.
@@ -285,9 +288,10 @@ def prepared_model_of_mesh_files(
     level : sizes of elements at singular points, and the degree of hp elements
     points : singular points of the pressure by the first shoe of each shape; None for no points
     degrees_below : how much the degree on the mesh of a file is below the degree of the level
-    smooth : whether straight sides of elements on curved lines become arcs
     fitting : whether contact nodes are put on the drum that lie off it by no more than the rounding
         of coordinates
+    keep_factors_at : degree of the elements on the mesh of a file at which the factors of their
+        eliminated unknowns are kept; None for no degree
     cache : keeps condensed bodies of earlier solves
 
     Raises
@@ -300,7 +304,13 @@ def prepared_model_of_mesh_files(
     of_shoes = tuple(tuple((points or {}).get(i, ())) for i in range(len(brake.shoes)))
     degree = level.degree - degrees_below
     own = replace(level, degree=degree)
-    raised = RaisedDegree(degree, smooth=smooth, fitting=fitting, level=own, points=of_shoes)
+    raised = RaisedDegree(
+        degree,
+        fitting=fitting,
+        level=own,
+        points=of_shoes,
+        keep_factors=degree == keep_factors_at,
+    )
     try:
         return make_prepared_model(brake, level, points, raised=raised, cache=cache)
     except NoAnswer as refusal:
@@ -352,36 +362,25 @@ def _would_finer_mesh_level_reduce_error(error: Errors, of_level: Errors, aim: T
 
 
 def _errors_due_to_straight_element_sides(
-    brake: Brake,
-    respond: ResponseFunction,
-    straight: SolvedLevel,
-    prepare_smooth: PrepareFunction,
-    cache: Cache,
-) -> Floats | float:
+    brake: Brake, respond: ResponseFunction, solved: SolvedLevel
+) -> Floats:
     """The relative errors (1 + 4 shoes,) that straight sides on curved outlines cause.
 
-    They are 0 if the sides already follow the curves.
-
-    Parameters
-    ----------
-    brake : the brake
-    respond : function that computes the response on a prepared model
-    straight : solved level with elements of degree 2 or higher
-    prepare_smooth : function that makes the prepared model of a level, in which straight sides on
-        curved lines become arcs
-    cache : cache of meshes that were read from files
+    `solved` is a solved level with elements of degree 2 or higher, and `respond` computes the
+    response on a prepared model.
     """
-    if not _has_mesh_straight_sides_on_curved_outline(brake, cache):
-        return 0.0
+    changed = prepared_model_with_moved_nodes(
+        solved.scene, brake, solved.response, node_displacements_onto_smooth_outline
+    )
     cause = "with sides that follow the curves"
-    return _errors_by_change_of_shape(brake, respond, straight, prepare_smooth, cause)
+    return _errors_by_change_of_shape(brake, respond, solved, lambda: changed, cause)
 
 
 def _errors_by_change_of_shape(
     brake: Brake,
     respond: ResponseFunction,
     solved: SolvedLevel,
-    prepare_changed: PrepareFunction,
+    prepare_changed: Callable[[], PreparedModel],
     cause: str,
 ) -> Floats:
     """The relative errors (1 + 4 shoes,) of a solved level, from its change with another shape.
@@ -391,14 +390,11 @@ def _errors_by_change_of_shape(
     brake : the brake
     respond : function that computes the response on a prepared model
     solved : the solved level
-    prepare_changed : function that makes the prepared model of a level with the other shape
+    prepare_changed : function that makes the prepared model with the other shape
     cause : words that name the other shape if it has no solution
     """
-    level = solved.scene.level
-    assert level is not None
     try:
-        scene = prepare_changed(level, solved.scene.points)
-        changed = respond(scene, brake, start=solved.response)
+        changed = respond(prepare_changed(), brake, start=solved.response)
     except NoAnswer as refusal:
         raise NoAnswer(f"{cause}: {refusal}") from refusal
     moved = relative_differences_of_responses_on_two_levels(brake, changed, solved.response)
@@ -449,7 +445,10 @@ def _errors_due_to_gaps_below_rounding(
         gaps = np.zeros(0) if read is None else np.abs(read.off[read.off != 0])
         if read is not None and (gaps <= read.contact.rounded_by).any():
             cause = "without gaps below the rounding of coordinates"
-            return _errors_by_change_of_shape(brake, respond, solved, prepare_fitting, cause)
+            level = solved.scene.level
+            assert level is not None
+            prepare = partial(prepare_fitting, level, solved.scene.points)
+            return _errors_by_change_of_shape(brake, respond, solved, prepare, cause)
     return 0.0
 
 

@@ -27,6 +27,7 @@ from drumlin.fem.substructure.elasticity import (
 from drumlin.fem.substructure.elimination import (
     SINGULAR_BODY,
     CondensedSystem,
+    KeptFactors,
     eliminate_inner_unknowns,
     elimination_order_by_nested_dissection,
     solve_by_multifrontal_elimination,
@@ -62,11 +63,14 @@ class InnerSystem(NamedTuple):
     A : (unknowns, unknowns) sparse stiffness
     constraints : the constraints that define the reduced unknowns
     loads : (unknowns, l) l unit loads, as forces on the reduced unknowns
+    factors : factors of the eliminated unknowns, which make further loads and displacements cheap;
+        None if they are not kept
     """
 
     A: Any
     constraints: Constraints
     loads: Floats
+    factors: KeptFactors | None = None
 
     @classmethod
     def body_system_from_stiffness_of_all_nodes(
@@ -82,6 +86,8 @@ class InnerSystem(NamedTuple):
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The stiffness and the unit loads of the body, condensed to contact nodes and frame."""
+        if self.factors is not None:
+            return self.factors.condense_loads(self.loads)
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
     def body_system_with_further_loads(self, forces: Floats) -> "InnerSystem":
@@ -100,6 +106,11 @@ class InnerSystem(NamedTuple):
         In each load case, forces `nodal` (2n, m) [N] act on the n contact nodes, the unit loads act
         with the factors `loads` (l, m), and the frame moves by `frame` (3, m).
         """
+        if self.factors is not None:
+            right = self.loads @ loads
+            right[len(right) - FRAME - len(nodal) : -FRAME] += nodal
+            free = self.factors.solve_with_given_last_unknowns(right, frame)
+            return np.asarray(self.constraints.matrix @ free)
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
         # The nodal forces act on the contact nodes, the last unknowns before the frame.
         right[len(right) - len(nodal) :] += nodal
@@ -546,7 +557,12 @@ def matrix_from_unknowns_to_displacements(
 
 
 def condense_body_to_contact_and_hinge_face(
-    K: Any, constraints: Constraints, loads: Mapping[str, Floats], contact: int
+    K: Any,
+    constraints: Constraints,
+    loads: Mapping[str, Floats],
+    contact: int,
+    *,
+    keep_factors: bool = False,
 ) -> CondensedBody:
     """The body reduced to its contact nodes and its frame by static condensation.
 
@@ -556,6 +572,7 @@ def condense_body_to_contact_and_hinge_face(
     constraints : the multi-point constraints that define the reduced unknowns
     loads : unit loads (unknowns, k) on the reduced unknowns, by name
     contact : number of displacements of the contact nodes, two for each node
+    keep_factors : whether the factors of the eliminated unknowns are kept
 
     Raises
     ------
@@ -565,6 +582,9 @@ def condense_body_to_contact_and_hinge_face(
     system = InnerSystem.body_system_from_stiffness_of_all_nodes(
         K, constraints, stack_nodal_loads_as_matrix_columns(loads, constraints.matrix.shape[1])
     )
+    if keep_factors:
+        factors = KeptFactors.kept_factors_of_sparse_matrix(system.A, constraints.region)
+        system = system._replace(factors=factors)
     S, condensed_loads, work = system.condense_loads_and_stiffness()
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
