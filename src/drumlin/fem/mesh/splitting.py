@@ -229,8 +229,7 @@ def nodal_basis_on_split_triangles(
     t = np.take_along_axis(parts.t, order, axis=1)
     at = np.take_along_axis(parts.at, order[:, :, None], axis=1)
     elem = NodalElement(degree, 3)
-    inside = _barycentric_coordinates_of_nodes(elem) @ at
-    places = shape.positions_of_points_in_elements(parts.parent, inside)
+    places = _positions_of_nodes_in_triangles(shape, parts.parent, at, elem)
     groups = {
         name: np.flatnonzero(np.isin(parts.parent, members))
         for name, members in shape.mesh.subdomains.items()
@@ -243,6 +242,29 @@ def nodal_basis_on_split_triangles(
     mesh = replace(mesh, _subdomains=groups, _boundaries=boundaries)
     basis = nodal_basis_with_given_node_positions(mesh, elem, places)
     return replace(basis, split=SplitElements(shape, parts.parent, at))
+
+
+def _positions_of_nodes_in_triangles(
+    shape: NodalBasis, parent: Ints, at: Floats, elem: NodalElement
+) -> Floats:
+    """The places (2, m, nodes) [m] of the nodes of triangles that are parts of elements.
+
+    Parameters
+    ----------
+    shape : basis on the elements, which gives their shape
+    parent : (m,) element that each triangle is a part of
+    at : (m, 3, 2) corners of each triangle in the reference triangle or square of its parent
+    elem : the triangle with its nodes
+    """
+    # Elements that were not split are whole triangles, all of which have their nodes at the same
+    # few places in the reference triangle. The shape functions are computed once for each triple of
+    # corners.
+    triples, which = np.unique(at.reshape(len(at), -1), axis=0, return_inverse=True)
+    inside = _barycentric_coordinates_of_nodes(elem) @ triples.reshape(-1, 3, 2)
+    shapes = shape.elem.shape_function_values(inside.reshape(-1, 2).T)
+    shapes = shapes.reshape(*inside.shape[:2], -1)
+    nodes = shape.doflocs[:, shape.element_dofs[:, parent].T]
+    return np.asarray((nodes[:, :, None] @ shapes[which.ravel()].transpose(0, 2, 1))[:, :, 0])
 
 
 def _barycentric_coordinates_of_nodes(elem: NodalElement) -> Floats:
@@ -262,10 +284,9 @@ def node_displacements_that_follow_split_elements(basis: NodalBasis, moves: Floa
     split: SplitElements = basis.split
     is_moved = moves.any(axis=0)[split.shape.element_dofs].any(axis=0)
     members = np.flatnonzero(is_moved[split.parent])
-    inside = _barycentric_coordinates_of_nodes(basis.elem) @ split.at[members]
     moved = replace(split.shape, doflocs=moves)
     found = np.zeros_like(basis.doflocs)
-    found[:, basis.element_dofs[:, members]] = moved.positions_of_points_in_elements(
-        split.parent[members], inside
+    found[:, basis.element_dofs[:, members]] = _positions_of_nodes_in_triangles(
+        moved, split.parent[members], split.at[members], basis.elem
     ).transpose(0, 2, 1)
     return found
