@@ -12,11 +12,10 @@ import numpy as np
 from drumlin.base.arrays import EqualByArrays, Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.base.files import temporary_file_replacing_output
-from drumlin.brake.brake import Brake, Shoe, ShoeFrame
+from drumlin.brake.brake import Brake, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.preparation.bodies import (
-    ShoeSubstructure,
     functions_of_free_thermal_strain_by_layer,
 )
 from drumlin.fem.preparation.displacements import (
@@ -37,7 +36,7 @@ from drumlin.fem.substructure.interface import (
     plane_normals_and_tangents,
 )
 from drumlin.response.balance import brake_with_forces_of_response
-from drumlin.response.response import Response, ShoeResponse
+from drumlin.response.response import Response
 
 if TYPE_CHECKING:
     import meshio

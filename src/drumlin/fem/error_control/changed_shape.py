@@ -90,7 +90,7 @@ def _nodal_forces_due_to_moved_nodes(
     load, motion = load_column_factors_and_frame_motion_in_response(body, brake, shoe, answer)
     u = nodal_displacements_of_shoe(body, brake, shoe, answer, p)
     # Only elements with moved nodes change their stiffness.
-    members = np.flatnonzero(moves.any(axis=0)[body.basis.element_dofs].any(axis=0))
+    members = np.flatnonzero((np.hypot(*moves) > 0)[body.basis.element_dofs].any(axis=0))
     before = body.basis.basis_of_some_elements(members)
     after = before.basis_with_moved_nodes(STEP * moves)
     layers = elastic_layers_of_shoe(shoe)

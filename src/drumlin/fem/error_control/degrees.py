@@ -95,10 +95,12 @@ On 45 meshes by Gmsh 0.018 would just suffice, together with 0.0003 for CANCELLE
 Either factor may be smaller if the other one is larger. A larger factor makes stated errors larger.
 The value is a judgement.
 """
-CANCELLED_FORCE_FACTOR = 0.002
+CANCELLED_FORCE_FACTOR = 0.004
 """The factor of the error estimate on a mesh file for forces whose errors cancel; see `Factors`.
 
-A larger factor makes stated errors larger. The value is a judgement.
+A larger factor makes stated errors larger. With 0.002 the stated errors of torques and reactions of
+1e-7 to 3e-6 are up to 1.8 times too small on two of 47 meshes by Gmsh and on meshes of third order
+of the example `web_shoe`. The value is a judgement: with 0.0036 no error is too small there.
 """
 DEGREE_FACTORS = Factors(
     pressure=0.45, force=FORCE_FACTOR, cancelled=CANCELLED_FORCE_FACTOR, peak=0.5

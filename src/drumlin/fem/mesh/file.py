@@ -196,9 +196,7 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     if set(content.cells) & set(LOWER):
         slack[:] = np.abs(CUBIC_MIDDLE).sum() * rounding.max(axis=0) * unit
     slack[: len(points)] = rounding * unit
-    check_cells_share_nodes_consistently(
-        plane.cells, plane.number_of_corners_per_cell, fault
-    )
+    check_cells_share_nodes_consistently(plane.cells, plane.number_of_corners_per_cell, fault)
     mesh, vertex = _mesh_of_cells_and_vertex_number_of_each_node(plane, plane.points)
     nodal, _ = _mesh_of_cells_and_vertex_number_of_each_node(plane, slack)
     mesh = _mesh_with_named_groups_of_file(content, shoe, plane, mesh, vertex, fault)

@@ -282,7 +282,7 @@ def node_displacements_that_follow_split_elements(basis: NodalBasis, moves: Floa
     moves : (2, M) moves [m] of the nodes of the basis `basis.split.shape` on these elements
     """
     split: SplitElements = basis.split
-    is_moved = moves.any(axis=0)[split.shape.element_dofs].any(axis=0)
+    is_moved = (np.hypot(*moves) > 0)[split.shape.element_dofs].any(axis=0)
     members = np.flatnonzero(is_moved[split.parent])
     moved = replace(split.shape, doflocs=moves)
     found = np.zeros_like(basis.doflocs)

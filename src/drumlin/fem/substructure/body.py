@@ -513,9 +513,7 @@ def _orthotropic_part_of_element_stiffness(
     return added.reshape(elements, a, d, a, d)
 
 
-def _shape_gradients_and_quadrature_areas(
-    basis: Any, *, precise: bool = False
-) -> tuple[Any, Any]:
+def _shape_gradients_and_quadrature_areas(basis: Any, *, precise: bool = False) -> tuple[Any, Any]:
     """Shape-function gradients (a, 2, elements, points) [1/m] and areas (elements, points) [m^2].
 
     With `precise` they are computed in long double.

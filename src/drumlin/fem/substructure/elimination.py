@@ -195,6 +195,11 @@ class KeptFactors(NamedTuple):
         S = _schur_complement_on_kept_unknowns(lower, len(region), complements)
         return cls(fronts, _symmetric_matrix_of_lower_triangle(S))
 
+    @property
+    def memory(self) -> int:
+        """The memory [bytes] of the factors."""
+        return self.S.nbytes + sum(front.L.nbytes + front.below.nbytes for front in self.fronts)
+
     def condense_loads(self, loads: Floats) -> CondensedSystem:
         """The Schur complement on the kept unknowns, and loads (n, l) condensed to them."""
         f, work = _condense_loads_by_fronts(self.fronts, loads)
