@@ -194,7 +194,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "STRAIGHT_TRIANGLE": "round-off; a smaller one takes longer for the same stiffness",
     },
     "fem/error_control/changed_shape.py": {
-        "STEP": "judgement; steps from 1e-5 to 1e-2 give the same changes to a percent",
+        "STEP": "judgement; steps from 1e-5 to 1e-2 give the same changes to four percent",
     },
     "fem/mesh/smooth_outline.py": {
         "LARGEST_SMOOTH_TURN": "judgement; larger ones make stated errors larger where corners are",
