@@ -204,7 +204,6 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "FORCE_FACTOR": "judgement; a larger one makes stated errors of forces larger",
         "CANCELLED_FORCE_FACTOR": "judgement; a larger one makes stated errors of forces larger",
         "MESH_LEVELS": "larger elements at singular points take a level more for the same errors",
-        "CURVED_DEGREE": DEFINITION,
         "FINE_MESH_LEVELS": "larger elements at singular points take a level more for the same errors",
         "FINE_MESH": "judgement; a smaller one takes a level more for the same errors on coarse meshes",
         "NEGLIGIBLE_SHARE": "judgement; a smaller one takes a level more for the same errors",

@@ -2,8 +2,9 @@
 
 From level to level the displacements on the mesh of a file have a higher degree, and its elements
 are split into smaller ones at singular points: corners of the shoe, ends of the lining and of the
-contact. The difference of two levels states the errors of the last one. Another solve, in which
-straight element sides on curved outlines are bent to arcs, states the error of the straight sides.
+contact. The difference of two levels states the errors of the last one. The change of the response
+with arcs in place of straight or parabolic element sides on curved outlines states the error of
+these sides.
 Shoes without a mesh file and the drum's ring are divided into the hp elements of the same level.
 """
 
@@ -98,9 +99,9 @@ The value is a judgement.
 CANCELLED_FORCE_FACTOR = 0.004
 """The factor of the error estimate on a mesh file for forces whose errors cancel; see `Factors`.
 
-A larger factor makes stated errors larger. With 0.002 the stated errors of torques and reactions of
-1e-7 to 3e-6 are up to 1.8 times too small on two of 47 meshes by Gmsh and on meshes of third order
-of the example `web_shoe`. The value is a judgement: with 0.0036 no error is too small there.
+A larger factor makes stated errors larger. With 0.002 a torque's error of 5e-7 was stated 1.3 times
+too small on one of 50 meshes by Gmsh. With 0.003 no error is too small on these meshes. The value
+is a judgement.
 """
 DEGREE_FACTORS = Factors(
     pressure=0.45, force=FORCE_FACTOR, cancelled=CANCELLED_FORCE_FACTOR, peak=0.5
@@ -148,10 +149,8 @@ this rest. With a smaller fraction some meshes with straight sides need one more
 two to three times as long, for errors that are smaller by less than this fraction. With a larger
 fraction the last level could leave a larger part of the errors. The value is a judgement.
 """
-CURVED_DEGREE = 2
-"""Lowest degree of elements whose sides can be arcs: a side has a node in its middle."""
 NEGLIGIBLE_MOVE = 1e-5
-"""Largest distance between a straight side and its arc, in lining thicknesses, that is neglected.
+"""Largest distance between a side and its arc, in lining thicknesses, that is neglected.
 
 On four meshes by Gmsh with third-order sides a tenth of the drum's radius long, all sides lay up to
 5e-6 of a lining's thickness off their arcs. Arcs changed p by 1e-6, the torque by 1e-7 and the
@@ -190,12 +189,14 @@ def solve_brake_on_mesh_files(
     error: Errors | None = None
     stopped = ""
     mesh_levels = mesh_levels_of_brake(brake, cache)
-    straight = _has_mesh_straight_sides_on_curved_outline(brake, cache)
+    # Elements of degree 1 have straight sides only, so that arcs are tried on the second level.
+    second_degree = mesh_levels.levels[1].degree - mesh_levels.degrees_below
+    has_chords = _has_mesh_sides_off_smooth_outline(brake, second_degree, cache)
     prepare = partial(
         prepared_model_of_mesh_files,
         brake,
         degrees_below=mesh_levels.degrees_below,
-        keep_factors_at=CURVED_DEGREE if straight else None,
+        keep_factors_at=second_degree if has_chords else None,
         cache=cache,
     )
     levels = solve_brake_on_finer_and_finer_mesh_levels(
@@ -210,10 +211,8 @@ def solve_brake_on_mesh_files(
                 continue
             if len(responses) == 2:
                 shape: Floats | float = _errors_due_to_rounded_mesh_coordinates(brake, cache)
-                if straight:
-                    # Elements of degree 1 have straight sides, and the second level is taken.
-                    curved = solved if mesh_levels is FINE_MESH_LEVELS else first
-                    shape = shape + _errors_due_to_straight_element_sides(brake, respond, curved)
+                if has_chords:
+                    shape = shape + _errors_due_to_sides_off_smooth_outline(brake, respond, solved)
                 fitting = partial(prepare, fitting=True)
                 shape = shape + _errors_due_to_gaps_below_rounding(
                     brake, respond, first, fitting, cache
@@ -363,10 +362,10 @@ def _would_finer_mesh_level_reduce_error(error: Errors, of_level: Errors, aim: T
     )
 
 
-def _errors_due_to_straight_element_sides(
+def _errors_due_to_sides_off_smooth_outline(
     brake: Brake, respond: ResponseFunction, solved: SolvedLevel
 ) -> Floats:
-    """The relative errors (1 + 4 shoes,) that straight sides on curved outlines cause.
+    """The relative errors (1 + 4 shoes,) by straight sides or parabolas in place of arcs.
 
     `solved` is a solved level with elements of degree 2 or higher, and `respond` computes the
     response on a prepared model.
@@ -454,12 +453,16 @@ def _errors_due_to_gaps_below_rounding(
     return 0.0
 
 
-def _has_mesh_straight_sides_on_curved_outline(brake: Brake, cache: Cache) -> bool:
-    """Whether the mesh of a file has straight sides that lie noticeably off its smooth outline."""
+def _has_mesh_sides_off_smooth_outline(brake: Brake, degree: int, cache: Cache) -> bool:
+    """Whether the mesh of a file has sides that lie noticeably off its smooth outline.
+
+    They are straight sides or, at a `degree` of the elements from 3 on, parabolas of strong
+    curvature.
+    """
     for shoe in brake.shoes:
         read = read_mesh_file_of_shoe(brake, shoe, cache)
         if read is not None:
-            basis = nodal_basis_of_shoe_mesh(read.mesh, CURVED_DEGREE, shoe, brake.size)
+            basis = nodal_basis_of_shoe_mesh(read.mesh, degree, shoe, brake.size)
             largest = abs(node_displacements_onto_smooth_outline(basis)).max()
             if largest > NEGLIGIBLE_MOVE * shoe.lining.thickness:
                 return True
