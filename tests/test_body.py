@@ -13,7 +13,7 @@ from drumlin import NoAnswer, vary
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
-from drumlin.fem.mesh.degree import nodal_basis_of_mesh
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh, nodal_basis_of_shoe_mesh
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import (
     FRAME,
@@ -23,6 +23,7 @@ from drumlin.fem.substructure.body import (
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.elimination import (
+    KeptFactors,
     eliminate_inner_unknowns,
     elimination_order_by_nested_dissection,
 )
@@ -157,6 +158,33 @@ def test_elimination_equals_the_dense_schur_complement():
             loads[inner:] - ki @ inverse @ loads[:inner], rel=1e-9, abs=1e-10
         )
         assert found.work == pytest.approx(loads[:inner].T @ inverse @ loads[:inner], rel=1e-9)
+        # Kept factors condense further loads, and solve with given last unknowns.
+        factors = KeptFactors.kept_factors_of_sparse_matrix(A, region)
+        again = factors.condense_loads(loads)
+        np.testing.assert_array_equal(again.S, found.S)
+        np.testing.assert_array_equal(again.loads, found.loads)
+        np.testing.assert_array_equal(again.work, found.work)
+        given = rng.normal(size=(2, 2))
+        x = factors.solve_with_given_last_unknowns(loads, given)
+        np.testing.assert_array_equal(x[-2:], given)
+        np.testing.assert_allclose((dense @ x)[:-2], loads[:-2], rtol=1e-8, atol=1e-8)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_straight_triangles_have_the_stiffness_of_quadrature(brake, degree, monkeypatch):
+    """Among the triangles are straight ones and, at the drum, curved ones."""
+    shoe = brake.shoes[0]
+    mesh = parametric_mesh_of_shoe(shoe, brake.size, 8, "tri1")
+    basis = nodal_basis_of_shoe_mesh(mesh, degree, shoe, brake.size)
+    straight = len(basis.numbers_of_straight_triangles())
+    assert 0 < straight < mesh.nelements or degree == 1
+    layers = elastic_layers_of_shoe(shoe)
+    found = sparse_stiffness_of_body(basis, layers).toarray()
+    monkeypatch.setattr(
+        type(basis), "numbers_of_straight_triangles", lambda _: np.zeros(0, dtype=np.int64)
+    )
+    known = sparse_stiffness_of_body(basis, layers).toarray()
+    assert np.abs(found - known).max() < 1e-12 * np.abs(known).max()
 
 
 def test_a_singular_inside_is_refused():

@@ -295,7 +295,7 @@ def body_and_parts(brake, index=0, level=LEVELS[1]):
 
 def factorised_at_once(shoe, body):
     """The shoe condensed by one sparse factorisation, after a check of its contact stiffness."""
-    _, ties, loads = body.condensed.assemble_equations_of_whole_body()
+    _, ties, loads, _ = body.condensed.assemble_equations_of_whole_body()
     other = condense_body_to_contact_and_hinge_face(
         body.basis.stiffness(elastic_layers_of_shoe(shoe)),
         ties,

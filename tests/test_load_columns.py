@@ -156,7 +156,7 @@ def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
     shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[0]).bodies[0]
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     assert warm.columns.sizes == ((ACTUATION, 3), (HEAT, 1))
-    _, constraints, loads = warm.assemble_equations_of_whole_body()
+    _, constraints, loads, _ = warm.assemble_equations_of_whole_body()
     named = {ACTUATION: loads[:, :3], HEAT: loads[:, 3:]}
     K = body.basis.stiffness(elastic_layers_of_shoe(shoe))
     other = condense_body_to_contact_and_hinge_face(K, constraints, named, 2 * len(body.line.nodes))

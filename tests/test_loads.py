@@ -63,7 +63,7 @@ def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, 
     assert body.load_matrix_columns_by_load_name == TWO
     assert body.closure_by_load.shape == (len(body.line.nodes), 4)
     assert body.load_motion_by_load.shape == (4, 4)
-    _, ties, loads = body.condensed.assemble_equations_of_whole_body()
+    _, ties, loads, _ = body.condensed.assemble_equations_of_whole_body()
     named = {ACTUATION: loads[:, :3], FURTHER: loads[:, 3:]}
     other = condense_body_to_contact_and_hinge_face(
         body.basis.stiffness(elastic_layers_of_shoe(shoe)), ties, named, 2 * len(body.line.nodes)

@@ -13,6 +13,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.texts import error_text_in_percent
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.error_control import degrees
+from drumlin.fem.error_control.changed_shape import prepared_model_with_moved_nodes
 from drumlin.fem.error_control.estimate import (
     QUANTITIES,
     Errors,
@@ -20,9 +21,11 @@ from drumlin.fem.error_control.estimate import (
 )
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
+from drumlin.fem.mesh.content_of_file import FileContent
 from drumlin.fem.mesh.degree import NodalElement, nodal_basis_of_mesh, nodal_basis_of_shoe_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes, write_shoe_mesh_to_file
+from drumlin.fem.mesh.plane_cells import convert_plane_cells_to_one_kind
 from drumlin.fem.mesh.smooth_outline import (
     node_displacements_onto_smooth_outline,
     singular_corners_of_mesh,
@@ -37,7 +40,7 @@ from drumlin.fem.preparation import meshes
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.meshes import RaisedDegree
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.solve import solve
+from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.peers import PEERS
 from drumlin.report.comparison import draw_stress_fields
 from drumlin.response.resultants import gauss_lobatto_points
@@ -172,6 +175,63 @@ def test_straight_sides_on_arcs_become_arcs_and_corners_stay(shoe, brake):
     ends = nodes_along_element_edges(basis, mesh.boundaries["hinge"])
     assert np.abs(moves[:, ends]).max() < 1e-12
     assert np.abs(moves[:, nodes_along_element_edges(basis, mesh.boundaries["contact"])]).max() == 0
+
+
+def test_nodes_of_split_elements_follow_the_arcs_of_the_outline(shoe, brake):
+    mesh = parametric_mesh_of_shoe(shoe, brake.size, ELEMENTS, "tri1")
+    shape = nodal_basis_of_shoe_mesh(mesh, 5, shoe, brake.size)
+    corners = mesh.p[:, singular_corners_of_mesh(mesh)]
+    finest = FinestSides(corners, np.full(corners.shape[1], 1e-3))
+    parts = split_mesh_into_triangles_towards_points(shape, finest, 10_000)
+    split = nodal_basis_on_split_triangles(shape, parts, 2)
+    moved = split.basis_with_moved_nodes(node_displacements_onto_smooth_outline(split))
+    back = brake.size - shoe.sign * shoe.depth
+    nodes = nodes_along_element_edges(split, split.mesh.boundary_facets())
+    # Sides on the back of the body lie near its circle, and no side along a radius is among them.
+    distance = np.hypot(*split.doflocs[:, nodes])
+    length = np.hypot(*(split.doflocs[:, nodes[-1]] - split.doflocs[:, nodes[0]]))
+    near = (np.abs(distance - back) < 1e-3).all(axis=0) & (np.ptp(distance, axis=0) < length / 3)
+    before, after = (
+        np.abs(np.hypot(*each.doflocs[:, nodes[:, near]]) - back).max() for each in (split, moved)
+    )
+    assert before > 1e-4
+    assert after < 1e-8
+
+
+def test_the_load_of_moved_nodes_changes_a_response_as_moved_nodes_do(own, monkeypatch):
+    """The change by arcs in place of straight sides is that of a body on the moved mesh."""
+    filed = own("tri1", 40)
+    scene = make_prepared_model(filed, LEVELS[0], raised=RaisedDegree(2, keep_factors=True))
+    before = solve_prepared_model(scene, filed)
+    found, again = (
+        solve_prepared_model(
+            prepared_model_with_moved_nodes(
+                each, filed, before, node_displacements_onto_smooth_outline
+            ),
+            filed,
+        )
+        for each in (scene, make_prepared_model(filed, LEVELS[0], raised=RaisedDegree(2)))
+    )
+
+    def basis_with_arcs(*given):
+        basis = nodal_basis_of_shoe_mesh(*given)
+        return basis.basis_with_moved_nodes(node_displacements_onto_smooth_outline(basis))
+
+    monkeypatch.setattr(meshes, "nodal_basis_of_shoe_mesh", basis_with_arcs)
+    known = solve_prepared_model(
+        make_prepared_model(filed, LEVELS[0], raised=RaisedDegree(2)), filed
+    )
+    for read in (
+        lambda response: response.torque,
+        lambda response: response.shoes[0].pressure,
+        lambda response: response.shoes[0].hinge_reaction,
+        lambda response: response.shoes[0].turn,
+    ):
+        step = np.abs(read(known) - read(before)).max()
+        assert step > 1e-6 * np.abs(read(before)).max()
+        assert np.abs(read(found) - read(known)).max() < 0.05 * step
+        # Factors that are not kept are computed anew.
+        assert np.abs(read(again) - read(found)).max() < 1e-5 * step
 
 
 @pytest.mark.parametrize("kind", partly(MESH_KINDS, {"tri1"}))
@@ -548,6 +608,54 @@ def test_a_fine_mesh_begins_at_degree_one(own, monkeypatch):
     found = solve(own("quad2"), tolerance=0.3)
     assert found.shoes[0].order == 2
     assert 0 < found.error["pressure"] < 0.3
+
+
+@pytest.mark.parametrize(("fine_from", "degree"), [(1, 2), (10**9, 3)])
+def test_a_brake_without_a_solution_has_the_second_level_of_its_mesh(
+    own, monkeypatch, fine_from, degree
+):
+    monkeypatch.setattr(degrees, "FINE_MESH", fine_from)
+    locked = vary(own("quad2"), {"friction": 5.0, "rotation": "clockwise"})
+    with pytest.raises(NoAnswer):
+        solve(locked)
+    (body,) = prepared_model_with_finest_elements(locked).bodies
+    assert body.basis.elem.degree == degree
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_quadrilateral_with_a_corner_of_180_degrees_is_cut_from_there(sense):
+    """Gmsh joins two triangles at a circle to a quadrilateral with three corners on it."""
+    along = np.radians([0.0, 2.0, 4.0, 6.0, 8.0])
+    circle = np.column_stack([np.cos(along), np.sin(along)])
+    inner = 0.95 * circle[2]
+    points = np.vstack([circle, inner, (inner + circle[4]) / 2, (inner + circle[0]) / 2])
+    # The corners are 0, 2, 4 on the circle and 5 inside it; the last node is the cell's centre.
+    points = np.vstack([points, 0.98 * circle[2]])
+    cell = np.array([[0, 2, 4, 5, 1, 3, 6, 7, 8]])
+    if sense < 0:
+        cell = cell[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]
+    found = convert_plane_cells_to_one_kind(
+        FileContent(points, {"quad9": cell}), points, "file", on_drum=True
+    )
+    assert found.cell == "triangle6"
+    assert len(found.cells) == 2
+    mesh = skfem.MeshTri2(found.points[np.unique(found.cells)].T, renumbered(found.cells).T)
+    determinants = mesh.mapping().detDF(NodalElement(2, 3).doflocs.T)
+    assert (np.abs(determinants) > 0.1 * np.abs(determinants).mean()).all()
+    assert (np.ptp(np.sign(determinants), axis=1) == 0).all()
+    assert "1 with a corner of 180 degrees" in found.notes[0]
+    # A corner that bends inwards by more than rounding does is no reason to cut.
+    dented = points.copy()
+    dented[2] *= 0.99
+    kept = convert_plane_cells_to_one_kind(
+        FileContent(dented, {"quad9": cell}), dented, "file", on_drum=True
+    )
+    assert kept.cell == "quad9"
+
+
+def renumbered(cells):
+    """The cells with their nodes numbered without gaps."""
+    return np.unique(cells, return_inverse=True)[1].reshape(cells.shape)
 
 
 def test_levels_end_when_no_level_reduces_the_error_that_misses_its_tolerance():

@@ -9,7 +9,6 @@ import pytest
 from conftest import partly
 from drumlin.base.lapack import dtrtrs
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.fields import nodal_displacements_of_shoe
 from drumlin.fem.analysis.solid_fields import (
     contact_face_of_solid_shoe,
     displacement_unknowns_of_solid_shoe,
@@ -18,6 +17,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.division import divide_shoe_into_hp_elements
 from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.displacements import nodal_displacements_of_shoe
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.width.columns import (

@@ -2,8 +2,10 @@
 
     make mesh_cost             a mesh of some 10 000 nodes
     make mesh_cost ARGS=4.4    elements of 4.4 mm, some 2 500 nodes
+    make mesh_cost ARGS="1.12 1"   linear elements of 1.12 mm, some 10 000 nodes
 
-Gmsh meshes a shoe of the main example with quadratic triangles of one size. drumlin solves the file
+Gmsh meshes a shoe of the main example with triangles of one size. They are quadratic with curved
+sides, or linear if the second argument is 1. drumlin solves the file
 in two ways: to a tolerance of 0.5 % with stated errors, and with elements of the file's own degree.
 GetFEM and CalculiX solve the elements of the same file. The true errors are differences from a
 solution of the same shoe in hp elements, without the file. The command prints a row for each solve.
@@ -59,15 +61,17 @@ class CostOfSolve(NamedTuple):
     stated: float | None = None
 
 
-def write_mesh_and_return_brakes_of_main_example(path: Path, size: float) -> tuple[Brake, Brake]:
+def write_mesh_and_return_brakes_of_main_example(
+    path: Path, size: float, order: int = 2
+) -> tuple[Brake, Brake]:
     """Mesh the first shoe of the main example, and write the mesh file at `path`.
 
     Returns the brake with only this shoe, and the same brake with the mesh file as its shoe. `size`
-    is the size of the elements [m].
+    is the size of the elements [m], and `order` their order.
     """
     shoes = example("double_shoe").shoes
     brake = vary(example("double_shoe"), {"shoe": [shoes[0].model_dump()]})
-    form = MeshForm(2, straight=False, recombined=False)
+    form = MeshForm(order, straight=order == 1, recombined=False)
     write_gmsh_mesh_of_shoe(brake, form, size, path)
     return brake, vary(brake, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"})
 
@@ -107,11 +111,16 @@ def costs_of_solves_on_mesh_file(brake: Brake, filed: Brake) -> Iterator[CostOfS
 
 
 def main(words: Sequence[str]) -> int:
-    """Print the table of costs; the first of the `words` is the size of the elements [mm]."""
+    """Print the table of costs.
+
+    The first of the `words` is the size of the elements [mm], and the second their order. Both are
+    optional.
+    """
     size = float(words[0]) if words else SIZE
+    order = int(words[1]) if len(words) > 1 else 2
     with tempfile.TemporaryDirectory() as folder:
         brake, filed = write_mesh_and_return_brakes_of_main_example(
-            Path(folder) / "shoe.msh", 1e-3 * size
+            Path(folder) / "shoe.msh", 1e-3 * size, order
         )
         print("way                     seconds  error of p  stated  error of the torque")  # noqa: T201
         for row in costs_of_solves_on_mesh_file(brake, filed):

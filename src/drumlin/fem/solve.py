@@ -26,8 +26,7 @@ from drumlin.fem.error_control.adapt import (
     solve_brake_to_tolerance,
 )
 from drumlin.fem.error_control.degrees import (
-    MESH_LEVELS,
-    prepared_model_of_mesh_files,
+    prepared_model_on_second_level_of_mesh_files,
     solve_brake_on_mesh_files,
 )
 from drumlin.fem.error_control.first_level import (
@@ -286,9 +285,7 @@ def finest_model_with_stated_errors(
         try:
             solved = solve_brake_on_mesh_files(brake, solve_prepared_model, None, cache)
         except NoAnswer:
-            return FinestModel(
-                prepared_model_of_mesh_files(brake, MESH_LEVELS.levels[1], cache=cache)
-            )
+            return FinestModel(prepared_model_on_second_level_of_mesh_files(brake, cache))
         return FinestModel(solved.scene, solved.response.error)
     if not _is_brake_solved_on_hp_element_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements

@@ -12,9 +12,9 @@ from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
 from drumlin.fem.analysis.fields import (
     friction_stress_over_friction_coefficient_of_each_lining,
-    nodal_contact_pressures_of_each_lining,
     stress_and_displacement_fields_of_shoe,
 )
+from drumlin.fem.preparation.displacements import nodal_contact_pressures_of_each_lining
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 

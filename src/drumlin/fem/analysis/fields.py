@@ -12,14 +12,16 @@ import numpy as np
 from drumlin.base.arrays import EqualByArrays, Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.base.files import temporary_file_replacing_output
-from drumlin.brake.brake import Brake, Shoe, ShoeFrame
+from drumlin.brake.brake import Brake, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.preparation.bodies import (
-    ShoeSubstructure,
     functions_of_free_thermal_strain_by_layer,
-    load_column_factors_of_one_sided_support_push,
-    load_column_factors_under_all_loads,
+)
+from drumlin.fem.preparation.displacements import (
+    friction_stress_over_friction_coefficient_of_lining,
+    nodal_contact_pressures_of_each_lining,
+    nodal_displacements_of_shoe,
 )
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.elasticity import (
@@ -34,7 +36,7 @@ from drumlin.fem.substructure.interface import (
     plane_normals_and_tangents,
 )
 from drumlin.response.balance import brake_with_forces_of_response
-from drumlin.response.response import Response, ShoeResponse
+from drumlin.response.response import Response
 
 if TYPE_CHECKING:
     import meshio
@@ -218,15 +220,6 @@ def stress_and_displacement_fields_of_ring(
     )
 
 
-def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> list[Floats]:
-    """The pressures (n_i,) [Pa] at the lining nodes of each shoe.
-
-    The nodes are in the order of their angle in the shoe's own frame.
-    """
-    pairs = zip(brake.shoes, response.shoes, strict=True)
-    return [answer.nodal_pressures_on_linings[:: shoe.frame.sense] for shoe, answer in pairs]
-
-
 def friction_stress_over_friction_coefficient_of_each_lining(
     brake: Brake, response: Response
 ) -> list[Floats]:
@@ -238,21 +231,8 @@ def friction_stress_over_friction_coefficient_of_each_lining(
     pressures = nodal_contact_pressures_of_each_lining(brake, response)
     found = []
     for shoe, answer, p in zip(brake.shoes, response.shoes, pressures, strict=True):
-        found.append(_friction_stress_over_friction_coefficient_of_lining(brake, shoe, answer, p))
+        found.append(friction_stress_over_friction_coefficient_of_lining(brake, shoe, answer, p))
     return found
-
-
-def _friction_stress_over_friction_coefficient_of_lining(
-    brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
-) -> Floats:
-    """The friction stress (n,) [Pa] on one lining divided by the shoe's friction coefficient.
-
-    It equals the pressures p (n,), unless friction depends on the pressure.
-    """
-    if answer.friction_stress is None:
-        return p
-    stress = answer.nodal_values_on_linings(answer.friction_stress)[:: shoe.frame.sense]
-    return np.asarray(stress / brake.friction_coefficient_of_shoe_at_zero_pressure(shoe))
 
 
 def stress_and_displacement_fields_of_shoes_and_ring(
@@ -266,38 +246,6 @@ def stress_and_displacement_fields_of_shoes_and_ring(
     if scene.ring is not None:
         every.append(stress_and_displacement_fields_of_ring(scene, brake, response))
     return every
-
-
-def nodal_displacements_of_shoe(
-    body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
-) -> Floats:
-    """The displacements (d nodes,) [m] of all nodes of a shoe in d dimensions, in its own frame.
-
-    Parameters
-    ----------
-    body : the substructure of the shoe
-    brake : the brake
-    shoe : the shoe, with the actuation force of the response
-    answer : the response of the shoe
-    p : pressures (n,) [Pa] on the lining of the shoe, in the order of their angle in the shoe's own
-        frame
-    """
-    load = load_column_factors_under_all_loads(body, shoe, shoe.actuation.force)
-    for support in answer.supports:
-        load = load + load_column_factors_of_one_sided_support_push(
-            body, shoe, support.push, brake.size
-        )
-    # The pressures and friction stresses give the nodal forces (2n,) [N] on the contact nodes.
-    dragging = _friction_stress_over_friction_coefficient_of_lining(brake, shoe, answer, p)
-    nodal = (
-        brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
-        * (body.coupling.T.T @ dragging)
-        - body.coupling.N.T @ p
-    )
-    motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))
-    return body.condensed.nodal_displacements_in_load_cases(
-        nodal[:, None], motion[:, None], load[:, None]
-    )[:, 0]
 
 
 def _stress_and_displacement_fields_in_brake_frame(

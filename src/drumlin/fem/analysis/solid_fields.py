@@ -12,8 +12,9 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
-from drumlin.fem.analysis.fields import nodal_displacements_of_shoe, nodal_means_of_element_tensors
+from drumlin.fem.analysis.fields import nodal_means_of_element_tensors
 from drumlin.fem.preparation.bodies import ShoeSubstructure
+from drumlin.fem.preparation.displacements import nodal_displacements_of_shoe
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.width.face import WidthFace
 from drumlin.fem.width.functions import WidthFunctions

@@ -8,7 +8,8 @@ lining's face follow the drum: each of their nodes has the distance off the drum
 the mesh have there.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -28,6 +29,12 @@ TRIANGLE_SIDES = ((0, 1), (1, 2), (0, 2))
 """The corners at the ends of each side of the reference triangle, in scikit-fem's order."""
 SQUARE_SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
 """The corners at the ends of each side of the reference square, in scikit-fem's order."""
+STRAIGHT_TRIANGLE = 1e-12
+"""Distance of a triangle's nodes from their places in a straight triangle that is neglected.
+
+The distance is relative to the triangle's size. It is some hundred times the round-off of the nodes
+of usual triangles. Straight triangles take less time to integrate.
+"""
 
 
 class _Slopes(NamedTuple):
@@ -155,6 +162,8 @@ class NodalBasis:
     nodal_dofs : (1, vertices) nodes at the corners
     facet_dofs : (degree - 1, facets) nodes inside each side, from its corner of smaller number on
     X, W : (2, points), (points,) points and weights of the quadrature in the reference element
+    split : the elements of a mesh that the elements are parts of, see `splitting.SplitElements`;
+        None for the elements of the mesh itself
     """
 
     mesh: Any
@@ -165,6 +174,7 @@ class NodalBasis:
     facet_dofs: Ints
     X: Floats
     W: Floats
+    split: Any = None
 
     @property
     def N(self) -> int:
@@ -195,6 +205,18 @@ class NodalBasis:
         inverse = np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]]) / determinant
         return np.einsum("adq,dcjq->acjq", local, inverse, optimize=True), determinant
 
+    def numbers_of_straight_triangles(self) -> Ints:
+        """The numbers (m,) of the triangles whose map from the reference triangle is linear."""
+        if self.elem.corners != 3:
+            return np.zeros(0, dtype=np.int64)
+        first, *others = self.doflocs[:, self.element_dofs].transpose(1, 0, 2)
+        second, third = others[0] - first, others[1] - first
+        size = np.maximum(np.abs(second), np.abs(third)).max(axis=0)
+        off = np.zeros(size.shape)
+        for node, (x, y) in zip(others[2:], self.elem.doflocs[3:], strict=True):
+            off = np.maximum(off, np.abs(node - first - x * second - y * third).max(axis=0))
+        return np.flatnonzero(off <= STRAIGHT_TRIANGLE * size)
+
     @cached_property
     def _shape_function_gradients_and_areas(self) -> tuple[Floats, Floats]:
         """The gradients (nodes, 2, elements, points) [1/m], and areas (elements, points) [m^2]."""
@@ -224,16 +246,32 @@ class NodalBasis:
 
     def basis_with_moved_nodes(self, moves: Floats) -> "NodalBasis":
         """A copy of the basis with its nodes moved by `moves` (2, N) [m]."""
-        return NodalBasis(
-            self.mesh,
-            self.elem,
-            self.doflocs + moves,
-            self.element_dofs,
-            self.nodal_dofs,
-            self.facet_dofs,
-            self.X,
-            self.W,
-        )
+        return replace(self, doflocs=self.doflocs + moves)
+
+    def basis_of_some_elements(self, elements: Ints) -> "NodalBasis":
+        """The basis with only some of the elements; the nodes keep their numbers.
+
+        `elements` (m,) are the numbers of these elements. The mesh of the basis has only the
+        attributes that `substructure.body.sparse_stiffness_of_body` uses.
+        """
+        position = np.full(self.element_dofs.shape[1], -1)
+        position[elements] = np.arange(len(elements))
+        subdomains = {}
+        for name, members in self.mesh.subdomains.items():
+            found = position[members]
+            subdomains[name] = found[found >= 0]
+        mesh = ElementsOfGroups(len(elements), subdomains)
+        return replace(self, mesh=mesh, element_dofs=self.element_dofs[:, elements], split=None)
+
+
+class ElementsOfGroups(NamedTuple):
+    """Some elements of a mesh by their groups, with the attribute names of scikit-fem's meshes.
+
+    `nelements` is the number of elements, and `subdomains` has the elements of each group.
+    """
+
+    nelements: int
+    subdomains: Mapping[str, Ints]
 
 
 def number_of_nodes_at_degree(mesh: Any, degree: int) -> int:

@@ -196,10 +196,9 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     if set(content.cells) & set(LOWER):
         slack[:] = np.abs(CUBIC_MIDDLE).sum() * rounding.max(axis=0) * unit
     slack[: len(points)] = rounding * unit
-    mesh, vertex = _mesh_of_cells_and_vertex_number_of_each_node(
-        plane.cell, plane.cells, plane.points, fault
-    )
-    nodal, _ = _mesh_of_cells_and_vertex_number_of_each_node(plane.cell, plane.cells, slack, fault)
+    check_cells_share_nodes_consistently(plane.cells, plane.number_of_corners_per_cell, fault)
+    mesh, vertex = _mesh_of_cells_and_vertex_number_of_each_node(plane, plane.points)
+    nodal, _ = _mesh_of_cells_and_vertex_number_of_each_node(plane, slack)
     mesh = _mesh_with_named_groups_of_file(content, shoe, plane, mesh, vertex, fault)
     mesh = check_mesh_and_drop_unneeded_groups(
         mesh, shoe, radius, fault, content.names_of_all_groups
@@ -351,30 +350,26 @@ def _xy_coordinates_of_plane_mesh(content: FileContent, fault: str) -> Floats:
 
 
 def _mesh_of_cells_and_vertex_number_of_each_node(
-    cell: str, cells: Ints, points: Floats, fault: str
+    plane: PlaneCells, values: Floats
 ) -> tuple[Any, Ints]:
     """scikit-fem's mesh of the cells in a file, and the vertex number of each node of the file.
 
     Parameters
     ----------
-    cell : meshio's name of the type of the cells
-    cells : (m, k) nodes of each cell
-    points : (n, 2) coordinates of the nodes
-    fault : beginning of each message
+    plane : the cells, converted to one kind
+    values : (n, 2) coordinates of the nodes, or other values that the mesh gets in their place
 
     Returns
     -------
     the mesh, and for each node (n,) the number of its vertex in the mesh; -1 for a node that is no
     corner of a cell
     """
-    kind = next(kind for kind in MESH_KINDS.values() if kind.cell == cell)
-    used, numbered = np.unique(cells, return_inverse=True)
-    numbered = numbered.reshape(cells.shape)
-    corners = 3 if cell.startswith("triangle") else 4
-    check_cells_share_nodes_consistently(numbered, corners, fault)
-    mesh = kind.mesh(np.ascontiguousarray(points[used].T), np.ascontiguousarray(numbered.T))
-    vertex = np.full(len(points), -1)
-    vertices = np.unique(cells[:, :corners])
+    kind = next(kind for kind in MESH_KINDS.values() if kind.cell == plane.cell)
+    used, numbered = np.unique(plane.cells, return_inverse=True)
+    numbered = numbered.reshape(plane.cells.shape)
+    mesh = kind.mesh(np.ascontiguousarray(values[used].T), np.ascontiguousarray(numbered.T))
+    vertex = np.full(len(values), -1)
+    vertices = np.unique(plane.cells[:, : plane.number_of_corners_per_cell])
     vertex[vertices] = np.arange(len(vertices))
     return mesh, vertex
 

@@ -2,7 +2,8 @@
 
 Cells of third order become cells of second order on the same curves. If a mesh has quadrilaterals
 and triangles, all become quadratic triangles: each quadrilateral is cut into two, and linear cells
-get middle nodes on their straight edges.
+get middle nodes on their straight edges. So do all cells of a mesh in which a quadrilateral has a
+corner of 180 degrees. Such a quadrilateral has no area in that corner, and is cut from there.
 """
 
 from collections.abc import Mapping
@@ -39,6 +40,14 @@ ALONG_CIRCLE = 0.1
 The change is relative to the edge's chord. The middle of a third-order edge up to this limit is put
 on the circle. On all other edges it is the middle of the cubic curve. The value is a judgement:
 edges on circles about the centre are far below it, and radial edges have 1.
+"""
+FLAT_CORNER = np.radians(1.0)
+"""Largest difference of a quadrilateral's corner from 180 degrees at which the corner is flat.
+
+Gmsh joins two triangles at a smooth outline to such a quadrilateral, two sides of which are parts
+of one curve. Rounded coordinates change the angle: by 0.06 degrees on three meshes by Gmsh with
+coordinates in 0.001 mm. Corners that bend inwards by more are faults, and the mesh is refused. The
+value is a judgement.
 """
 
 
@@ -117,11 +126,15 @@ def convert_plane_cells_to_one_kind(
             kinds, points, on_drum
         )
         notes.append("its elements of third order are solved as elements of second order")
-    if len(kinds) > 1:
+    flat = {name: _flat_corner_of_each_cell(cells, points, name) for name, cells in kinds.items()}
+    flat_cells = sum(np.count_nonzero(corner >= 0) for corner in flat.values())
+    if len(kinds) > 1 or flat_cells:
         counts = ", ".join(f"{len(cells)} {name}" for name, cells in kinds.items())
-        found = _convert_cells_to_quadratic_triangles(kinds, points, own)
+        word = "mixed cells" if len(kinds) > 1 else "cells"
+        reason = f", {flat_cells} with a corner of 180 degrees" if flat_cells else ""
+        found = _convert_cells_to_quadratic_triangles(kinds, points, flat, own)
         notes.append(
-            f"its mixed cells ({counts}) are solved as {len(found.cells)} quadratic triangles"
+            f"its {word} ({counts}{reason}) are solved as {len(found.cells)} quadratic triangles"
         )
         return replace(found, notes=tuple(notes))
     # All cells are of one type. Eight-node quadrilaterals get a node in their centre.
@@ -238,7 +251,7 @@ class _GrowingNodes:
 
 
 def _convert_cells_to_quadratic_triangles(
-    kinds: dict[str, Ints], points: Floats, own: int
+    kinds: dict[str, Ints], points: Floats, flat: Mapping[str, Ints], own: int
 ) -> PlaneCells:
     """All cells of a mesh file as quadratic triangles.
 
@@ -246,6 +259,7 @@ def _convert_cells_to_quadratic_triangles(
     ----------
     kinds : cells (m, k) of each type, of first or second order
     points : (n, 2) coordinates of the nodes
+    flat : for each type the position (m,) of the corner of 180 degrees in each cell; -1 without one
     own : number of nodes that the file has; later ones were added
     """
     nodes = _GrowingNodes(points, _middle_nodes_of_quadratic_cells(kinds), [])
@@ -257,7 +271,7 @@ def _convert_cells_to_quadratic_triangles(
         first = np.empty(len(cells), dtype=np.int64)
         for row, cell in enumerate(cells.tolist()):
             first[row] = len(made)
-            made += _quadratic_triangles_of_cell(nodes, cell, corners)
+            made += _quadratic_triangles_of_cell(nodes, cell, corners, int(flat[source][row]))
         parent[source] = (first, np.full(len(cells), 1 if corners == 3 else 2, dtype=np.int64))
     every = np.vstack([points, *nodes.added]) if nodes.added else points
     return PlaneCells(
@@ -267,6 +281,33 @@ def _convert_cells_to_quadratic_triangles(
         parent,
         np.arange(len(every)) >= own,
     )
+
+
+def _flat_corner_of_each_cell(cells: Ints, points: Floats, name: str) -> Ints:
+    """The position (m,) of the corner of 180 degrees in each cell; -1 for a cell without one.
+
+    Only quadrilaterals have such corners: a triangle with one has no area.
+
+    Parameters
+    ----------
+    cells : (m, k) nodes of the cells, of first or second order
+    points : (n, 2) coordinates of the nodes
+    name : meshio's name of the cells' type
+    """
+    corners = PLANE_SHAPES[name]
+    if corners == 3:
+        return np.full(len(cells), -1)
+    here = points[cells[:, :corners]]
+    after, before = np.roll(here, -1, axis=1), np.roll(here, 1, axis=1)
+    onward, back = after - here, before - here
+    if cells.shape[1] > corners:
+        # The tangents of quadratic edges at their ends; their lengths do not matter.
+        middles = points[cells[:, corners : 2 * corners]]
+        onward = 4 * middles - 3 * here - after
+        back = 4 * np.roll(middles, 1, axis=1) - 3 * here - before
+    cross = onward[..., 0] * back[..., 1] - onward[..., 1] * back[..., 0]
+    turn = np.arctan2(np.abs(cross), -(onward * back).sum(axis=-1))
+    return np.where(turn.min(axis=1) <= FLAT_CORNER, turn.argmin(axis=1), -1)
 
 
 def _middle_nodes_of_quadratic_cells(kinds: dict[str, Ints]) -> dict[tuple[int, int], int]:
@@ -287,7 +328,7 @@ def _middle_nodes_of_quadratic_cells(kinds: dict[str, Ints]) -> dict[tuple[int, 
 
 
 def _quadratic_triangles_of_cell(
-    nodes: _GrowingNodes, cell: list[int], corners: int
+    nodes: _GrowingNodes, cell: list[int], corners: int, flat: int
 ) -> list[list[int]]:
     """The nodes of the quadratic triangles, one or two, that replace a cell of a mesh file.
 
@@ -296,6 +337,7 @@ def _quadratic_triangles_of_cell(
     nodes : nodes of the file, to which missing middle nodes are added
     cell : nodes of the cell, its corners first
     corners : number of its corners, 3 or 4
+    flat : position of its corner of 180 degrees; -1 without one
     """
     sides = cell[corners : 2 * corners] or [
         nodes.find_or_add_middle_node_of_edge(cell[i], cell[(i + 1) % corners])
@@ -303,6 +345,12 @@ def _quadratic_triangles_of_cell(
     ]
     if corners == 3:
         return [[*cell[:3], *sides]]
+    if flat >= 0:
+        # The cut from the flat corner is straight: a centre node may lie far off its middle.
+        a, b, c, d = cell[flat:4] + cell[:flat]
+        ab, bc, cd, da = sides[flat:] + sides[:flat]
+        middle = nodes.add_node_and_return_number((nodes.points[a] + nodes.points[c]) / 2)
+        return [[a, b, c, ab, bc, middle], [a, c, d, middle, cd, da]]
     if len(cell) > 8:
         centre = cell[8]
     else:

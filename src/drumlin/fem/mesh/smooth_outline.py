@@ -59,8 +59,18 @@ def node_displacements_onto_smooth_outline(basis: NodalBasis) -> Floats:
     """The moves (2, N) [m] of all nodes by which the chords of curved lines become arcs.
 
     The lines are the outline of the shoe and the interfaces of its layers. Sides on the contact
-    line do not move.
+    line do not move. The chords are the sides of the elements of the mesh; if these elements were
+    split, the nodes of their parts follow them.
     """
+    if basis.split is not None:
+        # The module loads scikit-fem, which takes long, and solves without split elements do
+        # without it.
+        from drumlin.fem.mesh.splitting import (  # noqa: PLC0415
+            node_displacements_that_follow_split_elements,
+        )
+
+        moves = node_displacements_onto_smooth_outline(basis.split.shape)
+        return node_displacements_that_follow_split_elements(basis, moves)
     facets, kinds = _sides_on_outline_and_interfaces(basis.mesh)
     moving = ~np.isin(facets, basis.mesh.boundaries["contact"])
     facets, kinds = facets[moving], kinds[moving]

@@ -71,6 +71,21 @@ class ElementParts:
     lines: Mapping[str, Ints]
 
 
+class SplitElements(NamedTuple):
+    """The elements that were split into triangles, and the place of each triangle in its element.
+
+    Attributes
+    ----------
+    shape : basis on the elements before the split, which gives their shape
+    parent : (m,) element that each triangle is a part of
+    at : (m, 3, 2) corners of each triangle in the reference triangle or square of its parent
+    """
+
+    shape: NodalBasis
+    parent: Ints
+    at: Floats
+
+
 def split_mesh_into_triangles_towards_points(
     shape: NodalBasis, finest: FinestSides, most: int
 ) -> ElementParts | None:
@@ -214,10 +229,7 @@ def nodal_basis_on_split_triangles(
     t = np.take_along_axis(parts.t, order, axis=1)
     at = np.take_along_axis(parts.at, order[:, :, None], axis=1)
     elem = NodalElement(degree, 3)
-    x, y = elem.doflocs.T
-    barycentric = np.column_stack([1 - x - y, x, y])
-    inside = barycentric @ at
-    places = shape.positions_of_points_in_elements(parts.parent, inside)
+    places = _positions_of_nodes_in_triangles(shape, parts.parent, at, elem)
     groups = {
         name: np.flatnonzero(np.isin(parts.parent, members))
         for name, members in shape.mesh.subdomains.items()
@@ -228,4 +240,53 @@ def nodal_basis_on_split_triangles(
         for name, line in parts.lines.items()
     }
     mesh = replace(mesh, _subdomains=groups, _boundaries=boundaries)
-    return nodal_basis_with_given_node_positions(mesh, elem, places)
+    basis = nodal_basis_with_given_node_positions(mesh, elem, places)
+    return replace(basis, split=SplitElements(shape, parts.parent, at))
+
+
+def _positions_of_nodes_in_triangles(
+    shape: NodalBasis, parent: Ints, at: Floats, elem: NodalElement
+) -> Floats:
+    """The places (2, m, nodes) [m] of the nodes of triangles that are parts of elements.
+
+    Parameters
+    ----------
+    shape : basis on the elements, which gives their shape
+    parent : (m,) element that each triangle is a part of
+    at : (m, 3, 2) corners of each triangle in the reference triangle or square of its parent
+    elem : the triangle with its nodes
+    """
+    # Elements that were not split are whole triangles, all of which have their nodes at the same
+    # few places in the reference triangle. The shape functions are computed once for each triple of
+    # corners.
+    triples, which = np.unique(at.reshape(len(at), -1), axis=0, return_inverse=True)
+    inside = _barycentric_coordinates_of_nodes(elem) @ triples.reshape(-1, 3, 2)
+    shapes = shape.elem.shape_function_values(inside.reshape(-1, 2).T)
+    shapes = shapes.reshape(*inside.shape[:2], -1)
+    nodes = shape.doflocs[:, shape.element_dofs[:, parent].T]
+    return np.asarray((nodes[:, :, None] @ shapes[which.ravel()].transpose(0, 2, 1))[:, :, 0])
+
+
+def _barycentric_coordinates_of_nodes(elem: NodalElement) -> Floats:
+    """The barycentric coordinates (nodes, 3) of the nodes of a triangle."""
+    x, y = elem.doflocs.T
+    return np.column_stack([1 - x - y, x, y])
+
+
+def node_displacements_that_follow_split_elements(basis: NodalBasis, moves: Floats) -> Floats:
+    """The moves (2, N) [m] of all nodes of split triangles whose elements are moved.
+
+    Parameters
+    ----------
+    basis : basis on the triangles into which elements are split
+    moves : (2, M) moves [m] of the nodes of the basis `basis.split.shape` on these elements
+    """
+    split: SplitElements = basis.split
+    is_moved = (np.hypot(*moves) > 0)[split.shape.element_dofs].any(axis=0)
+    members = np.flatnonzero(is_moved[split.parent])
+    moved = replace(split.shape, doflocs=moves)
+    found = np.zeros_like(basis.doflocs)
+    found[:, basis.element_dofs[:, members]] = _positions_of_nodes_in_triangles(
+        moved, split.parent[members], split.at[members], basis.elem
+    ).transpose(0, 2, 1)
+    return found

@@ -1,13 +1,14 @@
 """Condensed bodies of shoes, coupled with the drum or the plane along their contact lines."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from drumlin.base.arrays import Floats
+from drumlin.base.lapack import dtrsm
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Actuation, Beam
 from drumlin.brake.further_loads import ForceAtPoint
@@ -19,7 +20,7 @@ from drumlin.fem.preparation.load_places import (
     load_column_factors_of_forces_and_mass,
     unit_loads_at_points_and_mass,
 )
-from drumlin.fem.substructure.body import CondensedBody
+from drumlin.fem.substructure.body import FRAME, CondensedBody
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.expansion import Strains, nodal_forces_of_thermal_expansion
 from drumlin.fem.substructure.interface import (
@@ -28,7 +29,13 @@ from drumlin.fem.substructure.interface import (
     function_that_returns_drum_normals_and_tangents,
     plane_normals_and_tangents,
 )
-from drumlin.fem.substructure.loads import ACTUATION, FURTHER_FORCES, HEAT, LoadColumns
+from drumlin.fem.substructure.loads import (
+    ACTUATION,
+    CHANGED_SHAPE,
+    FURTHER_FORCES,
+    HEAT,
+    LoadColumns,
+)
 
 
 class ActuatedBody(Protocol):
@@ -247,6 +254,40 @@ def _inverse_cholesky_factor_times_contact_loads(
     return condensed.inverse_cholesky_factor_times_nodal_forces(np.concatenate(forces, axis=1))
 
 
+def substructure_with_load_of_changed_shape(
+    body: ShoeSubstructure, forces: Floats
+) -> ShoeSubstructure:
+    """A copy of a shoe's substructure with a load that stands for a small change of its shape.
+
+    The load acts in addition to all other loads, with the factor one. Its nodal forces have no
+    resultant, so that the frame does not react.
+
+    Parameters
+    ----------
+    body : the substructure
+    forces : (2 nodes,) nodal forces [N] on all nodes, in the frame of the shoe
+    """
+    condensed = body.condensed.body_with_further_loads({CHANGED_SHAPE: forces[:, None]})
+    own = condensed.columns.column_slice_of_each_load[CHANGED_SHAPE]
+    before, work = condensed.load_on_contact[:, : own.start], condensed.load_work[:, own]
+    # The displacements of the contact nodes under the load, while the frame does not move.
+    half = condensed.inverse_cholesky_factor_times_nodal_forces(condensed.load_on_contact[:, own])
+    u = dtrsm(1.0, condensed.L_cc, half, lower=1, trans_a=1)
+    beside = before.T @ u + work[: own.start]
+    motion = np.block([[body.load_motion_by_load, beside], [beside.T, half.T @ half + work[own]]])
+    dragged = body.load_motion_by_friction
+    return replace(
+        body,
+        condensed=condensed,
+        closure_by_load=np.hstack([body.closure_by_load, body.coupling.N @ u]),
+        load_motion_by_load=motion,
+        load_motion_by_friction=(
+            None if dragged is None else np.vstack([dragged, (body.coupling.T @ u).T])
+        ),
+        reaction_to_load=np.hstack([body.reaction_to_load, np.zeros((FRAME, 1))]),
+    )
+
+
 def functions_of_free_thermal_strain_by_layer(shoe: Shoe, radius: float) -> Strains:
     """The free thermal strains of each heated layer of a shoe, as functions of points.
 
@@ -306,15 +347,17 @@ def load_column_factors_under_all_loads(body: ActuatedBody, shoe: Shoe, force: f
 
     A load column is the load vector of a unit load. The load on the body is the sum of all columns
     times their factors. Contact, reactions, fields and refinement take the loads of a shoe from
-    this function. The thermal load does not depend on the force, and its factor is one.
+    this function. The loads of heat and of a changed shape do not depend on the force, and their
+    factors are one.
     """
     factors, _ = load_column_factors_and_pin_moment_per_newton(body, shoe)
     acting = abs(force) * factors
     if shoe.has_loads_besides_actuation:
         acting = acting + load_column_factors_of_loads_besides_actuation(body, shoe)
     columns = body.load_matrix_columns_by_load_name
-    if HEAT in columns.column_slice_of_each_load:
-        acting = acting + columns.column_factors_of_all_loads({HEAT: np.ones(1)})
+    for name in (HEAT, CHANGED_SHAPE):
+        if name in columns.column_slice_of_each_load:
+            acting = acting + columns.column_factors_of_all_loads({name: np.ones(1)})
     return acting
 
 

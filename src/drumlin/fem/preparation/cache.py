@@ -13,13 +13,15 @@ from drumlin.brake.further_loads import NO_LOADS, LoadsOfBrake
 from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.load_places import points_where_shoe_body_is_loaded
+from drumlin.fem.substructure.body import InnerSystem
 from drumlin.fem.substructure.ring import RingSubstructure
 
-CACHE_BYTES = 200_000_000
+CACHE_BYTES = 400_000_000
 """Largest memory [bytes] of the condensed bodies that a cache keeps for later solves.
 
 If the bodies need more, the cache drops the body that was used longest ago. The limit is a
-judgement: some hundred bodies of the size that a solve uses.
+judgement: some two hundred bodies of hp elements of the size that a solve uses, or all levels of
+two mesh files of 10 000 nodes with straight sides.
 """
 
 
@@ -112,7 +114,10 @@ def memory_of_condensed_body(body: ShoeSubstructure | RingSubstructure) -> int:
     # A body has six dense (n, n) matrices of doubles. Its sparse matrices take some 400 bytes for
     # each displacement.
     n = len(body.line.nodes)
-    return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)
+    inner = body.condensed.inner
+    factors = inner.factors if isinstance(inner, InnerSystem) else None
+    kept = 0 if factors is None else factors.memory
+    return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N) + kept
 
 
 def digest_of_mesh_file_of_shoe(shoe: Shoe) -> str | None:

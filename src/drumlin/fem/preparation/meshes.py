@@ -102,20 +102,20 @@ class RaisedDegree(NamedTuple):
     Attributes
     ----------
     degree : the degree; None for the degree that the mesh has in the file
-    smooth : whether straight sides of elements on curved lines become arcs, see
-        `mesh.smooth_outline`
     fitting : whether contact nodes are put on the drum or the plane that lie off it by no more than
         the rounding of coordinates
     level : sizes of the elements at singular points; None if no element is split
     points : singular points of the pressure on each shoe; none for a shoe that has the same shape
         as an earlier shoe
+    keep_factors : whether the factors of the eliminated unknowns are kept, which makes further
+        loads and displacements cheap
     """
 
     degree: int | None = None
-    smooth: bool = False
     fitting: bool = False
     level: Level | None = None
     points: tuple[tuple[SingularPoint, ...], ...] = ()
+    keep_factors: bool = False
 
 
 OWN_DEGREE = RaisedDegree()
@@ -379,8 +379,8 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
     """
     if raised.degree is None:
         return nodal_basis_of_mesh(mesh)
-    # The imported modules load scikit-fem, which takes long. So they are imported only here.
-    from drumlin.fem.mesh import smooth_outline, splitting  # noqa: PLC0415
+    # The imported module loads scikit-fem, which takes long. So it is imported only here.
+    from drumlin.fem.mesh import splitting  # noqa: PLC0415
 
     nodes = number_of_nodes_at_degree(mesh, raised.degree)
     if nodes > MOST_RAISED_NODES:
@@ -388,24 +388,15 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
             f"its mesh has {nodes} nodes at degree {raised.degree}; at most {MOST_RAISED_NODES}"
         )
 
-    def basis_of_degree(degree: int) -> Any:
-        """The basis of a degree on the mesh, before elements are split."""
-        basis = nodal_basis_of_shoe_mesh(mesh, degree, shoe, radius)
-        if not raised.smooth:
-            return basis
-        return basis.basis_with_moved_nodes(
-            smooth_outline.node_displacements_onto_smooth_outline(basis)
-        )
-
     if raised.level is None:
-        return basis_of_degree(raised.degree)
-    shape = basis_of_degree(SHAPE_DEGREE)
+        return nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
+    shape = nodal_basis_of_shoe_mesh(mesh, SHAPE_DEGREE, shoe, radius)
     finest = _largest_allowed_sides_at_singular_points(mesh, raised, shoe, radius)
     # A mesh of triangles of degree p has about p^2 / 2 nodes for each triangle.
     most = 2 * MOST_RAISED_NODES // raised.degree**2
     parts = splitting.split_mesh_into_triangles_towards_points(shape, finest, most)
     if parts is None:
-        return basis_of_degree(raised.degree)
+        return nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
     return splitting.nodal_basis_on_split_triangles(shape, parts, raised.degree)
 
 
@@ -490,7 +481,11 @@ def _mesh_condense_and_couple_shoe(
     with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
         contact_unknowns = 2 * len(parts.line.nodes)
         condensed = condense_body_to_contact_and_hinge_face(
-            parts.K, parts.constraints, parts.loads, contact_unknowns
+            parts.K,
+            parts.constraints,
+            parts.loads,
+            contact_unknowns,
+            keep_factors=raised.keep_factors,
         )
     divided = DividedBody(parts.mesh, parts.basis, parts.line, parts.of_file)
     friction = brake.friction > 0

@@ -27,6 +27,7 @@ from drumlin.fem.substructure.elasticity import (
 from drumlin.fem.substructure.elimination import (
     SINGULAR_BODY,
     CondensedSystem,
+    KeptFactors,
     eliminate_inner_unknowns,
     elimination_order_by_nested_dissection,
     solve_by_multifrontal_elimination,
@@ -62,11 +63,14 @@ class InnerSystem(NamedTuple):
     A : (unknowns, unknowns) sparse stiffness
     constraints : the constraints that define the reduced unknowns
     loads : (unknowns, l) l unit loads, as forces on the reduced unknowns
+    factors : factors of the eliminated unknowns, which make further loads and displacements cheap;
+        None if they are not kept
     """
 
     A: Any
     constraints: Constraints
     loads: Floats
+    factors: KeptFactors | None = None
 
     @classmethod
     def body_system_from_stiffness_of_all_nodes(
@@ -82,6 +86,8 @@ class InnerSystem(NamedTuple):
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The stiffness and the unit loads of the body, condensed to contact nodes and frame."""
+        if self.factors is not None:
+            return self.factors.condense_loads(self.loads)
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
     def body_system_with_further_loads(self, forces: Floats) -> "InnerSystem":
@@ -100,6 +106,11 @@ class InnerSystem(NamedTuple):
         In each load case, forces `nodal` (2n, m) [N] act on the n contact nodes, the unit loads act
         with the factors `loads` (l, m), and the frame moves by `frame` (3, m).
         """
+        if self.factors is not None:
+            right = self.loads @ loads
+            right[len(right) - FRAME - len(nodal) : -FRAME] += nodal
+            free = self.factors.solve_with_given_last_unknowns(right, frame)
+            return np.asarray(self.constraints.matrix @ free)
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
         # The nodal forces act on the contact nodes, the last unknowns before the frame.
         right[len(right) - len(nodal) :] += nodal
@@ -301,38 +312,90 @@ def sparse_stiffness_of_body(
         # A grid of hp elements also has a skeleton, its nodes on the boundaries of elements. The
         # skeleton's stiffness exists in double precision only and has no option `precise`.
         return basis.stiffness(layers, precise=True) if precise else basis.stiffness(layers)
-    if precise:
-        gradients, dx = _shape_gradients_and_quadrature_areas_in_long_double(basis)
-    else:
-        gradients, dx = np.array([psi[0].grad for psi in basis.basis]), basis.dx
-    K = _isotropic_element_stiffness(basis, layers, gradients, dx)
-    for name, members in basis.mesh.subdomains.items():
-        if which_elasticity_matrices_are_orthotropic(layers[name].elasticity):
-            points = quadrature_points_of_elements(basis, precise=precise)[:, members]
-            own = gradients[:, :, members]
+    K = _isotropic_stiffness_of_elements(basis, layers, precise=precise)
+    orthotropic = {
+        name: members
+        for name, members in basis.mesh.subdomains.items()
+        if which_elasticity_matrices_are_orthotropic(layers[name].elasticity)
+    }
+    if orthotropic:
+        gradients, dx = _shape_gradients_and_quadrature_areas(basis, precise=precise)
+        points = quadrature_points_of_elements(basis, precise=precise)
+        for name, members in orthotropic.items():
             K[members] += _orthotropic_part_of_element_stiffness(
-                layers[name], own, dx[members], points
+                layers[name], gradients[:, :, members], dx[members], points[:, members]
             )
     return assemble_sparse_stiffness(K, basis.element_dofs.T, basis.N)
 
 
-def _isotropic_element_stiffness(
-    basis: Any, layers: Mapping[str, ElasticLayer], gradients: Any, dx: Any
+def _isotropic_stiffness_of_elements(
+    basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool
 ) -> Any:
     """The isotropic part (elements, a, 2, a, 2) of the element stiffness [N/m].
 
-    Parameters
-    ----------
-    basis : scalar basis of the mesh
-    layers : elastic layers by subdomain
-    gradients : (a, 2, elements, points) gradients of the shape functions [1/m]
-    dx : (elements, points) weights of the quadrature [m^2]
+    The parameters are those of `sparse_stiffness_of_body`.
     """
-    a, _, elements, points = gradients.shape
     lame = np.zeros((2, basis.mesh.nelements))
     for name, members in basis.mesh.subdomains.items():
         matrix = layers[name].stiffness
         lame[:, members] = np.array([matrix[0, 1], matrix[-1, -1]])[:, None]
+    straight = np.zeros(0, dtype=np.int64)
+    if hasattr(basis, "numbers_of_straight_triangles") and not precise:
+        straight = basis.numbers_of_straight_triangles()
+    if not len(straight):
+        gradients, dx = _shape_gradients_and_quadrature_areas(basis, precise=precise)
+        return _isotropic_stiffness_by_quadrature(lame, gradients, dx)
+    a = len(basis.element_dofs)
+    K = np.empty((basis.mesh.nelements, a, 2, a, 2))
+    K[straight] = _isotropic_stiffness_of_straight_triangles(basis, straight, lame[:, straight])
+    curved = np.setdiff1d(np.arange(len(K)), straight)
+    if len(curved):
+        gradients, dx = _shape_gradients_and_quadrature_areas(basis.basis_of_some_elements(curved))
+        K[curved] = _isotropic_stiffness_by_quadrature(lame[:, curved], gradients, dx)
+    return K
+
+
+def _isotropic_stiffness_of_straight_triangles(basis: Any, elements: Ints, lame: Floats) -> Floats:
+    """The isotropic part (m, a, 2, a, 2) of the stiffness of straight triangles [N/m].
+
+    The map of such a triangle from the reference triangle is linear. The integrals of products of
+    slopes are then those of the reference triangle times constants of the element.
+
+    Parameters
+    ----------
+    basis : basis with the attributes of `mesh.degree.NodalBasis`
+    elements : (m,) numbers of the triangles
+    lame : (2, m) Lame constants of plane stress times the width [N/m] in each triangle
+    """
+    at = basis.X.astype(np.longdouble)
+    a = len(basis.element_dofs)
+    slopes = np.array([basis.elem.lbasis(at, i)[1] for i in range(a)])
+    # The integrals R_de,ab of d_d psi_a d_e psi_b over the reference triangle, without its area.
+    R = np.einsum("adq,beq,q->deab", slopes, slopes, basis.W).astype(float)
+    first, second, third = basis.doflocs[:, basis.element_dofs[:3, elements]].transpose(1, 0, 2)
+    (xa, ya), (xb, yb) = second - first, third - first
+    determinant = xa * yb - xb * ya
+    inverse = np.array([[yb, -xb], [-ya, xa]]) / determinant
+    # H_ij,de are the constants of the integral of psi_a,i psi_b,j.
+    H = np.abs(determinant) * np.einsum("dim,ejm->ijdem", inverse, inverse)
+    lam, mu = lame
+    factors = lam * H + mu * H.transpose(1, 0, 2, 3, 4)
+    for i in range(2):
+        factors[i, i] += mu * (H[0, 0] + H[1, 1])
+    K = factors.reshape(4, 4, -1).transpose(2, 0, 1) @ R.reshape(4, -1)
+    return np.asarray(K.reshape(-1, 2, 2, a, a).transpose(0, 3, 1, 4, 2))
+
+
+def _isotropic_stiffness_by_quadrature(lame: Any, gradients: Any, dx: Any) -> Any:
+    """The isotropic part (elements, a, 2, a, 2) of the element stiffness [N/m].
+
+    Parameters
+    ----------
+    lame : (2, elements) Lame constants of plane stress times the width [N/m]
+    gradients : (a, 2, elements, points) gradients of the shape functions [1/m]
+    dx : (elements, points) weights of the quadrature [m^2]
+    """
+    a, _, elements, points = gradients.shape
     lam, mu = lame[:, :, None, None, None, None]
 
     # G holds the derivatives psi_a,i at the points of each element, and H the integrals of
@@ -450,6 +513,16 @@ def _orthotropic_part_of_element_stiffness(
     return added.reshape(elements, a, d, a, d)
 
 
+def _shape_gradients_and_quadrature_areas(basis: Any, *, precise: bool = False) -> tuple[Any, Any]:
+    """Shape-function gradients (a, 2, elements, points) [1/m] and areas (elements, points) [m^2].
+
+    With `precise` they are computed in long double.
+    """
+    if precise:
+        return _shape_gradients_and_quadrature_areas_in_long_double(basis)
+    return np.array([psi[0].grad for psi in basis.basis]), basis.dx
+
+
 def _shape_gradients_and_quadrature_areas_in_long_double(basis: Any) -> tuple[Any, Any]:
     """Shape-function gradients (a, 2, elements, points) and quadrature areas, in long double.
 
@@ -546,7 +619,12 @@ def matrix_from_unknowns_to_displacements(
 
 
 def condense_body_to_contact_and_hinge_face(
-    K: Any, constraints: Constraints, loads: Mapping[str, Floats], contact: int
+    K: Any,
+    constraints: Constraints,
+    loads: Mapping[str, Floats],
+    contact: int,
+    *,
+    keep_factors: bool = False,
 ) -> CondensedBody:
     """The body reduced to its contact nodes and its frame by static condensation.
 
@@ -556,6 +634,7 @@ def condense_body_to_contact_and_hinge_face(
     constraints : the multi-point constraints that define the reduced unknowns
     loads : unit loads (unknowns, k) on the reduced unknowns, by name
     contact : number of displacements of the contact nodes, two for each node
+    keep_factors : whether the factors of the eliminated unknowns are kept
 
     Raises
     ------
@@ -565,6 +644,9 @@ def condense_body_to_contact_and_hinge_face(
     system = InnerSystem.body_system_from_stiffness_of_all_nodes(
         K, constraints, stack_nodal_loads_as_matrix_columns(loads, constraints.matrix.shape[1])
     )
+    if keep_factors:
+        factors = KeptFactors.kept_factors_of_sparse_matrix(system.A, constraints.region)
+        system = system._replace(factors=factors)
     S, condensed_loads, work = system.condense_loads_and_stiffness()
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:

@@ -10,7 +10,7 @@ The kept unknowns come last. The factors are stored only if the displacements of
 unknowns are needed.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -165,16 +165,108 @@ def eliminate_inner_unknowns(A: Any, region: Ints, loads: Floats) -> CondensedSy
     """
     lower = _lower_triangle_of_sparse_matrix(A)
     complements = _empty_lists_of_schur_complements(region)
+    fronts = _factorise_front_of_each_region(lower, region, complements)
+    f, work = _condense_loads_by_fronts(fronts, loads)
+    S = _schur_complement_on_kept_unknowns(lower, len(region), complements)
+    return CondensedSystem(_symmetric_matrix_of_lower_triangle(S), f[len(region) :], work)
+
+
+class KeptFactors(NamedTuple):
+    """The factors of all fronts of a matrix, which are kept for further right-hand sides.
+
+    Attributes
+    ----------
+    fronts : the factorised fronts, in the order of elimination
+    S : (k, k) Schur complement on the kept unknowns, the last k unknowns of the matrix
+    """
+
+    fronts: "tuple[_FrontFactor, ...]"
+    S: Floats
+
+    @classmethod
+    def kept_factors_of_sparse_matrix(cls, A: Any, region: Ints) -> "KeptFactors":
+        """Eliminate the inner unknowns of a sparse matrix, and keep the factors.
+
+        Parameters and errors are those of `eliminate_inner_unknowns`.
+        """
+        lower = _lower_triangle_of_sparse_matrix(A)
+        complements = _empty_lists_of_schur_complements(region)
+        fronts = tuple(_factorise_front_of_each_region(lower, region, complements))
+        S = _schur_complement_on_kept_unknowns(lower, len(region), complements)
+        return cls(fronts, _symmetric_matrix_of_lower_triangle(S))
+
+    @property
+    def memory(self) -> int:
+        """The memory [bytes] of the factors."""
+        return self.S.nbytes + sum(front.L.nbytes + front.below.nbytes for front in self.fronts)
+
+    def condense_loads(self, loads: Floats) -> CondensedSystem:
+        """The Schur complement on the kept unknowns, and loads (n, l) condensed to them."""
+        f, work = _condense_loads_by_fronts(self.fronts, loads)
+        return CondensedSystem(self.S, f[len(f) - len(self.S) :], work)
+
+    def solve_with_given_last_unknowns(self, right: Floats, given: Floats) -> Floats:
+        """The solution x (n, m) of A x = right, in which the last unknowns have given values.
+
+        The equations of these unknowns are left out.
+
+        Parameters
+        ----------
+        right : (n, m) right-hand sides; the last k rows are not used
+        given : (k, m) values of the last k unknowns
+
+        Raises
+        ------
+        NoAnswer
+            for a matrix that is not positive definite
+        """
+        x, _ = _condense_loads_by_fronts(self.fronts, right)
+        first, last = len(x) - len(self.S), len(x) - len(given)
+        free = last - first
+        L, info = dpotrf(self.S[:free, :free], lower=1)
+        if info:
+            raise NoAnswer(SINGULAR_BODY)
+        rest = x[first:last] - self.S[:free, free:] @ given
+        x[first:last] = dtrsm(1.0, L, dtrsm(1.0, L, rest, lower=1), lower=1, trans_a=1)
+        x[last:] = given
+        for front in reversed(self.fronts):
+            _substitute_back_in_front(front, x)
+        return x
+
+
+def _condense_loads_by_fronts(
+    fronts: "Iterable[_FrontFactor]", loads: Floats
+) -> tuple[Floats, Floats]:
+    """Condense loads (n, l) by forward substitution with each front's factor.
+
+    Returns the loads (n, l) and their work (l, l). Rows of eliminated unknowns then contain the
+    result of the forward substitution, and rows of kept unknowns the condensed loads. The work is
+    that of the loads on each other's displacements if the kept unknowns are zero.
+    """
     f = np.array(loads, dtype=float)
     work = np.zeros((f.shape[1], f.shape[1]))
-    for front in _factorise_front_of_each_region(lower, region, complements):
+    for front in fronts:
         if f.shape[1]:
-            # Forward substitution with the factor of this front condenses the loads.
             y = dtrsm(1.0, front.L, f[front.own], lower=1)
+            f[front.own] = y
             f[front.later] -= front.below @ y
             work += y.T @ y
-    S = _schur_complement_on_kept_unknowns(lower, len(region), complements)
-    return CondensedSystem(np.tril(S) + np.tril(S, -1).T, f[len(region) :], work)
+    return f, work
+
+
+def _substitute_back_in_front(front: "_FrontFactor", x: Floats) -> None:
+    """Replace the rows of a front's own unknowns in x (n, m) by the solution.
+
+    The rows of the own unknowns contain the result of the forward substitution, and the rows of
+    later unknowns the solution.
+    """
+    rest = x[front.own] - front.below.T @ x[front.later]
+    x[front.own] = dtrsm(1.0, front.L, rest, lower=1, trans_a=1)
+
+
+def _symmetric_matrix_of_lower_triangle(S: Floats) -> Floats:
+    """The symmetric matrix (k, k) whose lower triangle is that of S."""
+    return np.asarray(np.tril(S) + np.tril(S, -1).T)
 
 
 def solve_by_multifrontal_elimination(A: Any, region: Ints, right: Floats) -> Floats:
@@ -211,9 +303,7 @@ def solve_by_multifrontal_elimination(A: Any, region: Ints, right: Floats) -> Fl
 
     # The back substitution takes the fronts in reverse order, and frees the memory of each.
     while fronts:
-        front = fronts.pop()
-        rest = x[front.own] - front.below.T @ x[front.later]
-        x[front.own] = dtrsm(1.0, front.L, rest, lower=1, trans_a=1)
+        _substitute_back_in_front(fronts.pop(), x)
     return x
 
 

@@ -1,0 +1,77 @@
+"""The displacements of all nodes of a shoe, recovered from the response of its brake."""
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.fem.preparation.bodies import (
+    ShoeSubstructure,
+    load_column_factors_of_one_sided_support_push,
+    load_column_factors_under_all_loads,
+)
+from drumlin.response.response import Response, ShoeResponse
+
+
+def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> list[Floats]:
+    """The pressures (n_i,) [Pa] at the lining nodes of each shoe.
+
+    The nodes are in the order of their angle in the shoe's own frame.
+    """
+    pairs = zip(brake.shoes, response.shoes, strict=True)
+    return [answer.nodal_pressures_on_linings[:: shoe.frame.sense] for shoe, answer in pairs]
+
+
+def friction_stress_over_friction_coefficient_of_lining(
+    brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
+) -> Floats:
+    """The friction stress (n,) [Pa] on one lining divided by the shoe's friction coefficient.
+
+    It equals the pressures p (n,), unless friction depends on the pressure.
+    """
+    if answer.friction_stress is None:
+        return p
+    stress = answer.nodal_values_on_linings(answer.friction_stress)[:: shoe.frame.sense]
+    return np.asarray(stress / brake.friction_coefficient_of_shoe_at_zero_pressure(shoe))
+
+
+def load_column_factors_and_frame_motion_in_response(
+    body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse
+) -> tuple[Floats, Floats]:
+    """The factors (l,) of a body's load columns and the motion (3,) of its frame in a response.
+
+    The parameters are those of `nodal_displacements_of_shoe`.
+    """
+    load = load_column_factors_under_all_loads(body, shoe, shoe.actuation.force)
+    for support in answer.supports:
+        load = load + load_column_factors_of_one_sided_support_push(
+            body, shoe, support.push, brake.size
+        )
+    motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))
+    return load, motion
+
+
+def nodal_displacements_of_shoe(
+    body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
+) -> Floats:
+    """The displacements (d nodes,) [m] of all nodes of a shoe in d dimensions, in its own frame.
+
+    Parameters
+    ----------
+    body : the substructure of the shoe
+    brake : the brake
+    shoe : the shoe, with the actuation force of the response
+    answer : the response of the shoe
+    p : pressures (n,) [Pa] on the lining of the shoe, in the order of their angle in the shoe's own
+        frame
+    """
+    load, motion = load_column_factors_and_frame_motion_in_response(body, brake, shoe, answer)
+    # The pressures and friction stresses give the nodal forces (2n,) [N] on the contact nodes.
+    dragging = friction_stress_over_friction_coefficient_of_lining(brake, shoe, answer, p)
+    nodal = (
+        brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
+        * (body.coupling.T.T @ dragging)
+        - body.coupling.N.T @ p
+    )
+    return body.condensed.nodal_displacements_in_load_cases(
+        nodal[:, None], motion[:, None], load[:, None]
+    )[:, 0]
