@@ -466,6 +466,8 @@ def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "agg")
     site = manual.report(manual.study(), tmp_path / "manual").parent
     # The build itself refuses dead links, control codes and pictures that are not drawn.
+    # A search lists pages of modules last.
+    assert "reference/api/drumlin." in (site / "_static" / "language_data.js").read_text()
     pages = list(site.rglob("*.html"))
     assert len(pages) > 40
     text = (site / "engineer" / "table.html").read_text(encoding="utf-8")

@@ -43,6 +43,7 @@ html_use_index = False
 html_css_files = ["manual.css"]
 html_js_files = ["copy.js"]
 html_static_path = ["static"]
+html_search_scorer = "static/scorer.js"  # pages of modules come last
 html_math_renderer = "mathml"
 
 
