@@ -226,6 +226,9 @@ def cells(root):
     """Name and source of each piece of Python in the manual's pages and in the notebooks."""
     for page in sorted((root / "studies" / "manual" / "pages").rglob("*.md")):
         for cell in re.findall(r"```\{code-cell\}\n(.*?)```", page.read_text(), re.S):
+            # Such a cell is the text of a file.
+            if cell.startswith("%%writefile"):
+                continue
             yield page.name, re.sub(r"(?m)^(:tags:|!).*$", "", cell)
     for path in sorted((root / "studies" / "notebooks").glob("*.ipynb")):
         for cell in nbformat.read(path, as_version=4).cells:

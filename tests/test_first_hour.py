@@ -81,6 +81,20 @@ def test_what_is_shown_is_short(brake):
     assert len(compared.plot().lines) == 4
 
 
+def test_plots_cut_the_unbounded_pressure_at_sharp_edges(brake):
+    """The axis ends above the largest peak of all models, not at the largest number drawn."""
+    compared = drumlin.compare(brake, models=["fem", "sine"])
+    peaks = [1e-6 * shoe.peak_pressure for one in compared.responses.values() for shoe in one.shoes]
+    axes = compared.plot()
+    assert axes.get_ylim() == pytest.approx((0, 1.12 * max(peaks)))
+    assert max(line.get_ydata().max() for line in axes.lines) > 1.5 * max(peaks)
+    # Axes that show a higher curve already keep it.
+    axes.figure.clear()
+    axes = axes.figure.subplots()
+    axes.plot([0.0, 1.0], [0.0, 30.0])
+    assert compared.plot(axes).get_ylim()[1] >= 30
+
+
 def test_a_comparison_of_own_brakes_shows_planes_too():
     pad = drumlin.example("pad")
     assert "60 to 180" in repr(pad) and "braking force [N]" in repr(

@@ -14,6 +14,7 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 from sphinx.ext.napoleon import Config, NumpyDocstring
 
+import command_line
 import drumlin
 from conftest import ROOT
 from drumlin.base.errors import NoAnswer
@@ -248,7 +249,7 @@ def test_docutils_reads_every_docstring_of_a_page():
 # the examples, and the error messages
 
 
-def test_every_example_has_its_place_in_the_gallery():
+def test_every_example_has_its_place_in_the_gallery(tmp_path, monkeypatch):
     assert set(gallery.EXAMPLES) == set(paths_of_example_brakes())
     kinds = {path.stem for path in (PAGES / "kinds").glob("*.md")}
     assert {shown.kind for shown in gallery.EXAMPLES.values()} == kinds
@@ -256,8 +257,12 @@ def test_every_example_has_its_place_in_the_gallery():
     section = gallery._section_of_example("rail_clamp", paths_of_example_brakes()["rail_clamp"])
     assert "(kinds/plane.md#rail_clamp)" in text
     assert "(rail_clamp)=" in section
-    force = drumlin.solve(drumlin.example("rail_clamp"), model_error=False)
-    assert str(force) in section
+    # The page has what its commands print.
+    init, solve = re.findall(r"(?m)^drumlin (.*)$", section)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my.toml").write_text(command_line.drumlin(*init.split()[:2]).stdout)
+    printed = command_line.drumlin(*solve.split()).stdout.rstrip()
+    assert printed and printed in section
 
 
 def test_troubleshooting_has_words_of_messages():
@@ -435,6 +440,8 @@ def test_what_is_broken_fails_the_manual(tmp_path, text, said):
     [
         ("<p>torque \x1b[1m447\x1b[0m N m</p>", "control code"),
         ("<p>torque [1m447[0m N m</p>", "control code"),
+        ("<pre>?25l\nsolving by fem</pre>", "control code"),
+        ("<pre>⠙ solving by fem</pre>", "spinner"),
         ("<pre>&lt;Figure size 660x660 with 1 Axes&gt;</pre>", "not drawn"),
         ("<pre>&lt;drumlin.Brake object at 0x7f3a&gt;</pre>", "not drawn"),
         ("<math><mi>\\sqrt</mi></math>", "TeX"),
@@ -459,6 +466,8 @@ def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "agg")
     site = manual.report(manual.study(), tmp_path / "manual").parent
     # The build itself refuses dead links, control codes and pictures that are not drawn.
+    # A search lists pages of modules last.
+    assert "reference/api/drumlin." in (site / "_static" / "language_data.js").read_text()
     pages = list(site.rglob("*.html"))
     assert len(pages) > 40
     text = (site / "engineer" / "table.html").read_text(encoding="utf-8")

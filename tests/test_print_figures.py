@@ -1,6 +1,7 @@
 """Figures for print: widths, sizes of text, nothing beyond the edge, and pictures of stresses."""
 
 import csv
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -39,8 +40,8 @@ from drumlin_studies.stated_true_figure import plot_stated_over_true_errors
 
 KEPT = ROOT / "reports" / "reference"
 LEAST_TEXT = 6.5
-# Matplotlib draws exponents at 0.7 of the size of their powers.
-LEAST_EXPONENT = 5.5
+# Matplotlib draws exponents and indices at 0.7 of the size of their formula.
+LEAST_EXPONENT = 6.5
 
 
 def number_or_text(value):
@@ -79,12 +80,15 @@ def check_legible(figure):
     """The figure is as wide as a column or a page, and its texts are large, whole and apart."""
     width = figure.get_figwidth() * 25.4
     assert width == pytest.approx(85) or width == pytest.approx(170)
+    # save_figure does the same.
+    figures.number_logarithmic_axes_plainly(figure)
     texts = texts_in(figure)
     assert texts
     edge = figure.bbox.extents
     for one in texts:
         assert one.get_fontsize() >= LEAST_TEXT, one
-        assert "^" not in one.get_text() or 0.7 * one.get_fontsize() >= LEAST_EXPONENT, one
+        has_small_signs = one.get_parse_math() and re.search(r"\$.*[\^_]", one.get_text())
+        assert not has_small_signs or 0.7 * one.get_fontsize() >= LEAST_EXPONENT, one
     # Ticks outside the limits of their axis are not drawn, but have a place.
     labels = {id(one) for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)
               for one in axis.get_ticklabels(which="both")}  # fmt: skip
@@ -150,6 +154,11 @@ def draw_solid():
     return study.draw_error_against_solid(rows, {"pressure": 2e-3})
 
 
+def draw_left_out():
+    rows = stored("error_vs_runtime/left_out.csv")
+    return study_module("error_vs_runtime").draw_predicted_changes(rows)
+
+
 def draw_map_of_post_brake():
     study = study_module("post_brake")
     x = np.geomspace(0.3, 300, 7)
@@ -188,6 +197,7 @@ def draw_stated_true():
                 draw_map_of_plane_stress,
                 draw_ladder,
                 draw_work_precision,
+                draw_left_out,
                 draw_map_of_post_brake,
                 draw_stated_true,
             )
@@ -221,6 +231,43 @@ def test_a_figure_for_print_says_its_width(tmp_path):
     assert b"drawn for print at a width of 85 mm" in (tmp_path / "a.png").read_bytes()
     pixels = image.imread(tmp_path / "a.png").shape[1]
     assert pixels == pytest.approx(85 / 25.4 * figures.PIXELS_PER_INCH, abs=1)
+
+
+def test_powers_of_ten_are_plain_numbers_in_a_file(tmp_path):
+    """Numbers at the ticks of logarithmic axes have no exponents: these are too small in print."""
+    figure = figures.make_figure_for_print(2.0, figures.COLUMN_WIDTH)
+    axes = figure.subplots()
+    axes.loglog([1e-4, 1e5], [1e-9, 20.0])
+    axes.set_xticks([1e-3, 10, 1e4, 1e5])
+    axes.set_yticks([1e-9, 1e-5])
+    figures.save_figure(figure, tmp_path / "a.svg")
+    drawn = re.findall("<!-- (.*?) -->", (tmp_path / "a.svg").read_text())
+    assert {"0.001", "10", "10000", "1e5"} <= set(drawn)
+    assert {"1e-9", "1e-5"} <= set(drawn) and not any("$" in one for one in drawn)
+    # Within a decade the ticks between powers of ten have numbers, too.
+    axes.set_xscale("linear")
+    axes.set_xscale("log")
+    axes.set_xlim(1.5, 8)
+    figures.save_figure(figure, tmp_path / "b.svg")
+    drawn = re.findall("<!-- (.*?) -->", (tmp_path / "b.svg").read_text())
+    assert {"2", "3"} <= set(drawn) and not any("$" in one for one in drawn)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (1e-3, "0.001"),
+        (9.9e-4, "9.9e-4"),
+        (1e4, "10000"),
+        (1.1e4, "1.1e4"),
+        (-1e-7, "-1e-7"),
+        (20.0, "20"),
+        (10.0**-3.0000000001, "0.001"),
+    ],
+)
+def test_numbers_at_ticks(value, text):
+    assert figures.plain_number(value) == text
 
 
 @pytest.mark.parametrize(

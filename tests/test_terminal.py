@@ -11,6 +11,7 @@ from command_line import drumlin
 from conftest import STUDY
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import read_any
+from drumlin.cli.terminal import can_terminal_show_progress
 from drumlin.door import solve
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import (
@@ -188,3 +189,16 @@ def test_a_cam_brake_at_rest_holds_nothing_without_a_sign(elements):
         "hold", STUDY.parent / "brakes" / "s_cam.toml", "--elements", elements, "--steps", 1
     ).stdout
     assert lines.splitlines()[1].split()[:2] == ["0.000000", "0.0000"]
+
+
+@pytest.mark.parametrize(
+    ("is_terminal", "is_notebook", "shows"),
+    [(True, False, True), (True, True, False), (False, False, False)],
+)
+def test_a_cell_of_a_notebook_shows_no_spinner(monkeypatch, is_terminal, is_notebook, shows):
+    """A notebook seems to be a terminal, but prints the control codes of a spinner."""
+    monkeypatch.setattr("sys.stderr.isatty", lambda: is_terminal, raising=False)
+    monkeypatch.delenv("JPY_PARENT_PID", raising=False)
+    if is_notebook:
+        monkeypatch.setenv("JPY_PARENT_PID", "1")
+    assert can_terminal_show_progress() == shows

@@ -27,10 +27,10 @@ WELL_KNOWN = 4.0
 Points below this ratio are drawn pale.
 """
 PALE_POINTS_NOTE = (
-    f"pale: the true error is less than {WELL_KNOWN:g} times the uncertainty of what stands for "
-    "the truth"
+    f"pale: the true error is less than {WELL_KNOWN:g} times the uncertainty of the reference "
+    "solution\npeak pressure, points on a falling line: drumlin states 100 %, the peak is not known"
 )
-"""Note above a figure that explains its pale points."""
+"""Note above a figure that explains its pale points and its errors of 100 %."""
 
 
 def plot_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
@@ -49,7 +49,7 @@ def plot_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
                 drawn = axes
             axes.axhline(1.0, color=INK, lw=1)
             axes.set_title(PANEL_TITLES[name])
-            axes.set_xlabel("true error")
+            axes.set_xlabel("true error [%]")
             axes.set_ylabel("stated over true error")
         if drawn is not None:
             draw_legend_below_figure(figure, drawn)
@@ -77,14 +77,14 @@ def _plot_error_points_and_return_whether_any_exist(
                 continue
             true, ratios = zip(*points, strict=True)
             axes.loglog(
-                true,
+                100 * np.array(true),
                 ratios,
                 marker=mark,
                 color=color,
                 alpha=0.8 if known else 0.25,
                 ls="",
                 ms=4,
-                label=f"tolerance {tolerance:g}" if known else None,
+                label=f"tolerance {100 * tolerance:g} %" if known else None,
             )
             drawn = True
     return drawn
@@ -150,7 +150,7 @@ def plot_errors_over_unknowns_of_levels(rows: Sequence[Mapping[str, Any]]) -> Fi
                 (4, 5),
                 textcoords="offset points",
             )
-        axes.set_xlabel("(unknowns of a shoe)$^{1/3}$")
+        axes.set_xlabel("cube root of the unknowns of a shoe")
         axes.set_ylabel("relative error")
         draw_legend_below_figure(figure, axes)
     return figure

@@ -154,6 +154,12 @@ def draw_figures(result: Result, folder: Path) -> None:
     stiff, flexible = panels.values()
     pressures = figures.draw_pressure_along_lining_of_each_shoe(stiff)
     figures.save_figure_as_files(pressures, folder / "pressure")
+    # The first panels, of one rotation, are the picture at the top of README.
+    one_rotation = stiff[: len(result.comparisons[0].brake.shoes)]
+    figures.save_figure(
+        figures.draw_pressure_along_lining_of_each_shoe(one_rotation),
+        folder / "pressure_one_rotation.png",
+    )
     figures.save_figure(
         figures.draw_pressure_along_lining_of_each_shoe(flexible), folder / "pressure_flexible.svg"
     )

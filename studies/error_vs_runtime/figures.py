@@ -80,7 +80,8 @@ LOOKS = {
 """Marker and colour of each omission."""
 LEAST = 1e-6
 """Relative change below which an omission is not drawn."""
-CHANGES = (("shoes", "shoes' torques (sum of sizes)"), ("pressure", "pressure p (L2, worst shoe)"))
+CHANGES = (("shoes", "torques of the shoes"), ("pressure", "pressure (L2), worst shoe"))
+"""The changes that are drawn, and what changes in each panel."""
 
 
 def draw_error_over_time(
@@ -194,7 +195,7 @@ def draw_predicted_changes(rows: Sequence[Mapping[str, Any]]) -> Figure:
     drawn. rows : from `omission_table.table_rows_for_each_part_omitted_from_brake`.
     """
     with mpl.rc_context(STYLE):
-        figure = make_figure_for_print(3.2)
+        figure = make_figure_for_print(4.1)
         grid = figure.subplots(1, len(CHANGES))
         for axes, (key, title) in zip(grid, CHANGES, strict=True):
             for part, (marker, color) in LOOKS.items():
@@ -232,6 +233,10 @@ def draw_predicted_changes(rows: Sequence[Mapping[str, Any]]) -> Figure:
             h.get_label(): h for axes in grid for h in axes.get_lines() if h.get_marker() != "None"
         }
         figure.legend(
-            handles.values(), handles.keys(), loc="outside right center", title="left out"
+            handles.values(),
+            handles.keys(),
+            loc="outside lower center",
+            ncols=4,
+            title="what is left out",
         )
     return figure

@@ -7,7 +7,10 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 _WRONG_TEXTS = {
-    "a control code of a terminal": re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f]|\[(?:\d+;)*\d+m"),
+    "a control code of a terminal": re.compile(
+        r"[\x00-\x08\x0b\x0c\x0e-\x1f]|\[(?:\d+;)*\d+m|\?25[hl]"
+    ),
+    "a spinner": re.compile("[\u2800-\u28ff]"),
     "a figure that is not drawn": re.compile(r"<Figure size|<Axes: |<[\w.]+ object at 0x"),
     "a command of TeX": re.compile(r"</?m[ion]>\\"),
 }

@@ -2,6 +2,7 @@
 
 import sys
 from html import escape
+from pathlib import Path
 from typing import Any
 
 import latex2mathml.converter
@@ -43,6 +44,8 @@ html_use_index = False
 html_css_files = ["manual.css"]
 html_js_files = ["copy.js"]
 html_static_path = ["static"]
+# A search lists pages of modules last. Sphinx opens the file from the current folder.
+html_search_scorer = str(Path(__file__).with_name("static") / "scorer.js")
 html_math_renderer = "mathml"
 
 

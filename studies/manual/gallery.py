@@ -1,14 +1,17 @@
 """The pages of the example brakes: a gallery of all, and the examples of each kind of brake."""
 
+import io
 import re
 import tomllib
 from collections.abc import Callable
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 
 import drumlin
+from drumlin.cli.answer import print_response
 from drumlin.models import applicable_models
 from drumlin.report.drawing import draw_brake
 from drumlin.report.figures import save_figure
@@ -75,7 +78,7 @@ def example_pages(say: Callable[[str], None] = lambda _: None) -> dict[str, str]
 def draw_examples(folder: Path) -> None:
     """Draw each example brake into a file NAME.png of `folder`."""
     for name in paths_of_example_brakes():
-        figure, axes = plt.subplots(figsize=(PICTURE_WIDTH, PICTURE_WIDTH))
+        figure, axes = plt.subplots(figsize=(PICTURE_WIDTH, PICTURE_WIDTH), layout="constrained")
         draw_brake(axes, drumlin.example(name))
         save_figure(figure, folder / f"{name}.png")
         plt.close(figure)
@@ -95,19 +98,21 @@ def _gallery_text() -> str:
 
 
 def _section_of_example(name: str, path: Path) -> str:
-    """What an example is and shows, its picture, the commands that solve it, and the answer."""
+    """What an example is and shows, its picture, the commands that solve it, and their output."""
     text = path.read_text(encoding="utf-8")
     title = tomllib.loads(text)["title"]
     about = " ".join(re.findall(r"(?m)^# (.*)$", text.partition("title")[0]))
     model = _model_of_example(name)
-    # The error of plane stress is not printed here, and would take as long as the solve.
-    answer = drumlin.solve(drumlin.example(name), model, model_error=model != "fem")
+    brake = drumlin.example(name)
+    printed = io.StringIO()
+    with redirect_stdout(printed):
+        print_response(brake, drumlin.solve(brake, model))
     option = "" if model == "fem" else f" --model {model}"
     return (
         f"\n({name})=\n\n## {title[0].upper() + title[1:]}\n\nIt shows {EXAMPLES[name].shows}.\n\n"
         f":::{{container}} brake-picture\n![{title}](../pictures/{name}.png)\n:::\n\n{about}\n\n"
         f"```sh\ndrumlin init {name} > my.toml\ndrumlin solve my.toml{option}\n```\n\n"
-        f"```text\n{answer}\n```\n"
+        f"```text\n{printed.getvalue().rstrip()}\n```\n"
     )
 
 

@@ -202,7 +202,7 @@ def draw_histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
         axes.plot(
             [], [], "|-", color=FAINT, ms=10, mew=2, lw=2, label="5th, 50th and 95th percentile"
         )
-        grid[0].set_ylabel("density, linear from 0")
+        grid[0].set_ylabel("probability density")
         draw_legend_below_figure(figure, grid[-1])
     return figure
 

@@ -74,7 +74,7 @@ def _draw_map_panel(axes: Axes, chart: PlaneErrorMap, key: str, title: str) -> A
     digits = 1 if np.abs(error).max() >= TWO_DIGITS_BELOW else 2
     sign = "+" if key in {"torque", "corrected_torque"} else ""
     for j, i in np.ndindex(*error.shape):
-        said = number_as_text(float(error[j, i]), f"{sign}.{digits}f")
+        said = number_as_text(float(error[j, i]), f"{sign}.{digits}f").replace("-", "−")
         color = "white" if abs(error[j, i]) > 5 else INK
         axes.text(i, j, said, ha="center", va="center", fontsize=SMALL_TEXT_SIZE, color=color)
     x, y = chart.axes
@@ -114,7 +114,7 @@ def draw_face_pressures(three: SolidAndPlane, worn: WornSolid) -> Figure:
                 helps = "assists" if shoe.self_energising else "opposes"
                 axes.set_title(f"{shoe.name}, friction {helps}, {state}")
                 axes.set_xlabel("angle on the drum θ [deg]")
-                axes.set_ylabel("z [mm]")
+                axes.set_ylabel("across the width z [mm]")
         figure.colorbar(drawn, ax=list(grid.flat), label="pressure p [MPa]", shrink=0.8)
     return figure
 

@@ -12,6 +12,7 @@ from drumlin.base.texts import number_as_text
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
 from drumlin.report.figures import (
+    FORMULA_TEXT_SIZE,
     SMALL_TEXT_SIZE,
     STYLE,
     draw_legend_below_figure,
@@ -224,7 +225,7 @@ def draw_error_maps(
                 for i, y in enumerate(one.y):
                     for j, x in enumerate(one.x):
                         color = "white" if region[i, j] == 0 else INK
-                        said = number_as_text(one.error[i, j] * 100, "+.0f")
+                        said = number_as_text(one.error[i, j] * 100, "+.0f").replace("-", "−")
                         axes.text(
                             x,
                             y,
@@ -241,9 +242,10 @@ def draw_error_maps(
                 # The model and the lining stand in two lines, since the panels are narrow.
                 axes.set_title("\n".join(one.title.rsplit(", ", 1)))
                 axes.label_outer()
-            line[0].set_ylabel(r"ring: $k R^4/EI_\mathrm{r}$ [–]")
+            label = r"ring: $k R^4/EI_\mathrm{r}$ [–]"
+            line[0].set_ylabel(label, fontsize=FORMULA_TEXT_SIZE)
         for axes in grid[-1]:
-            axes.set_xlabel(r"beam: $k R^4/EI$ [–]")
+            axes.set_xlabel(r"beam: $k R^4/EI$ [–]", fontsize=FORMULA_TEXT_SIZE)
         words = ("within 1 %", "within 5 %", "within 20 %", "beyond 20 %")
         handles = []
         for shade, word in zip(GRADES, words, strict=True):

@@ -1,5 +1,6 @@
 """Printing for a person at the terminal: lines of an answer, progress bars and tables."""
 
+import os
 import shutil
 import sys
 import time
@@ -105,6 +106,15 @@ def _turn_output_faults_into_drumlin_errors() -> Iterator[None]:
         raise exception_for_unusable_file("standard output", "written", error) from error
 
 
+def can_terminal_show_progress() -> bool:
+    """Whether standard error is a terminal in which a line can be replaced by the next one.
+
+    A notebook seems to be a terminal to the commands in its cells, but prints their control codes.
+    """
+    is_cell_of_notebook = "JPY_PARENT_PID" in os.environ
+    return sys.stderr.isatty() and not is_cell_of_notebook
+
+
 SECONDS_BEFORE_PROGRESS_BAR = 2.0
 """Seconds after which `show_progress_bar_if_long` shows a bar.
 
@@ -141,10 +151,10 @@ def show_progress_bar(words: str) -> Iterator[Callable[[int, int], None]]:
     """Show a progress bar with the time left while the block runs, on a terminal.
 
     `words` stand before the bar. The `with` statement gives a function that the block calls with
-    the number of finished cases and the number of all cases. Without a terminal at standard error
-    nothing is shown.
+    the number of finished cases and the number of all cases. Nothing is shown where
+    `can_terminal_show_progress` is false.
     """
-    if not sys.stderr.isatty():
+    if not can_terminal_show_progress():
         yield lambda finished, of: None
         return
     from rich.console import Console
@@ -169,11 +179,11 @@ def show_progress_bar(words: str) -> Iterator[Callable[[int, int], None]]:
 
 @contextmanager
 def show_spinner_beside_words(words: str) -> Iterator[Callable[[str], None]]:
-    """Show a spinner beside `words` while the block runs, if standard error is a terminal.
+    """Show a spinner beside `words` while the block runs, if `can_terminal_show_progress`.
 
     The `with` statement gives a function that the block calls with new words for its next task.
     """
-    if not sys.stderr.isatty():
+    if not can_terminal_show_progress():
         yield lambda words: None
         return
     from rich.console import Console

@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
+from matplotlib.ticker import LogFormatter, LogFormatterMathtext
 
 from drumlin.base.arrays import Floats
 from drumlin.base.files import temporary_file_replacing_output
@@ -31,6 +32,15 @@ TEXT_SIZE, SMALL_TEXT_SIZE = 8.0, 7.0
 
 Journals ask for at least 6 to 7 points. Numbers in the fields of a map have the small size.
 """
+
+FORMULA_TEXT_SIZE = SMALL_TEXT_SIZE / 0.7
+"""Size [points] of a label with exponents or indices, so that these have SMALL_TEXT_SIZE.
+
+Matplotlib draws exponents and indices of formulas at 0.7 of the size of the formula.
+"""
+
+PLAIN_NUMBERS = 1e-3, 1e4
+"""Least and largest power of ten that is written with all digits; others are written like 1e-7."""
 
 LINE_HEIGHT_OF_TITLE, GAP_AROUND_TITLE = 0.16, 0.09
 """Height of each line of a picture's title, and the gaps above and below it together [inches].
@@ -106,12 +116,44 @@ def make_figure_for_print(height: float, width: float = FULL_WIDTH) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
+class PlainLogFormatter(LogFormatter):
+    """Numbers at the ticks of a logarithmic axis as plain text: 0.001, 10, 1e-7.
+
+    Matplotlib's own powers of ten have exponents that are too small in print.
+    """
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """The text at a tick; it is empty where matplotlib leaves a tick without a number."""
+        return plain_number(x) if super().__call__(x, pos) else ""
+
+
+def plain_number(value: float) -> str:
+    """A number at a tick, with all digits within PLAIN_NUMBERS, and else like 1e-7."""
+    if value == 0 or PLAIN_NUMBERS[0] <= abs(value) * (1 + 1e-9) <= PLAIN_NUMBERS[1] * (1 + 2e-9):
+        return f"{value:.6g}"
+    digits, exponent = f"{value:.6e}".split("e")
+    return f"{float(digits):g}e{int(exponent)}"
+
+
+def number_logarithmic_axes_plainly(figure: Figure) -> None:
+    """Write plain numbers at the ticks of all axes that have powers of ten with exponents."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if isinstance(axis.get_major_formatter(), LogFormatterMathtext):
+                axis.set_major_formatter(PlainLogFormatter())
+            if isinstance(axis.get_minor_formatter(), LogFormatterMathtext):
+                axis.set_minor_formatter(PlainLogFormatter())
+
+
 def save_figure(figure: Figure, path: Path) -> Path:
     """Write a figure into a file whole or not at all; returns `path`.
+
+    Logarithmic axes get plain numbers, because exponents are too small in print.
 
     The ending of the path chooses the format. Equal figures give identical files. A character that
     the font does not have is drawn as a box. A figure for print says its width in the file.
     """
+    number_logarithmic_axes_plainly(figure)
     metadata: dict[str, str | None] = {}
     is_for_print = figure.get_figwidth() in {COLUMN_WIDTH, FULL_WIDTH}
     if is_for_print and path.suffix in {".png", ".svg"}:

@@ -17,6 +17,9 @@ POINTS_PER_PIECE = 20
 More points do not change a small plot.
 """
 
+TOP_OVER_PEAK = 1.12
+"""Upper end of the axis of a plot, over the largest peak pressure: figures of reports have it."""
+
 
 def text_of_contact_arcs(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
     """The contact arcs of a shoe as text, in degrees, on a plane in mm; "none" without contact."""
@@ -67,7 +70,9 @@ def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: s
     """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
 
     The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. In the
-    legend `prefix` stands before the name of the shoe. The function returns the axes.
+    legend `prefix` stands before the name of the shoe. The vertical axis ends above the largest
+    peak pressure: the unbounded pressure at a sharp edge of a lining is cut. The function returns
+    the axes.
     """
     if axes is None:
         # matplotlib is loaded only when something is drawn.
@@ -75,7 +80,9 @@ def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: s
 
         _, axes = plt.subplots()
     surface = response.surface
+    top = axes.get_ylim()[1] if axes.has_data() else 0.0
     for shoe in response.shoes:
+        top = max(top, TOP_OVER_PEAK * shoe.peak_pressure * 1e-6)
         ends = shoe.theta[:: shoe.order]
         pieces = [np.linspace(a, b, POINTS_PER_PIECE) for a, b in pairwise(ends)]
         theta = np.unique(np.concatenate(pieces))
@@ -85,6 +92,8 @@ def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: s
     axes.set(
         xlabel=surface.axis, ylabel="pressure p [MPa]", title=_title_line_of_response(response)
     )
+    if top > 0:
+        axes.set_ylim(0, top)
     axes.legend()
     return axes
 
