@@ -272,5 +272,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "JUMP": ROUND_OFF,
     },
     "response/self_locking.py": {"WARNED_SHARE": SAID},
-    "response/show.py": {"POINTS_PER_PIECE": "points of a small picture"},
+    "response/show.py": {
+        "POINTS_PER_PIECE": "points of a small picture",
+        "TOP_OVER_PEAK": "room above the curves of a picture",
+    },
 }

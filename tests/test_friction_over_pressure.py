@@ -1,7 +1,6 @@
 """Friction that depends on pressure, speed and temperature: closed forms, equilibria, refusals."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -33,16 +32,9 @@ from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.stated_true import true_errors_of_response
 from flat_pads import pad
+from friction_tables import EVEN, FALLING, KINKED, over_pressure
 from shared_forces import cam_brake, servo
 from winkler_lining import FORCE, PIN, RADIUS, WIDTH, K, winkler
-
-FALLING: dict[str, Any] = {"pressure": ["0 MPa", "1 MPa"], "mu": [0.45, 0.3]}
-KINKED: dict[str, Any] = {"pressure": ["0 MPa", "0.3 MPa", "1 MPa"], "mu": [0.4, 0.42, 0.25]}
-EVEN = {"pressure": ["0 MPa", "1 MPa"], "mu": [0.35, 0.35]}
-
-
-def over_pressure(brake, table=FALLING, **changes):
-    return vary(brake, {"friction": table} | changes)
 
 
 def on_mesh(brake):

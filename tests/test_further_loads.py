@@ -19,16 +19,19 @@ from drumlin.fem.solve import solve
 from drumlin.laws.rigid import solve_brake_by_rigid_shoe_law
 from drumlin.peers.getfem import solve_brake_in_getfem_process
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS, solve_brake_on_one_triangle_mesh
-from further_loads import BODY, FORCE, SUPPORTS, R, brake_with, moment, single_force, two_shoes
+from further_loads import (
+    BODY,
+    FORCE,
+    PULL,
+    SUPPORTS,
+    R,
+    brake_with,
+    moment,
+    single_force,
+    two_shoes,
+)
 
 ACTUATION = {"force": 1000.0, "direction": 0.0, "point": {"x": 0.02, "y": 0.08}}
-PULL = {
-    "shoe": "right",
-    "to": "left",
-    "point": {"x": 0.05, "y": 0.03},
-    "end": {"x": -0.05, "y": 0.03},
-    "preload": 100.0,
-}
 TO_FRAME = {"shoe": "shoe", "point": {"x": 0.05, "y": 0.03}, "end": {"x": -0.02, "y": 0.03}}
 ELEMENTS = 16
 

@@ -28,10 +28,9 @@ from drumlin.fem.solve import solve
 from drumlin.lining_wear.archard import WearLaw, wear_linings_over_sliding_distance
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from flat_pads import pad
-from further_loads import two_shoes
+from friction_tables import EVEN, FALLING, KINKED, over_pressure
+from further_loads import PULL, two_shoes
 from shared_forces import cam_brake, servo
-from test_friction_over_pressure import EVEN, FALLING, KINKED, over_pressure
-from test_further_loads import PULL
 
 SOFT = PULL | {"rate": 1e5}
 STIFF = PULL | {"rate": 1e6}
