@@ -61,7 +61,7 @@ def test_a_stiff_shoe_with_a_thin_lining_returns_to_the_sine_law(rotation):
         assert np.linalg.norm(b.hinge_reaction - a.hinge_reaction) < 5e-3 * np.linalg.norm(
             a.hinge_reaction
         )
-        phi = spec.frame.phi(b.theta)
+        phi = spec.frame.phi_of_surface_coordinates(b.theta)
         inside = (phi > phi.min() + 0.1) & (phi < phi.max() - 0.1)
         ratio = b.pressure[inside] / np.sin(phi[inside])
         assert np.ptp(ratio) < 0.01 * ratio.mean()
@@ -113,14 +113,14 @@ def test_a_clearance_opens_the_contact_and_stays_complementary():
 
 def test_torque_and_pressure_converge(brake):
     result = solve_on_refined_meshes(brake, (20, 40, 80, 160))
-    limit = result.torque
+    limit = result.extrapolated_torque
     assert limit.uncertainty < 1e-5 * limit.value
     assert abs(result.responses[-1].torque / limit.value - 1) < 2e-6
     for shoe in (0, 1):
         steps = result.relative_pressure_distances_between_meshes(shoe)
         for a, b in pairwise(steps):
             assert b < a / 1.9
-        order, error = result.pressure(shoe)
+        order, error = result.order_and_error_of_pressure(shoe)
         assert order > 1.9
         assert error < 1e-3
 

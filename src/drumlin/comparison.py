@@ -148,14 +148,14 @@ class TableColumn(NamedTuple):
     heading : heading of the column
     unit : unit in which the value is shown
     factor : factor that converts the value from SI to this unit
-    form : format specification of the number, such as ".4g"
+    format_of_value : format specification of the number, such as ".4g"
     """
 
     key: str
     heading: str
     unit: str = ""
     factor: float = 1.0
-    form: str = ".4g"
+    format_of_value: str = ".4g"
 
     def text(self, row: dict[str, Any]) -> str:
         """The text of this column's cell in a row; a dash if the row has no value."""
@@ -165,7 +165,9 @@ class TableColumn(NamedTuple):
         if not isinstance(value, int | float):
             return str(value)
         # A product with 1.0 would turn an integer into a float, which is written otherwise.
-        return number_as_text(value if self.factor == 1 else value * self.factor, self.form)
+        return number_as_text(
+            value if self.factor == 1 else value * self.factor, self.format_of_value
+        )
 
     @property
     def title(self) -> str:
@@ -216,7 +218,11 @@ def comparison_table_rows(
     table: list[dict[str, Any]] = []
     # Each row begins with the case and the model; the values follow.
     for outcome in outcomes:
-        base = {"case": case or brake.title, "rotation": brake.sense, "model": outcome.model}
+        base = {
+            "case": case or brake.title,
+            "rotation": brake.direction_as_text_in_tables,
+            "model": outcome.model,
+        }
         if outcome.response is None:
             status = f"failed: {outcome.failure}"
             table.append({**base, "shoe": "all", "seconds": outcome.seconds, "status": status})
@@ -287,7 +293,7 @@ def length_of_uncompared_zone_at_lining_end(brake: Brake) -> float:
 
     It is an angle [rad] on a drum and a length [m] on a plane.
     """
-    return EDGE_ZONE * brake.unit
+    return EDGE_ZONE * brake.surface_coordinate_per_phi
 
 
 def comparison_columns_for_brake(brake: Brake) -> tuple[TableColumn, ...]:
@@ -301,8 +307,8 @@ def comparison_columns_for_brake(brake: Brake) -> tuple[TableColumn, ...]:
         return COLUMNS
     # The keys are the same for drum and plane, so that programs can read both kinds of table.
     words: dict[str, dict[str, Any]] = {
-        "rotation": {"heading": surface.moving},
-        "torque": {"heading": surface.effect, "unit": surface.effect_unit},
+        "rotation": {"heading": surface.name_of_moving_body},
+        "torque": {"heading": surface.word_for_effect, "unit": surface.effect_unit},
         "torque_error": {"heading": "error of the force"},
         "contact": {"unit": surface.shown_unit},
     }
@@ -465,7 +471,7 @@ class Convergence:
     responses: tuple[Response, ...]
 
     @property
-    def torque(self) -> Extrapolated:
+    def extrapolated_torque(self) -> Extrapolated:
         """The torque of the brake [N m] extrapolated from the three finest meshes to its limit."""
         return richardson_limit_from_three_meshes(
             *(response.torque for response in self.responses[-3:])
@@ -479,7 +485,7 @@ class Convergence:
         pairs = pairwise(self.responses)
         return [relative_distance_of_pressures(a.shoes[shoe], b.shoes[shoe]) for a, b in pairs]
 
-    def pressure(self, shoe: int) -> tuple[float, float]:
+    def order_and_error_of_pressure(self, shoe: int) -> tuple[float, float]:
         """Observed order of convergence of a shoe's pressure, and its error on the finest mesh.
 
         `shoe` is the index of the shoe. The error is the relative L2 distance of the pressure on

@@ -217,7 +217,7 @@ def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
     name of each shoe the relative change of the pressure to the next finer mesh. The finest mesh
     has None in place of this change.
     """
-    limit = convergence.torque.value
+    limit = convergence.extrapolated_torque.value
     rows: list[Row] = []
     for n, response in zip(convergence.elements, convergence.responses, strict=True):
         row: Row = {
@@ -256,7 +256,9 @@ def rows_comparing_sine_law_with_rigid_shoe_solves(brake: Brake, elements: int) 
         # The free ends of an elastic lining disturb its pressure over a length of some five
         # thicknesses.
         edge = 5 * spec.lining.thickness / rigid.size
-        ratio = pressure_over_sine_of_hinge_angle(spec.frame.phi(b.theta), b, edge)
+        ratio = pressure_over_sine_of_hinge_angle(
+            spec.frame.phi_of_surface_coordinates(b.theta), b, edge
+        )
         rows.append(
             {
                 "rotation": brake.direction,

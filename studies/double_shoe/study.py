@@ -94,7 +94,7 @@ def report(result: Result, folder: Path) -> Path:
         for row in comparison.rows:
             rows.append(row)
     meshes = torque_convergence_rows_of_meshes(result.convergence)
-    limit = result.convergence.torque
+    limit = result.convergence.extrapolated_torque
     write_text(folder / "results.csv", table_as_csv_text(rows))
     extra = {
         "rigid_limit": result.limit,
@@ -123,7 +123,7 @@ def report(result: Result, folder: Path) -> Path:
             missed[row["case"]] = row["torque_error"]
     orders = []
     for i in range(2):
-        orders.append(result.convergence.pressure(i))
+        orders.append(result.convergence.order_and_error_of_pressure(i))
     brakes = {}
     for name in FILES:
         brakes[f"studies/double_shoe/{name}"] = (HERE / name).read_text()
@@ -168,7 +168,7 @@ def draw_figures(result: Result, folder: Path) -> None:
             )
         )
     steps["torque, from its limit"] = [
-        (n, abs(relative_error_of_number(r.torque, convergence.torque.value)))
+        (n, abs(relative_error_of_number(r.torque, convergence.extrapolated_torque.value)))
         for n, r in zip(convergence.elements, convergence.responses, strict=True)
     ]
     figures.save_figure(

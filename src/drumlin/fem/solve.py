@@ -282,7 +282,7 @@ def finest_model_with_stated_errors(
             return FinestModel(
                 prepared_model_of_mesh_files(brake, MESH_LEVELS.levels[1], cache=cache)
             )
-        return FinestModel(solved.scene, solved.response.error)
+        return FinestModel(solved.prepared_model, solved.response.error)
     if not _is_brake_solved_on_hp_element_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         kind = kind or DEFAULT_KIND
@@ -294,7 +294,7 @@ def finest_model_with_stated_errors(
         )
     except NoAnswer:
         return FinestModel(make_prepared_model(brake, LEVELS[1], cache=cache))
-    return FinestModel(solved.scene, solved.response.error)
+    return FinestModel(solved.prepared_model, solved.response.error)
 
 
 def require_element_options_have_effect(

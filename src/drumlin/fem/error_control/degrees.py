@@ -302,8 +302,10 @@ def _estimated_errors_on_last_mesh_level(
     *former, before, last = responses
     moved = relative_differences_of_responses_on_two_levels(brake, before, last)
     if former:
-        steps = relative_differences_of_responses_on_two_levels(brake, former[-1], before).steps
-        moved = moved._replace(steps=moved.steps + FORMER_SHARE * steps)
+        steps = relative_differences_of_responses_on_two_levels(
+            brake, former[-1], before
+        ).differences
+        moved = moved._replace(differences=moved.differences + FORMER_SHARE * steps)
     factors = _factors_of_error_estimate(brake)
     errors = estimate_errors_from_response_differences(moved, last, factors, shape)
     return errors_with_singular_points_and_text_on_short_contacts(errors, brake, last)[0]
@@ -379,21 +381,24 @@ def _errors_by_change_of_shape(
     prepare_changed : function that makes the prepared model of a level with the other shape
     cause : words that name the other shape if it has no solution
     """
-    level = solved.scene.level
+    level = solved.prepared_model.level
     assert level is not None
     try:
-        scene = prepare_changed(level, solved.scene.points)
+        scene = prepare_changed(level, solved.prepared_model.points)
         changed = respond(scene, brake, start=solved.response)
     except NoAnswer as refusal:
         raise NoAnswer(f"{cause}: {refusal}") from refusal
     moved = relative_differences_of_responses_on_two_levels(brake, changed, solved.response)
-    torque, of_shoes = moved.steps[:1], moved.steps[1:].reshape(-1, len(QUANTITIES)).copy()
+    torque, of_shoes = (
+        moved.differences[:1],
+        moved.differences[1:].reshape(-1, len(QUANTITIES)).copy(),
+    )
     pressure, peak = (QUANTITIES.index(name) for name in ("pressure", "peak"))
     # The difference of a peak may be small by accident; it counts as at least the difference of p.
     of_shoes[:, peak] = of_shoes[:, [pressure, peak]].max(axis=1)
     steps = np.concatenate([torque, of_shoes.ravel()])
     factors = SHAPE_FACTORS.safety_factors_of_level_differences(len(brake.shoes))
-    return factors * steps + SHAPE_FACTORS.cancelled * moved.chance
+    return factors * steps + SHAPE_FACTORS.cancelled * moved.changes_with_random_signs
 
 
 def _errors_due_to_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Floats:
