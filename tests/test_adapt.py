@@ -24,7 +24,7 @@ CLEARANCE = {"shoe.lining.clearance": 1e-4}
 def contact_ends(brake, response):
     """Angles [rad] of the ends of contact inside the linings, each in the frame of its shoe."""
     phi = [
-        float(shoe.frame.phi(end))
+        float(shoe.frame.phi_of_surface_coordinates(end))
         for shoe, answer in zip(brake.shoes, response.shoes, strict=True)
         for arc in answer.contact_arcs
         for end in arc

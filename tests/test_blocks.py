@@ -62,7 +62,7 @@ def test_columns_at_steps_shrink_with_the_levels_where_the_lining_presses_and_no
     """
     brake = blocks.brake_of(12)
     shoe, R = brake.shoes[0], brake.size
-    (start, end), step = shoe.arc, shoe.lining.step
+    (start, end), step = shoe.arc, shoe.lining.length_of_step_between_blocks
     middle = 0.5 * (start + end)
     counts = {}
     for kind in (Singularity.STEP, Singularity.OPEN_STEP):
@@ -72,7 +72,7 @@ def test_columns_at_steps_shrink_with_the_levels_where_the_lining_presses_and_no
         ]
         for own in angles:
             for point in places:
-                assert np.abs(own - point.at).min() < 1e-12
+                assert np.abs(own - point.position).min() < 1e-12
         counts[kind] = [np.count_nonzero(np.abs(own - middle) < 0.49 * step) for own in angles]
     assert set(counts[Singularity.OPEN_STEP]) == {1}
     assert (
@@ -90,7 +90,7 @@ def test_an_end_of_the_contact_beside_a_step_ends_a_column() -> None:
     """
     brake = blocks.brake_of(12)
     shoe, R = brake.shoes[0], brake.size
-    step, middle = shoe.lining.step, 0.5 * sum(shoe.arc)
+    step, middle = shoe.lining.length_of_step_between_blocks, 0.5 * sum(shoe.arc)
     for level in LEVELS[1:]:
         contact = middle + 0.1 * step
         places = [

@@ -248,7 +248,7 @@ def test_the_frame_of_a_shoe_and_back_is_the_identity_and_keeps_lengths(origin, 
     )
     # The ray phi = 0.3 lies at theta = origin + sense 0.3.
     ray = np.array([math.cos(0.3), math.sin(0.3)])
-    theta = float(frame.theta(np.array(0.3)))
+    theta = float(frame.surface_coordinates_of_phi(np.array(0.3)))
     assert frame.convert_vectors_from_shoe_to_brake_frame(ray) == pytest.approx(
         [math.cos(theta), math.sin(theta)], abs=1e-12
     )

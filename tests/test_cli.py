@@ -420,6 +420,9 @@ def test_an_unknown_study_is_refused_by_name():
 
 def test_wide_letters_do_not_shift_the_columns_of_a_table():
     names = ["日本語", "a\u0301b", "left"]
-    columns = [Column("shoe", "shoe", names, left=True), Column("torque", "T", ["1", "2", "3"])]
+    columns = [
+        Column("shoe", "shoe", names, is_left_aligned=True),
+        Column("torque", "T", ["1", "2", "3"]),
+    ]
     lines = _lines_of_printed_table(columns)
     assert lines == ["shoe    T", "日本語  1", "a\u0301b      2", "left    3"]

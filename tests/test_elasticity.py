@@ -136,7 +136,7 @@ def test_stresses_are_those_of_the_matrix_in_the_layers_directions(name):
     layer, random = LAYERS[name], np.random.default_rng(3)
     points, H = random.uniform(0.1, 0.2, (2, 5)), random.standard_normal((2, 2, 5))
     t, n = directions(layer, points)
-    assert layer.directions(points) == pytest.approx(t, abs=1e-14)
+    assert layer.unit_vectors_along_layer(points) == pytest.approx(t, abs=1e-14)
     assert unit_vectors_through_thickness_of_layers(t) == pytest.approx(n, abs=1e-14)
     eps = 0.5 * (H + H.swapaxes(0, 1))
 
@@ -188,7 +188,7 @@ def bent_elements(p):
 
 def along_at(layer, xy, p):
     return np.moveaxis(
-        layer.directions(np.moveaxis(hp.gauss_points_of_elements(xy, p), 1, 0)), 0, 1
+        layer.unit_vectors_along_layer(np.moveaxis(hp.gauss_points_of_elements(xy, p), 1, 0)), 0, 1
     )
 
 
@@ -196,7 +196,7 @@ def along_at(layer, xy, p):
 @pytest.mark.parametrize("p", [2, 4, 7])
 def test_elements_of_high_degree_have_the_rotated_stiffness_of_every_point(p, name):
     layer, xy = LAYERS[name], bent_elements(p)
-    matrices = np.tile(layer.stiffness, (len(xy), 1, 1))
+    matrices = np.tile(layer.elasticity_times_width, (len(xy), 1, 1))
     K = hp.plane_stress_stiffness_of_elements(xy, matrices, p, along_at(layer, xy, p))
     gradients, area = hp.shape_function_gradients_and_gauss_areas(xy, p)
     points = np.moveaxis(hp.gauss_points_of_elements(xy, p), 1, 0)
@@ -228,11 +228,11 @@ def test_isotropic_elements_beside_directed_ones_stay_what_they_are_alone():
     layer = LAYERS["around"]
     along = along_at(layer, xy, p)
     mixed = hp.plane_stress_stiffness_of_elements(
-        xy, np.array([steel, layer.stiffness, steel]), p, along
+        xy, np.array([steel, layer.elasticity_times_width, steel]), p, along
     )
     alone = hp.plane_stress_stiffness_of_elements(xy, np.tile(steel, (3, 1, 1)), p)
     directed = hp.plane_stress_stiffness_of_elements(
-        xy, np.tile(layer.stiffness, (3, 1, 1)), p, along
+        xy, np.tile(layer.elasticity_times_width, (3, 1, 1)), p, along
     )
     for k, expected in enumerate((alone, directed, alone)):
         assert np.array_equal(mixed[k], expected[k])
@@ -254,7 +254,7 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
         ElasticLayer(D, 0.04, np.array([0.0, 1.0]) if flat else None)
         for D in (DIRECTED, 0.1 * DIRECTED, steel)
     ]
-    matrices = np.array(picked(layers, "stiffness"))
+    matrices = np.array(picked(layers, "elasticity_times_width"))
     angles, radius = half[:, None] * gauss_lobatto_points(p), 0.14
 
     def place(depth, phi):
@@ -281,7 +281,7 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
     )
     nodes = p + 1 if contact else 0
     for K, own, side in zip(theirs, ours, 0.0 * half if flat else half, strict=True):
-        lines = np.full(of.line // 2, side)
+        lines = np.full(of.number_of_side_unknowns // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
         expected = rotate_node_axes_of_matrix(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())

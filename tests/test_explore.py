@@ -223,7 +223,7 @@ def test_a_lining_is_not_worn_beyond_its_thickness():
     explorer = Explorer(thin)
     most = knob(explorer, "wear").high
     answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, wear=most))
-    assert answer.found is None
+    assert answer.fem_response is None
     assert "worn out" in answer.failure
 
 
@@ -238,7 +238,7 @@ def test_what_is_kept_changes_no_answer(explorer):
     for setting in [*path, *reversed(path)]:
         assert (
             explorer.fem_and_law_answer_at_slider_setting(setting).found.torque
-            == Explorer(brake).fem_and_law_answer_at_slider_setting(setting).found.torque
+            == Explorer(brake).fem_and_law_answer_at_slider_setting(setting).fem_response.torque
         )
 
 
@@ -279,27 +279,29 @@ def test_self_locking_is_said_and_its_distance(explorer):
     beyond = locked.fem_and_law_answer_at_slider_setting(turned(locked, friction=1.3))
     assert "self-locking" in beyond.failure
     assert "self-locking" in beyond.law_failure
-    assert beyond.found is None
+    assert beyond.fem_response is None
 
 
 def test_a_picture_shows_the_pressure_it_is_of(explorer):
     answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, force=6.0))
     picture = picture_of_brake_at_slider_setting(answer, explorer.brake)
-    assert picture.scale == 5
+    assert picture.highest_pressure_of_scale == 5
     for shoe, curve in zip(answer.found.shoes, picture.fem, strict=True):
         area = integral_of_piecewise_polynomial(
             shoe.theta, np.maximum(shoe.pressure, 0), shoe.order
         )
-        assert np.trapezoid(curve.p * 1e6, np.radians(curve.at)) == pytest.approx(area, rel=5e-3)
+        assert np.trapezoid(curve.p * 1e6, np.radians(curve.positions)) == pytest.approx(
+            area, rel=5e-3
+        )
         assert curve.p.min() >= 0
-        sent = pressure_curve_as_whole_numbers(curve, picture.scale)
-        assert np.array(sent["at"]) * 1e-3 == pytest.approx(curve.at, abs=6e-4)
-        assert np.array(sent["p"]) * 1e-4 * picture.scale == pytest.approx(
-            curve.p, abs=6e-5 * picture.scale
+        sent = pressure_curve_as_whole_numbers(curve, picture.highest_pressure_of_scale)
+        assert np.array(sent["at"]) * 1e-3 == pytest.approx(curve.positions, abs=6e-4)
+        assert np.array(sent["p"]) * 1e-4 * picture.highest_pressure_of_scale == pytest.approx(
+            curve.p, abs=6e-5 * picture.highest_pressure_of_scale
         )
     for shoe, curve in zip(answer.law.shoes, picture.law, strict=True):
         assert curve.p * 1e6 == pytest.approx(
-            shoe.pressure_at(np.radians(curve.at)), rel=1e-6, abs=1.0
+            shoe.pressure_at(np.radians(curve.positions)), rel=1e-6, abs=1.0
         )
     torques = [row[2] for row in picture.rows if row[1] == "finite elements"]
     assert sum(map(float, torques)) == pytest.approx(answer.found.torque, rel=1e-5)
@@ -322,13 +324,13 @@ def test_a_brake_on_a_plane_is_explored_too():
     )
     solved = drumlin.solve(brake)
     assert not answer.failure
-    assert answer.found.effect == pytest.approx(solved.effect, rel=1e-3)
+    assert answer.fem_response.effect == pytest.approx(solved.effect, rel=1e-3)
     other = knob(explorer, "friction")
     changed = turned(explorer, friction=0.5 * other.start)
     expected = drumlin.solve(vary(brake, {"friction": 0.5 * other.start}))
-    assert explorer.fem_and_law_answer_at_slider_setting(changed).found.effect == pytest.approx(
-        expected.effect, rel=1e-3
-    )
+    assert explorer.fem_and_law_answer_at_slider_setting(
+        changed
+    ).fem_response.effect == pytest.approx(expected.effect, rel=1e-3)
     back = brake.opposite_direction_of_motion
     setting, lines = slider_setting_from_link_query(explorer.knobs, brake, {"sliding": back})
     assert (
@@ -337,17 +339,17 @@ def test_a_brake_on_a_plane_is_explored_too():
         == f"sliding={back.replace('+', '%2B')}"
     )
     expected = drumlin.solve(vary(brake, {"plane.sliding": back}))
-    assert explorer.fem_and_law_answer_at_slider_setting(setting).found.effect == pytest.approx(
-        expected.effect, rel=1e-3
-    )
+    assert explorer.fem_and_law_answer_at_slider_setting(
+        setting
+    ).fem_response.effect == pytest.approx(expected.effect, rel=1e-3)
     picture = picture_of_brake_at_slider_setting(answer, brake)
     for shoe, curve in zip(solved.shoes, picture.fem, strict=True):
-        assert np.trapezoid(curve.p, curve.at * 1e-3) * 1e6 == pytest.approx(
+        assert np.trapezoid(curve.p, curve.positions * 1e-3) * 1e6 == pytest.approx(
             integral_of_piecewise_polynomial(shoe.theta, shoe.pressure, shoe.order), rel=5e-3
         )
     assert (
-        f"braking force <b>{answer.found.effect:.6g} N</b>" in picture.head
-        and "-0.0 %" not in picture.head
+        f"braking force <b>{answer.fem_response.effect:.6g} N</b>" in picture.torque_line_as_html
+        and "-0.0 %" not in picture.torque_line_as_html
     )
     for address in ("/", "/picture", "/locking", "/brake.toml?friction=0.2"):
         assert http_reply_to_requested_address(explorer, address, "b").status == 200
@@ -463,7 +465,7 @@ def test_the_saved_file_is_the_brake_that_is_solved(explorer, tmp_path):
     saved = http_reply_to_requested_address(
         explorer, "/brake.toml?friction=0.4&wear=2&turn=5", "mine"
     )
-    assert saved.file == "mine_explored.toml"
+    assert saved.file_name == "mine_explored.toml"
     brake = read_any(tmp_path / "b.toml", saved.text)
     answer = explorer.fem_and_law_answer_at_slider_setting(
         turned(explorer, friction=0.4, wear=2.0, turn=5.0)
@@ -515,7 +517,7 @@ def test_every_example_can_be_explored(path):
     answer = explorer.fem_and_law_answer_at_slider_setting(
         slider_setting_at_brake_file_values(brake)
     )
-    assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
+    assert answer.fem_response.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     assert http_reply_to_requested_address(explorer, "/", "b").status == 200
 
 
@@ -526,11 +528,11 @@ def test_shoes_that_share_a_force_are_explored_by_it(brake):
         slider_setting_at_brake_file_values(brake)
     )
     assert not answer.failure
-    assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
+    assert answer.fem_response.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     force = knob(explorer, "force")
     twice = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, force=2 * force.start))
     # Without a clearance pressures are proportional to the force.
-    assert twice.found.torque == pytest.approx(2 * answer.found.torque, rel=1e-6)
+    assert twice.fem_response.torque == pytest.approx(2 * answer.fem_response.torque, rel=1e-6)
     assert (
         http_reply_to_requested_address(explorer, "/", "b").status
         == http_reply_to_requested_address(explorer, "/picture", "b").status

@@ -59,10 +59,12 @@ def require_equal_up_to_rounding(found, meant):
 def test_the_saved_file_is_the_same_brake_whatever_the_file_was_called(explorer, tmp_path, name):
     saved = http_reply_to_requested_address(explorer, "/brake.toml?friction=0.4", name)
     assert (
-        saved.status == 200 and saved.file.isprintable() and not set(saved.file) & set('/\\:*?"<>|')
+        saved.status == 200
+        and saved.file_name.isprintable()
+        and not set(saved.file_name) & set('/\\:*?"<>|')
     )
     data = saved.text.encode("utf-8", errors="strict")
-    path = tmp_path / saved.file[-100:]
+    path = tmp_path / saved.file_name[-100:]
     path.write_bytes(data)
     assert set(tomllib.loads(data.decode())) == set(
         tomllib.loads((STUDY / "brake.toml").read_text())
@@ -108,9 +110,9 @@ def test_mesh_files_are_found_from_any_folder(tmp_path, monkeypatch, name):
     brake = read_any(Path(name) / "double_shoe.toml")
     saved = http_reply_to_requested_address(Explorer(brake), "/brake.toml", "b")
     (tmp_path / "elsewhere").mkdir()
-    (tmp_path / "elsewhere" / saved.file).write_text(saved.text, encoding="utf-8")
+    (tmp_path / "elsewhere" / saved.file_name).write_text(saved.text, encoding="utf-8")
     monkeypatch.chdir("/")
-    again = read_any(tmp_path / "elsewhere" / saved.file)
+    again = read_any(tmp_path / "elsewhere" / saved.file_name)
     assert picked(again.shoes, "mesh") == [tmp_path / shoe.mesh for shoe in brake.shoes]
     shoes = tuple(
         shoe.model_copy(update={"mesh": mine.mesh})
@@ -125,4 +127,4 @@ def test_a_mesh_that_no_brake_file_can_name_is_refused_in_a_line(tmp_path):
     with pytest.raises(BadInput, match="has bytes that are no UTF-8"):
         brake_file_text(brake)
     saved = http_reply_to_requested_address(Explorer(brake), "/brake.toml", "b")
-    assert saved.status == 422 and "no UTF-8" in saved.text and not saved.file
+    assert saved.status == 422 and "no UTF-8" in saved.text and not saved.file_name

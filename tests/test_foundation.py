@@ -181,7 +181,7 @@ def test_a_stiff_beam_on_a_rigid_drum_turns_as_a_rigid_body(spin):
     assert np.ptp(ratio) < 1e-6 * ratio.mean()
     whole = foundation.solve_brake_by_foundation_model(stiff, lift=["tilt"], sections=1440).shoes[0]
     law = solve_brake_by_sine_law(stiff).shoes[0]
-    phi = stiff.shoes[0].frame.phi(whole.theta)
+    phi = stiff.shoes[0].frame.phi_of_surface_coordinates(whole.theta)
     ratio = whole.pressure / np.sin(phi)
     assert np.ptp(ratio) < 1e-6 * ratio.mean()
     assert whole.torque == pytest.approx(law.torque, rel=3e-6)

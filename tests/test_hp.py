@@ -198,7 +198,7 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
     )
     of = numbering_of_element_column_unknowns(p, layers, contact=True, held=False)
     parts = [
-        ColumnSubstructure(part, of.line, of.line)
+        ColumnSubstructure(part, of.number_of_side_unknowns, of.number_of_side_unknowns)
         for part in condensed_element_column_stiffness(K, of)
     ]
     whole = assemble_and_condense_row_of_element_columns(parts, 2)
@@ -208,7 +208,7 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
         one_by_one = join_and_condense_neighbouring_substructures(one_by_one, part, 2)
     size = np.abs(whole.K).max()
     np.testing.assert_allclose(whole.K, one_by_one.K, atol=1e-11 * size)
-    assert len(whole.K) == 2 * of.line + 2 * (m * p + 1)
+    assert len(whole.K) == 2 * of.number_of_side_unknowns + 2 * (m * p + 1)
     assert np.abs(whole.K.reshape(len(whole.K), -1, 2).sum(axis=1)).max() < 1e-12 * size
     ends = assemble_and_condense_row_of_element_columns(
         [
@@ -260,7 +260,7 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
         held=held,
     )
     for K, own, side in zip(theirs, ours, half, strict=True):
-        lines = np.full(of.line // 2, side)
+        lines = np.full(of.number_of_side_unknowns // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
         expected = rotate_node_axes_of_matrix(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
@@ -517,9 +517,11 @@ def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     """
     brake = draw_random_brake(seed, "small contact")
     found = next(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model))
-    line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
+    line, shoe = found.prepared_model.bodies[0].line, found.response.shoes[0]
     first, last = shoe.contact_arcs[0]
-    ends = brake.shoes[0].frame.theta(line.phi[:: line.interpolation_degree_along_contact_line])
+    ends = brake.shoes[0].frame.surface_coordinates_of_phi(
+        line.phi[:: line.interpolation_degree_along_contact_line]
+    )
     assert max(np.abs(ends - first).min(), np.abs(ends - last).min()) <= 0.02 * (last - first)
 
 
@@ -639,7 +641,7 @@ def test_a_short_contact_is_graded_faster():
 
     level = LEVELS[2]
     unknowns, error = solved(level)
-    more, as_well = solved(replace(level, opening=level.ratio))
+    more, as_well = solved(replace(level, size_ratio_at_short_contacts=level.column_size_ratio))
     assert 1.2 * unknowns < more and 0.5 * error < as_well
 
 
@@ -721,14 +723,18 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
         ).angles
         return angles[1] - angles[0]
 
-    unknown = min(level.edge * t, level.zone * math.radians(0.2))
+    unknown = min(level.lining_end_column_size * t, level.face_layer_size * math.radians(0.2))
     assert first() == pytest.approx(unknown, rel=1e-9)
     assert first(start, start + 1.0) == pytest.approx(unknown, rel=1e-9)
-    assert first(start, start + 1e-3) == pytest.approx(level.edge * 5e-4, rel=1e-9)
+    assert first(start, start + 1e-3) == pytest.approx(
+        level.lining_end_column_size * 5e-4, rel=1e-9
+    )
     # A contact that all but reaches the end counts as one that reaches it.
-    assert first(start + 1e-7, start + 1e-7 + 1e-3) == pytest.approx(level.edge * 5e-4, rel=1e-9)
+    assert first(start + 1e-7, start + 1e-7 + 1e-3) == pytest.approx(
+        level.lining_end_column_size * 5e-4, rel=1e-9
+    )
     # Nothing presses at this end, so that the columns there may be wide.
-    assert first(start + 0.1, end) == pytest.approx(level.back * t, rel=1e-9)
+    assert first(start + 0.1, end) == pytest.approx(level.interface_layer_size * t, rel=1e-9)
 
 
 @pytest.mark.parametrize("at_start", [True, False])
@@ -742,7 +748,7 @@ def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, a
     start, end = shoe.arc
     length, gap = 2e-3, 8e-6
     contact = (start + gap, start + gap + length) if at_start else (end - gap - length, end - gap)
-    fine = [level for level in LEVELS if level.end * length < gap]
+    fine = [level for level in LEVELS if level.contact_end_column_size * length < gap]
     assert 2 < len(fine) < len(LEVELS)
     for level in fine:
         angles = divide_shoe_into_hp_elements(
@@ -769,12 +775,16 @@ def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
 def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
     places = singular_points_of_each_shoe_shape(kinked, solve(kinked, elements=40))
-    kinks = sorted(point.at for point in chain(*places.values()) if point.kind == Singularity.KINK)
+    kinks = sorted(
+        point.position for point in chain(*places.values()) if point.kind == Singularity.KINK
+    )
     assert kinks == pytest.approx(
-        sorted(brake.shoes[0].frame.phi(np.array([-0.5, 0.1, 0.6])).tolist())
+        sorted(brake.shoes[0].frame.phi_of_surface_coordinates(np.array([-0.5, 0.1, 0.6])).tolist())
     )
     (tip,) = (point for point in chain(*places.values()) if point.kind == Singularity.TIP)
-    assert tip.at == pytest.approx(float(brake.shoes[0].frame.phi(np.array(0.1))))
+    assert tip.position == pytest.approx(
+        float(brake.shoes[0].frame.phi_of_surface_coordinates(np.array(0.1)))
+    )
     theta = solve(kinked).shoes[0].theta
     for angle in (-0.5, 0.1, 0.6):
         assert np.abs(theta - angle).min() < 1e-12
@@ -792,8 +802,12 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
     )
     before = singular_points_of_each_shoe_shape(brake, response)
     (found,) = set(chain.from_iterable(places.values())) - set(chain.from_iterable(before.values()))
-    assert (found.at, found.length) == pytest.approx(
-        (brake.shoes[0].frame.phi(shoe.theta[i]), shoe.theta[i + 1] - shoe.theta[i - 1]), rel=1e-5
+    assert (found.position, found.length) == pytest.approx(
+        (
+            brake.shoes[0].frame.phi_of_surface_coordinates(shoe.theta[i]),
+            shoe.theta[i + 1] - shoe.theta[i - 1],
+        ),
+        rel=1e-5,
     )
 
 
@@ -850,8 +864,12 @@ def test_shoes_of_either_hand_are_divided_alike(brake):
     one, other = (
         divide_shoe_into_hp_elements(shoe, brake.drum.radius, LEVELS[1]) for shoe in brake.shoes
     )
-    assert one.part == other.part and len(one.before) > 1 and len(one.after) > 1
-    for name in ("angles", "before", "after", "depths"):
+    assert (
+        one.part == other.part
+        and len(one.column_ends_before_lining) > 1
+        and len(one.column_ends_behind_lining) > 1
+    )
+    for name in ("angles", "column_ends_before_lining", "column_ends_behind_lining", "depths"):
         np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=0, atol=1e-12)
 
 

@@ -136,7 +136,7 @@ def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None
         np.array([math.cos(middle), math.sin(middle)]),
         np.array([-math.sin(middle), math.cos(middle)]),
     )
-    contact = -data.sign * N * e_r + brake.sign_of_motion * F * e_t
+    contact = -data.sign_of_internal_shoe * N * e_r + brake.sign_of_motion * F * e_t
     largest = max(N, F, np.linalg.norm(shoe.hinge_reaction))
     assert (
         np.linalg.norm(contact + data.actuation.force_vector + shoe.hinge_reaction) < 1e-7 * largest
@@ -192,7 +192,7 @@ def test_shoe_factor_by_barecki_from_the_position_of_the_resultant(brake: Brake,
     unlocked(name, brake)
     (merit,) = MODELS[name].solve(brake).merits
     shoe, R = brake.shoes[0], brake.size
-    angle = float(shoe.frame.phi(np.array(merit.resultant_angle)))
+    angle = float(shoe.frame.phi_of_surface_coordinates(np.array(merit.resultant_angle)))
     # Friction on the shoe points from the hinge to the loaded end.
     up = brake.sign_of_motion * shoe.frame.sense
     leading = up if shoe.side == "external" else -up

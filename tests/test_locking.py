@@ -83,7 +83,7 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
             problems.contact_problem_at_friction_coefficient(0.45),
             self_locking.find_largest_friction_with_equilibrium(problems, 0.45).last_contact,
             [both.active],
-        ).unstable
+        ).sets_with_unstable_solution
         == 1
     )
     with pytest.raises(NoAnswer):
@@ -191,8 +191,13 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
         self_locking.find_largest_friction_with_equilibrium(problems, mu).last_contact,
         starts,
     )
-    assert (found.same, found.others, found.unstable, found.lost) == (7, 0, 0, 0)
-    assert found.difference < 1e-9
+    assert (
+        found.sets_with_known_solution,
+        found.sets_with_other_stable_solution,
+        found.sets_with_unstable_solution,
+        found.sets_without_convergence,
+    ) == (7, 0, 0, 0)
+    assert found.largest_pressure_difference < 1e-9
     # Of the brakes whose friction opposes the shoe, one in a hundred locks.
     assert (end.friction < 5) == (way == "locking")
     for beyond in (1.0001, 1.05, 2, 3) if way == "locking" else ():
@@ -446,11 +451,11 @@ def test_a_refusal_is_not_its_own_cause(brake):
 class FollowedDirections:
     """Directions of friction that hold up to a friction and are found once more up to 0.005."""
 
-    choice = "directions"
+    friction_directions_and_bearing_supports = "directions"
 
     def __init__(self, holds: float) -> None:
         self.holds = holds
-        self.settled = SimpleNamespace(group=self)
+        self.solved_group = SimpleNamespace(group=self)
 
     def solution_continued_with_present_supports_or_none(self, friction):
         return self if friction <= self.holds else None

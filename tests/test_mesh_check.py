@@ -29,7 +29,7 @@ def standing_off(tmp_path, brake):
     shoe = brake.shoes[0]
     mesh = parametric_mesh_of_shoe(shoe, brake.size, ELEMENTS, "tri1")
     on_drum = np.unique(mesh.facets[:, mesh.boundaries["contact"]])
-    mesh.p[:, on_drum] *= 1 - shoe.sign * GAP / brake.size
+    mesh.p[:, on_drum] *= 1 - shoe.sign_of_internal_shoe * GAP / brake.size
     write_shoe_mesh_to_file(tmp_path / "off.msh", mesh, shoe)
     alone = vary(brake, {"shoe": [shoe.model_dump()]})
     return vary(alone, {"shoe[0].mesh": str(tmp_path / "off.msh")})

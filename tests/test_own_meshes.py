@@ -255,7 +255,7 @@ def test_a_flat_in_rounded_coordinates_stays(tmp_path, brake, shoe, depth):
 
     def worn(x, y):
         r, angle = np.hypot(x, y), np.arctan2(y, x)
-        middle = shoe.frame.theta(np.array([sum(shoe.arc) / 2]))[0]
+        middle = shoe.frame.surface_coordinates_of_phi(np.array([sum(shoe.arc) / 2]))[0]
         # The difference of the angles is taken within half a turn.
         inside = abs(np.angle(np.exp(1j * (angle - middle)))) < 0.4 and r > radius * (1 - 1e-6)
         scale = 1e3 * (1 - inside * depth / r)

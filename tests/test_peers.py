@@ -127,7 +127,10 @@ def test_deck_states_the_brake(brake, kind, index):
     ((_, drum_face),) = parsed.rows("SURFACE", NAME="SDRUM")
     drum = [int(row[0]) for row in parsed.rows("ELEMENT", ELSET="DRUM")]
     # Faces lie on the friction surface and look out of their bodies.
-    for faces, sign in ((contact, shoe.sign), ([(e, int(drum_face[1])) for e in drum], -shoe.sign)):
+    for faces, sign in (
+        (contact, shoe.sign_of_internal_shoe),
+        ([(e, int(drum_face[1])) for e in drum], -shoe.sign_of_internal_shoe),
+    ):
         for number, face in faces:
             ends = parsed.edge(number, face)
             assert np.hypot(*np.array(ends).T) == pytest.approx(R, rel=1e-9)
@@ -224,7 +227,7 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
         nodes = R * np.array([np.cos(theta[on]), np.sin(theta[on])])
         x, ds = nodes @ psi, np.hypot(*(nodes @ slope)) * w * shoe.lining.width
         drag = brake.friction * brake.sign_of_motion
-        t = (-shoe.sign * x + drag * np.array([-x[1], x[0]])) / np.hypot(*x)
+        t = (-shoe.sign_of_internal_shoe * x + drag * np.array([-x[1], x[0]])) / np.hypot(*x)
         nodal[on] += np.einsum("aq,cq,q->ac", psi, t, ds)
         torque += drag * np.hypot(*x) @ ds
     total = nodal.sum(axis=0)

@@ -285,7 +285,7 @@ def test_a_picture_of_stresses_is_legible_and_shows_the_pressure_of_the_response
     figure = draw_stress_in_shoes_and_ring(brake, response, bodies)
     check_legible(figure)
     title, motion = figure.texts[0].get_text().split("\n")
-    assert title == brake.title and motion.startswith(f"{brake.motion}; displacements × ")
+    assert title == brake.title and motion.startswith(f"{brake.motion_as_text}; displacements × ")
     (legend,) = figure.legends
     labels = [one.get_text() for one in legend.get_texts()]
     assert ("force of actuation or link" in labels) == (name == "brakes/uni_servo")

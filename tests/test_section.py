@@ -45,7 +45,7 @@ def test_area_neutral_axis_and_second_moment_of_a_t_section(
     about_face = w * h**3 / 3 + b * ((h + t) ** 3 - h**3) / 3
     assert pytest.approx(2e11 * area, rel=1e-12) == found.EA
     assert pytest.approx(0.8e11 * area, rel=1e-12) == found.GA
-    assert found.depth == pytest.approx(axis, rel=1e-12)
+    assert found.depth_of_neutral_axis == pytest.approx(axis, rel=1e-12)
     assert pytest.approx(2e11 * (about_face - area * axis**2), rel=1e-9) == found.EI
 
 
@@ -137,8 +137,8 @@ def test_a_curved_body_bends_as_an_arc(body: dict[str, Any]) -> None:
     brake = arc(**body)
     plates = list(brake.shoes[0].body.plates.values())[::-1]  # type: ignore[union-attr]
     section = stiffnesses_of_bonded_plates(plates)
-    inner = 1.0 - brake.shoes[0].depth
-    r, area, over = inner + section.depth, section.EA / plates[0].material.E, 0.0
+    inner = 1.0 - brake.shoes[0].total_thickness
+    r, area, over = inner + section.depth_of_neutral_axis, section.EA / plates[0].material.E, 0.0
     for plate in plates:
         over += plate.width * math.log((inner + plate.thickness) / inner)
         inner += plate.thickness

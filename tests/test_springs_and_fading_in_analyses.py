@@ -166,7 +166,7 @@ def test_tractions_of_a_holding_brake_keep_within_friction_over_pressure(brake):
             assert (np.abs(t) <= bound + 1e-9 * bound.max())[node == STICK].all()
             for kind, sign in ((FORWARD, 1.0), (BACKWARD, -1.0)):
                 on = node == kind
-                slipping += np.count_nonzero(on)
+                slipping += int(np.count_nonzero(on))
                 assert_allclose(t[on], sign * bound[on], atol=1e-9 * bound.max())
     assert slipping > 20
     assert run[-1].torque == pytest.approx(on_mesh(table).torque, rel=1e-9)

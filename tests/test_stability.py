@@ -142,7 +142,7 @@ def test_a_torque_near_self_locking_has_a_bad_condition():
     mild, sharp = (
         solve_full_system_of_group_by_refinement(
             ShoeGroup(s, b, (0,), 1e6), everywhere(s)
-        ).condition
+        ).condition_number_of_torque
         for s, b in ((scene, brake), (scene_, brake_))
     )
     assert sharp > 10 * mild

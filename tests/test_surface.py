@@ -52,8 +52,10 @@ def test_data_are_read_by_the_class_of_their_surface(brake: Brake, kind: type[Br
 def test_a_length_along_the_surface_is_phi_in_sizes_and_q_in_scale_factors(brake: Brake) -> None:
     for shoe in brake.shoes:
         q = np.linspace(shoe.lining.start, shoe.lining.end, 5)
-        phi = shoe.frame.phi(q)
-        np.testing.assert_allclose(shoe.frame.theta(phi), q, rtol=1e-13, atol=1e-15)
+        phi = shoe.frame.phi_of_surface_coordinates(q)
+        np.testing.assert_allclose(
+            shoe.frame.surface_coordinates_of_phi(phi), q, rtol=1e-13, atol=1e-15
+        )
         lengths = np.abs(np.diff(q)) * brake.scale_factor
         np.testing.assert_allclose(np.abs(np.diff(phi)) * brake.size, lengths, rtol=1e-12)
         on_it = shoe.points_at_depth_and_coordinate_phi(np.zeros(5), phi, brake.size)

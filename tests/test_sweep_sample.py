@@ -316,7 +316,7 @@ def test_no_case_is_further_from_its_own_last_level_than_its_sample_says(name):
         one = vary(case.brake, case.changes)
         first, last = solve_brake_on_first_level_without_error_estimate(one), solve(one)
         assert row["torque"] == first.effect
-        steps = relative_differences_of_responses_on_two_levels(one, first, last).steps
+        steps = relative_differences_of_responses_on_two_levels(one, first, last).differences
         moved = steps[1:].reshape(-1, len(QUANTITIES)).max(axis=0)
         for quantity, found in zip(QUANTITIES, moved.tolist(), strict=True):
             distance = steps[0] if quantity == "torque" else found

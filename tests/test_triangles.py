@@ -252,7 +252,9 @@ def test_moments_and_forces_of_a_solution_are_in_equilibrium(brake):
         load = found.pressure_at(theta) * half * weights * mild.drum.radius * shoe.lining.width
         e = np.array([np.cos(theta), np.sin(theta)])
         drag = mild.friction * mild.sign_of_motion
-        force = (load * (-shoe.sign * e + drag * np.array([-e[1], e[0]]))).sum(axis=(1, 2))
+        force = (load * (-shoe.sign_of_internal_shoe * e + drag * np.array([-e[1], e[0]]))).sum(
+            axis=(1, 2)
+        )
         total = force + shoe.actuation.force_vector + found.hinge_reaction
         assert np.linalg.norm(total) < 1e-4 * np.linalg.norm(force)
         assert found.torque == pytest.approx(

@@ -241,7 +241,7 @@ def test_the_explorer_turns_the_knobs_of_all_linings() -> None:
     setting = slider_setting_at_brake_file_values(explorer.brake)
     moved = {"clearance": 0.01, "misfit": 0.05, "wear": 0.3}
     answer = explorer.fem_and_law_answer_at_slider_setting(replace(setting, values=moved))
-    assert answer.found is not None
+    assert answer.fem_response is not None
     # The knobs add lengths to the clearance and to the misfit of both linings.
     changed = brake_at_slider_setting(
         explorer.brake, explorer.knobs, replace(setting, values=moved | {"wear": 0.0})

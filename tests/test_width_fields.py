@@ -43,7 +43,7 @@ def stress_tensors(fields):
 def pressed_nodes_away_from_ends(brake, index, fields, answer):
     """Nodes in contact, farther from the ends of lining and contact than the lining is thick."""
     shoe, theta = brake.shoes[index], fields.points[:, 0]
-    if not shoe.flat:
+    if not shoe.is_on_plane:
         middle = 0.5 * (answer.theta[0] + answer.theta[-1])
         theta = np.arctan2(fields.points[:, 1], fields.points[:, 0])
         theta = middle + (theta - middle + np.pi) % (2 * np.pi) - np.pi
@@ -68,7 +68,7 @@ def test_stresses_on_the_face_are_pressure_and_friction(kind):
         on = pressed_nodes_away_from_ends(brake, i, fields, answer)
         assert len(on) > 20
         # On a plane the normal is y, on a drum it is the radius.
-        normal = np.array([0.0, 1.0, 0.0]) if shoe.flat else fields.points[on] * [1, 1, 0]
+        normal = np.array([0.0, 1.0, 0.0]) if shoe.is_on_plane else fields.points[on] * [1, 1, 0]
         normal = np.broadcast_to(normal, (len(on), 3))
         normal = normal / np.linalg.norm(normal, axis=1)[:, None]
         traction = np.einsum("nij,nj->ni", stress_tensors(fields)[on], normal)
@@ -120,7 +120,9 @@ def test_the_face_moves_to_the_drum(kind):
         fields = recover_stresses_in_half_of_each_solid_shoe(scene, brake, response)[i]
         on = fields.pressure > 0.01 * fields.pressure.max()
         x, y = fields.points[on, :2].T
-        normal = np.array([0 * x, 1 + 0 * y] if shoe.flat else np.array([x, y]) / np.hypot(x, y))
+        normal = np.array(
+            [0 * x, 1 + 0 * y] if shoe.is_on_plane else np.array([x, y]) / np.hypot(x, y)
+        )
         moved = np.einsum("in,ni->n", normal, fields.displacement[on, :2])
         # The gap closes weakly, not at every node.
         assert np.abs(moved).mean() < 0.02 * np.abs(fields.displacement).max()

@@ -100,7 +100,14 @@ def test_a_sphere_presses_as_hertz_says(nu):
     }
     brake = pad("hinge", mu=0.0, lining=lining)
     shoe = brake.shoes[0]
-    points = [SingularPoint(at / brake.unit, 2 * a / brake.unit, Singularity.END) for at in (-a, a)]
+    points = [
+        SingularPoint(
+            at / brake.surface_coordinate_per_phi,
+            2 * a / brake.surface_coordinate_per_phi,
+            Singularity.END,
+        )
+        for at in (-a, a)
+    ]
     division = divide_shoe_into_hp_elements(shoe, brake.size, LEVELS[1], points)
     functions = WidthFunctions((0.0, a / 2, a, 2 * a, height), 4)
     body = condense_and_couple_shoe_with_width(shoe, brake.size, division, functions, False, {})

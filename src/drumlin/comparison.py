@@ -216,7 +216,11 @@ def comparison_table_rows(
     table: list[dict[str, Any]] = []
     # Each row begins with the case and the model; the values follow.
     for outcome in outcomes:
-        base = {"case": case or brake.title, "rotation": brake.sense, "model": outcome.model}
+        base = {
+            "case": case or brake.title,
+            "rotation": brake.direction_as_text_in_tables,
+            "model": outcome.model,
+        }
         if outcome.response is None:
             status = f"failed: {outcome.failure}"
             table.append({**base, "shoe": "all", "seconds": outcome.seconds, "status": status})
@@ -287,7 +291,7 @@ def length_of_uncompared_zone_at_lining_end(brake: Brake) -> float:
 
     It is an angle [rad] on a drum and a length [m] on a plane.
     """
-    return EDGE_ZONE * brake.unit
+    return EDGE_ZONE * brake.surface_coordinate_per_phi
 
 
 def comparison_columns_for_brake(brake: Brake) -> tuple[TableColumn, ...]:
@@ -301,8 +305,8 @@ def comparison_columns_for_brake(brake: Brake) -> tuple[TableColumn, ...]:
         return COLUMNS
     # The keys are the same for drum and plane, so that programs can read both kinds of table.
     words: dict[str, dict[str, Any]] = {
-        "rotation": {"heading": surface.moving},
-        "torque": {"heading": surface.effect, "unit": surface.effect_unit},
+        "rotation": {"heading": surface.name_of_moving_body},
+        "torque": {"heading": surface.word_for_effect, "unit": surface.effect_unit},
         "torque_error": {"heading": "error of the force"},
         "contact": {"unit": surface.shown_unit},
     }

@@ -655,7 +655,8 @@ class HoldingRun(NamedTuple):
 
         def rotation_or_sliding_distance_as_text(state: Hold) -> str:
             """The rotation of a state as text with its unit; on a plane the sliding distance."""
-            return f"{surface.moved} {state.rotation * surface.shown:.4g} {surface.shown_unit}"
+            shown = state.rotation * surface.si_to_shown_unit_factor
+            return f"{surface.word_for_motion} {shown:.4g} {surface.shown_unit}"
 
         held = max(self.states, key=lambda state: abs(state.torque))
         last = self.states[-1]
@@ -731,7 +732,7 @@ def hold(
     end = (
         None
         if rotation is None
-        else _value_of_function_option_in_si("--rotation", rotation, held.surface.unit)
+        else _value_of_function_option_in_si("--rotation", rotation, held.surface.coordinate_unit)
     )
     # If the user gives no rotation, the drum is turned until every node slips.
     scene = prepared_model_for_analysis(held, model, **on_mesh)

@@ -128,12 +128,12 @@ SHORT_SHOE_LAWS: Mapping[str, ShortShoeLaw] = {
 
 def _reason_why_short_shoe_law_does_not_apply(brake: Brake) -> str | None:
     """Why the law of the short shoe does not apply to a brake; None if it applies."""
-    return SHORT_SHOE_LAWS[brake.surface.word].why_not(brake)
+    return SHORT_SHOE_LAWS[brake.surface.name].why_not(brake)
 
 
 def _solve_by_short_shoe_law(brake: Brake) -> Response:
     """Solve a brake by the law of the short shoe."""
-    return SHORT_SHOE_LAWS[brake.surface.word].solve(brake)
+    return SHORT_SHOE_LAWS[brake.surface.name].solve(brake)
 
 
 def _make_model_of_hinged_law(name: str) -> Model:

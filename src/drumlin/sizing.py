@@ -306,7 +306,7 @@ class Sizing:
         lines = [
             f"{self.key} = {text(self.value, self.unit)} "
             f"({text(self.value_of_file, self.unit)} in the file): "
-            f"{surface.effect} {text(self.torque, surface.effect_unit)}, "
+            f"{surface.word_for_effect} {text(self.torque, surface.effect_unit)}, "
             f"peak pressure {text(self.peak_pressure, 'Pa')}"
         ]
         words = {"elements": "the finite elements", "plane_stress": "plane stress itself"}
@@ -537,7 +537,7 @@ def _nearer_of_two_almost_equal_trials(
     allowed = max(JUMP_OF_QUANTITY, near.errors.get(name, 0.0)) * wanted
     if abs(getattr(near, name) - wanted) <= allowed:
         return near
-    what = question.brake.surface.effect if name == "torque" else "peak pressure"
+    what = question.brake.surface.word_for_effect if name == "torque" else "peak pressure"
     unit = question.brake.surface.effect_unit if name == "torque" else "Pa"
     from_to = [quantity_with_usual_unit(getattr(trial, name), unit) for trial in ends]
     raise NoAnswer(
@@ -888,7 +888,7 @@ def _text_on_value_out_of_reach(
     best = (max if below else min)(solved, key=lambda trial: getattr(trial, name))
     what, extreme = name.replace("_", " "), "largest" if below else "smallest"
     if name == "torque":
-        what = question.brake.surface.effect
+        what = question.brake.surface.word_for_effect
     unit = "Pa" if name == "peak_pressure" else question.brake.surface.effect_unit
     reached = quantity_with_usual_unit(getattr(best, name), unit)
     text = (
@@ -920,6 +920,6 @@ def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], 
     except NoAnswer:
         return text
     return (
-        f"{text}; the largest {question.brake.surface.effect} within the limit is "
+        f"{text}; the largest {question.brake.surface.word_for_effect} within the limit is "
         f"{question.torque_or_braking_force_as_text(best.torque)}, at {question.text(best.value)}"
     )

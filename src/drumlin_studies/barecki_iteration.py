@@ -64,7 +64,7 @@ def solve_post_brake_by_paper_iteration(brake: Brake, index: int, sections: int)
     p = divide_shoe_into_stations_and_sectors(
         brake, brake.shoes[index], sections, tilt=False, wedge=False, plane_stress=False
     )
-    theta = p.axis.origin + p.axis.sense * p.theta
+    theta = p.axis.polar_angle_of_perpendicular_foot + p.axis.sense * p.theta
     c = ring_displacement_per_normal_force(brake, theta, theta, frozenset())
     # The first guess of the contact is the whole lining.
     pressed = np.ones(len(p.theta), dtype=bool)

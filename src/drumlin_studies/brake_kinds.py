@@ -148,7 +148,7 @@ def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -
 
     return {
         "file": found.file,
-        "motion": brake.sense,
+        "motion": brake.direction_as_text_in_tables,
         "law": found.law.model,
         "effect": size,
         "unit": brake.surface.effect_unit,
@@ -171,7 +171,7 @@ def torque_error_rows_of_models_besides_law(found: BrakeInMotion) -> list[dict[s
 
     The errors are relative to finite elements with new and with worn-in linings.
     """
-    base: dict[str, Any] = {"file": found.file, "motion": found.brake.sense}
+    base: dict[str, Any] = {"file": found.file, "motion": found.brake.direction_as_text_in_tables}
     rows: list[dict[str, Any]] = []
     for name, outcome in found.others.items():
         if outcome.response is None:
@@ -210,7 +210,7 @@ def sentence_on_whether_law_can_be_trusted(rows: list[dict[str, Any]]) -> str:
     `rows` are the results of `row_of_errors_of_rigid_shoe_law` for both senses of motion.
     """
     surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
-    effect_ = surface.effect
+    effect_ = surface.word_for_effect
 
     def verdict_on_error_of_law(key: str) -> str:
         """A verdict such as "can be trusted (off by up to 3 %)".

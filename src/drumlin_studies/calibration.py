@@ -197,8 +197,10 @@ def true_errors_and_estimates_on_each_mesh(
             moved = relative_differences_of_responses_on_two_levels(brake, before, response)
             levels.append(
                 LevelRecord(
-                    step=_largest_value_of_each_quantity_over_shoes(moved.steps),
-                    chance=_largest_value_of_each_quantity_over_shoes(moved.chance),
+                    step=_largest_value_of_each_quantity_over_shoes(moved.differences),
+                    chance=_largest_value_of_each_quantity_over_shoes(
+                        moved.changes_with_random_signs
+                    ),
                     beside=_largest_value_of_each_quantity_over_shoes(
                         sum_of_penalty_and_round_off_errors(response.shoes)
                     ),

@@ -135,7 +135,7 @@ def _random_start_angles_of_lining_blocks(rng: Rng, shoe: Shoe, steps: int) -> n
 
     Raises BadInput if the lining is too short for the steps.
     """
-    lining, room = shoe.lining, STEP_SPACING * shoe.lining.step
+    lining, room = shoe.lining, STEP_SPACING * shoe.lining.length_of_step_between_blocks
     free = lining.end - lining.start - (steps + 1) * room
     if free <= 0:
         raise BadInput(f"no room for {steps} steps")

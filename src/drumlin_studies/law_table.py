@@ -99,7 +99,7 @@ def rows_of_shoe_factors_of_post_brake(brake: Brake) -> list[Row]:
             R = brake.size
             # Eq. 26 needs lengths divided by the drum's radius, and angles counted from the hinge.
             arm = abs(data.actuation.moment_of_force_about_point(data.pin) / data.actuation.force)
-            angle = data.frame.phi(np.array(merit.resultant_angle))
+            angle = data.frame.phi_of_surface_coordinates(np.array(merit.resultant_angle))
             S = barecki_shoe_factor(
                 brake.friction,
                 angle,

@@ -204,7 +204,7 @@ def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: floa
 
     def add_point_at_depth_and_angle(depth: float, angle: float) -> int:
         """The tag of the point at a depth [m] behind the friction surface and an angle [rad]."""
-        r = brake.size - shoe.sign * depth
+        r = brake.size - shoe.sign_of_internal_shoe * depth
         if (depth, angle) not in points:
             size = size_at_ends if depth == 0 else 0
             points[depth, angle] = geo.addPoint(r * math.cos(angle), r * math.sin(angle), 0, size)
@@ -229,7 +229,7 @@ def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: floa
             )
         )
 
-    behind, back = lining.thickness, lining.thickness + body.depth
+    behind, back = lining.thickness, lining.thickness + body.total_thickness
     contact, face = (
         add_arc_between_angles(depth, lining.start, lining.end) for depth in (0.0, behind)
     )
@@ -299,7 +299,7 @@ def _true_relative_errors_of_response(
 
     An error is nan if it is at most UNSURE times the stated error of `known`.
     """
-    steps = relative_differences_of_responses_on_two_levels(brake, response, known).steps[1:]
+    steps = relative_differences_of_responses_on_two_levels(brake, response, known).differences[1:]
     assert known.error is not None
     errors = dict(zip(QUANTITIES, steps.tolist(), strict=True))
     return {

@@ -384,9 +384,12 @@ def _shoe_with_clearance_like_straight_edge_gap(brake: Brake, shoe: Shoe, elemen
     angles, height = _element_angles_and_chord_sagittas(brake, shoe, elements)
     # In the frame of a mirrored shoe angles grow as the brake's angles theta fall, so the angles
     # are sorted.
-    middle = np.sort(shoe.frame.theta((angles[:-1] + angles[1:]) / 2))
+    middle = np.sort(shoe.frame.surface_coordinates_of_phi((angles[:-1] + angles[1:]) / 2))
     height = height[:: shoe.frame.sense]
-    gap = shoe.sign * 2 / 3 * height + shoe.lining.clearances_at_surface_coordinates(middle)
+    gap = (
+        shoe.sign_of_internal_shoe * 2 / 3 * height
+        + shoe.lining.clearances_at_surface_coordinates(middle)
+    )
     table = tuple(zip(middle.tolist(), gap.tolist(), strict=True))
     return shoe.model_copy(update={"lining": shoe.lining.model_copy(update={"clearance": table})})
 

@@ -256,7 +256,9 @@ def rows_comparing_sine_law_with_rigid_shoe_solves(brake: Brake, elements: int) 
         # The free ends of an elastic lining disturb its pressure over a length of some five
         # thicknesses.
         edge = 5 * spec.lining.thickness / rigid.size
-        ratio = pressure_over_sine_of_hinge_angle(spec.frame.phi(b.theta), b, edge)
+        ratio = pressure_over_sine_of_hinge_angle(
+            spec.frame.phi_of_surface_coordinates(b.theta), b, edge
+        )
         rows.append(
             {
                 "rotation": brake.direction,

@@ -272,7 +272,7 @@ def _quadrature_points_of_shoe_friction_face(
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.interpolation_degree_along_contact_line + 1)
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces], at, weights)
-    normal, tangent = function_that_returns_drum_normals_and_tangents(shoe.sign)(x)
+    normal, tangent = function_that_returns_drum_normals_and_tangents(shoe.sign_of_internal_shoe)(x)
     radius = np.hypot(*x)
     phi = shoe.surface_coordinates_of_points_in_shoe_frame(x, brake.size)
     unknowns = parts.constraints.matrix.shape[1]
@@ -416,7 +416,7 @@ def _shoe_response_from_quadrature_pressures(
     return response_of_pressed_elastic_shoe(
         shoe,
         float(points.radius.mean()),
-        frame.theta(phi),
+        frame.surface_coordinates_of_phi(phi),
         q,
         order=1,
         torque=friction * float(forces @ points.radius),

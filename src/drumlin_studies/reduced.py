@@ -360,7 +360,7 @@ def _arc_axis_of_bar(shoe: Shoe, body: Bar, radius: float) -> _BarAxis:
     together = np.array(stiffnesses_of_bonded_plates([*plates, *over]))
     lined = (phi > start) & (phi < end)
     depth, *stiffnesses = np.where(lined, together[:, None], alone[:, None])
-    axis = radius - shoe.sign * (shoe.depth - depth)
+    axis = radius - shoe.sign_of_internal_shoe * (shoe.total_thickness - depth)
     return _BarAxis(
         at=(axis * np.array([np.cos(phi), np.sin(phi)])).T,
         tangent=math.copysign(1.0, far - near) * np.column_stack([-np.sin(phi), np.cos(phi)]),
@@ -412,7 +412,7 @@ def _ring_with_closed_form_flexibility(
     count : int
         Largest order k of the modes cos k theta and sin k theta of the ring.
     """
-    sign, radius, section = brake.shoes[0].sign, brake.size, ring.section
+    sign, radius, section = brake.shoes[0].sign_of_internal_shoe, brake.size, ring.section
     assert section is not None
     k = np.arange(count + 1)
     radial, shear = radial_ring_compliances_under_two_tractions_by_mode(ring, radius, sign, k)
@@ -451,7 +451,9 @@ def _cosine_and_sine_integrals_over_lining(
     wave = np.exp(
         1j
         * k[:, None, None]
-        * shoe.frame.theta(shoe.surface_coordinates_of_points_in_shoe_frame(x, 1.0))
+        * shoe.frame.surface_coordinates_of_phi(
+            shoe.surface_coordinates_of_points_in_shoe_frame(x, 1.0)
+        )
     )
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
     # In each row of `line.pieces` a node occurs at most once. With a repeated node, += with an

@@ -250,7 +250,7 @@ def _count_stable_answers_beyond_friction_limit(
         problem = problems.contact_problem_at_friction_coefficient(mu)
         count += compare_solutions_from_starting_contact_sets(
             problem, end.last_contact, starts, 0.0
-        ).others
+        ).sets_with_other_stable_solution
     return count
 
 
@@ -283,8 +283,8 @@ def _agreement_counts_and_disagreeing_friction_fractions(
         )
         for key in AGREEMENT_COUNTS:
             counts[key] += getattr(found, key)
-        counts["difference"] = max(counts["difference"], found.difference)
-        if found.same < found.starts:
+        counts["difference"] = max(counts["difference"], found.largest_pressure_difference)
+        if found.sets_with_known_solution < found.number_of_start_sets:
             disagreeing.append(fraction)
     return counts, disagreeing
 

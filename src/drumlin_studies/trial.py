@@ -239,19 +239,21 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
     torque = sum(shoe.torque for shoe in shoes) / size
     off = abs(torque - refined.torque) / refined.torque if refined.torque else 0.0
     exact = np.concatenate(refined.p)
-    products = np.abs(refined.gap) * p
-    known_condition = not math.isnan(refined.condition)
+    products = np.abs(refined.scaled_weighted_gaps) * p
+    known_condition = not math.isnan(refined.condition_number_of_torque)
     return row | {
-        "complementarity": float(max(-refined.gap.min(), products.max() / p.max())),
+        "complementarity": float(
+            max(-refined.scaled_weighted_gaps.min(), products.max() / p.max())
+        ),
         "digits": min(
             correct_decimal_digits_at_relative_error(off),
             correct_decimal_digits_at_relative_error(refined.correction),
         ),
         "sure": correct_decimal_digits_at_relative_error(refined.correction),
         "allowed": correct_decimal_digits_at_relative_error(
-            DOUBLE_SPACING * refined.condition if known_condition else 0.0
+            DOUBLE_SPACING * refined.condition_number_of_torque if known_condition else 0.0
         ),
-        "torque_condition": refined.condition if known_condition else None,
+        "torque_condition": refined.condition_number_of_torque if known_condition else None,
         "pressure_error": float(np.abs(p - exact).max() / exact.max()),
         "sets": refined.contact_sets,
     }

@@ -68,7 +68,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         # Both senses of motion of the brake.
         own = []
         for brake in brake_and_reversed_brake(read_any(path)):
-            say(f"{path.stem}: {brake.sense}")
+            say(f"{path.stem}: {brake.direction_as_text_in_tables}")
             found = solve_brake_by_all_models(
                 path.stem, brake, 24 if short else 60, solid=not short
             )
@@ -110,7 +110,7 @@ def report(result: Result, folder: Path) -> Path:
                     "worn": found.worn.shoes[i],
                     found.law.model: found.law.shoes[i],
                 }
-                panels.append((f"{shoe.name}, {found.brake.sense}", of))
+                panels.append((f"{shoe.name}, {found.brake.direction_as_text_in_tables}", of))
         drawn_pressures = figures.draw_pressure_along_lining_of_each_shoe(
             panels, surface=brake.surface
         )

@@ -153,7 +153,7 @@ def _draw_deformed_shoes(
         # Bars along the drum show the pressure.
         spread = np.linspace(theta[0], theta[-1], 70)
         tall = np.interp(spread, theta, p) / top * 0.3 * radius
-        sign = brake.shoes[surface.shoe].sign
+        sign = brake.shoes[surface.shoe].sign_of_internal_shoe
         ray = np.column_stack([np.cos(spread), np.sin(spread)])
         bars = np.stack([ray * radius, ray * (radius + sign * tall)[:, None]], axis=1)
         axes.add_collection(LineCollection(list(bars * 1e3), colors=LAW, linewidths=2.2))

@@ -44,24 +44,26 @@ class ShoeFrame(NamedTuple):
     ----------
     origin : coordinate q of the pin (`Held.pin`)
     sense : +1 if phi grows with q, -1 if phi falls
-    unit : change of q per unit of phi
+    surface_coordinate_per_phi : change of q per unit of phi
     """
 
     origin: float
     sense: int
-    unit: float = 1.0
+    surface_coordinate_per_phi: float = 1.0
 
-    def phi(self, theta: Floats) -> Floats:
+    def phi_of_surface_coordinates(self, theta: Floats) -> Floats:
         """Convert coordinates of the surface (theta on a drum) to phi, same shape."""
-        return self.sense * (np.asarray(theta) - self.origin) / self.unit
+        return self.sense * (np.asarray(theta) - self.origin) / self.surface_coordinate_per_phi
 
     def phi_coordinates_as_list(self, theta: Iterable[float]) -> list[float]:
         """Convert coordinates of the surface to phi; the result is a list of numbers."""
-        return [self.sense * (place - self.origin) / self.unit for place in theta]
+        return [
+            self.sense * (place - self.origin) / self.surface_coordinate_per_phi for place in theta
+        ]
 
-    def theta(self, phi: Floats) -> Floats:
+    def surface_coordinates_of_phi(self, phi: Floats) -> Floats:
         """Convert phi to coordinates of the surface (theta on a drum), same shape."""
-        return self.origin + self.sense * self.unit * np.asarray(phi)
+        return self.origin + self.sense * self.surface_coordinate_per_phi * np.asarray(phi)
 
     def distances_along_surface_from_pin(self, theta: Floats) -> Floats:
         """Distance of the coordinates `theta` along the surface from the pin's coordinate.
@@ -103,7 +105,7 @@ class Shoe(Meshed):
         def body(self) -> Bar | Beam | None: ...
 
     @property
-    def sign(self) -> int:
+    def sign_of_internal_shoe(self) -> int:
         """+1 for an internal shoe and a shoe on a plane, -1 for an external shoe.
 
         On a drum it is the sign of the radial component of the lining's normal towards the drum.
@@ -111,12 +113,12 @@ class Shoe(Meshed):
         return 1 if self.side == "internal" else -1
 
     @property
-    def depth(self) -> float:
+    def total_thickness(self) -> float:
         """Total thickness [m] of lining, backing and body of the shoe."""
         return (
             self.lining.thickness
             + (self.backing.thickness if self.backing else 0.0)
-            + (self.body.depth if self.body else 0.0)
+            + (self.body.total_thickness if self.body else 0.0)
         )
 
     def reason_if_several_linings_are_not_allowed(self, what: str) -> str | None:
@@ -128,7 +130,7 @@ class Shoe(Meshed):
         return None if count == 1 else f"lining: {count} with slots between them; {what} takes one"
 
     @property
-    def flat(self) -> bool:
+    def is_on_plane(self) -> bool:
         """Whether the shoe presses on a plane."""
         return self.surface.is_plane_and_not_drum
 
@@ -241,7 +243,7 @@ class Shoe(Meshed):
         # phi counts from the pin, so that the supported end is the nearer one.
         phi = max(ends, key=abs) if loaded else min(ends, key=abs)
         return self.points_at_depth_and_coordinate_phi(
-            np.array(self.depth - 0.5 * self.body.depth), np.array(phi), size
+            np.array(self.total_thickness - 0.5 * self.body.total_thickness), np.array(phi), size
         )
 
     def is_point_nearer_to_loaded_end_than_to_pin(self, point: Point, size: float) -> bool:
@@ -296,7 +298,7 @@ class Shoe(Meshed):
         half = min(wanted, 0.3 * (end - start))
         # Its middle has the coordinate of the pivot, or of the lining's middle if there is no
         # pivot. It is moved if it would lie too near to an end of the lining.
-        phi = self.frame.phi(np.array(place))
+        phi = self.frame.phi_of_surface_coordinates(np.array(place))
         at = float(np.clip(phi, start + 1.5 * half, end - 1.5 * half))
         return at - half, at + half
 
@@ -351,9 +353,9 @@ class Brake(Part):
         """
         # Data with neither "drum" nor "plane" are read by `DrumBrake`, whose error message names
         # the missing drum.
-        shapes = {shape.surface.word: shape for shape in Brake.__subclasses__()}
-        on_plane = isinstance(data, Mapping) and PLANE.word in data
-        return shapes[PLANE.word if on_plane else DRUM.word]
+        shapes = {shape.surface.name: shape for shape in Brake.__subclasses__()}
+        on_plane = isinstance(data, Mapping) and PLANE.name in data
+        return shapes[PLANE.name if on_plane else DRUM.name]
 
     @classmethod
     def model_validate(cls, obj: Any, **options: Any) -> Self:
@@ -382,7 +384,7 @@ class Brake(Part):
         return 1.0 if self.surface.is_plane_and_not_drum else self.size
 
     @property
-    def unit(self) -> float:
+    def surface_coordinate_per_phi(self) -> float:
         """Change of the surface's coordinate q per unit of phi, see `ShoeFrame`."""
         return self.size / self.scale_factor
 
@@ -392,14 +394,14 @@ class Brake(Part):
         return None
 
     @property
-    def motion(self) -> str:
+    def motion_as_text(self) -> str:
         """Text about the motion, such as "drum turns counter-clockwise"."""
-        return f"{self.surface.moves} {self.direction}"
+        return f"{self.surface.words_before_direction} {self.direction}"
 
     @property
-    def sense(self) -> str:
+    def direction_as_text_in_tables(self) -> str:
         """Direction of motion as tables of results show it, such as "counter-clockwise"."""
-        return self.surface.sense.format(self.direction)
+        return self.surface.direction_pattern_for_tables.format(self.direction)
 
     @abstractmethod
     def brake_with_reversed_motion(self) -> Self:

@@ -56,7 +56,7 @@ def gaps_between_unloaded_lining_and_surface(brake: Brake, shoe: Shoe, theta: Fl
     # Where the drum lies outside its circle, an internal lining has a larger gap, and an external
     # lining a smaller gap.
     off = brake.radial_deviation_of_drum_surface(theta)
-    return total if off is None else total + shoe.sign * off
+    return total if off is None else total + shoe.sign_of_internal_shoe * off
 
 
 def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
@@ -70,7 +70,7 @@ def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
     for begin, depth in lining.misfit.blocks:
         # A cubic polynomial rises from 0 to 1 from one block to the next, with zero slope at both
         # ends.
-        x = np.clip((theta - begin) / lining.step + 0.5, 0.0, 1.0)
+        x = np.clip((theta - begin) / lining.length_of_step_between_blocks + 0.5, 0.0, 1.0)
         gap = gap + (depth - before) * x**2 * (3 - 2 * x)
         before = depth
     return gap
@@ -100,7 +100,7 @@ def coordinates_of_clearance_table_rows(lining: Lining) -> list[float]:
 
 def coordinates_of_step_ends_between_blocks(lining: Lining) -> list[float]:
     """Coordinates (angles on a drum) where the rounded steps between blocks begin and end."""
-    half = lining.step / 2
+    half = lining.length_of_step_between_blocks / 2
     blocks = [block for part in lining.linings for block in part.misfit.blocks]
     return [begin + side for begin, _ in blocks for side in (-half, half)]
 

@@ -70,13 +70,13 @@ class Bonded(NamedTuple):
 
     Attributes
     ----------
-    depth : depth of the neutral axis below the outer face of the first plate [m]
+    depth_of_neutral_axis : depth of the neutral axis below the outer face of the first plate [m]
     EI : bending stiffness of all plates together, about the neutral axis [N m^2]
     EA : stiffness in tension, the sum over the plates [N]
     GA : stiffness in shear, the sum over the plates [N]
     """
 
-    depth: float
+    depth_of_neutral_axis: float
     EI: float
     EA: float
     GA: float
@@ -272,7 +272,7 @@ class Misfit(Part):
         Rows, make_validator_of_table_with_growing_coordinates("angle", "rad", "depth", "m")
     ] = ()
 
-    def check(
+    def check_misfit_size_and_blocks(
         self,
         key: str,
         ends: tuple[float, float],
@@ -371,7 +371,7 @@ class Lining(Part):
 
     @property
     @abstractmethod
-    def step(self) -> float:
+    def length_of_step_between_blocks(self) -> float:
         """Length of the rounded step between two blocks, in the surface's coordinate."""
 
     def copy_of_lining_with_changed_fields(self, changes: Mapping[str, object]) -> Self:
@@ -431,7 +431,7 @@ class DrumLining(Lining):
     back_temperature_rise: TemperatureRise | None = None
 
     @property
-    def step(self) -> float:
+    def length_of_step_between_blocks(self) -> float:
         """Angle [rad] over which the face rises smoothly from one block's height to the next."""
         return ROUNDED_STEP
 
@@ -568,7 +568,7 @@ class DrumLiningRow(Lining):
         return self.parts[0].back_temperature_rise
 
     @property
-    def step(self) -> float:
+    def length_of_step_between_blocks(self) -> float:
         """Angle [rad] over which a face rises smoothly from one block's height to the next."""
         return ROUNDED_STEP
 
@@ -738,7 +738,7 @@ class Bar(Part):
         return {"table": table, "shoe": own}
 
     @property
-    def depth(self) -> float:
+    def total_thickness(self) -> float:
         """Thickness of the body, with the flange of a T-section [m]."""
         return self.thickness + (self.table.thickness if self.table else 0.0)
 
@@ -804,7 +804,7 @@ class Beam(Part):
         return {"shoe": self.section}
 
     @property
-    def depth(self) -> float:
+    def total_thickness(self) -> float:
         """Thickness of the beam [m]; 0 if it is unknown."""
         return self.thickness or 0.0
 

@@ -98,7 +98,7 @@ class DrumShoe(Shoe):
         size : radius of the drum [m]
         """
         # An internal shoe lies inside the friction surface, an external shoe outside it.
-        r = size - self.sign * depth
+        r = size - self.sign_of_internal_shoe * depth
         return np.array([r * np.cos(phi), r * np.sin(phi)])
 
     def distances_from_friction_surface(self, xy: Floats, size: float) -> Floats:
@@ -106,7 +106,7 @@ class DrumShoe(Shoe):
 
         The points (2, ...) [m] are in the frame of the shoe; `size` [m] is the drum's radius.
         """
-        return self.sign * (size - np.hypot(*xy))
+        return self.sign_of_internal_shoe * (size - np.hypot(*xy))
 
     def surface_coordinates_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
         """Polar angles [rad] of points (2, ...) [m], within half a turn of the lining's middle.
@@ -121,7 +121,7 @@ class DrumShoe(Shoe):
 
     def length_along_shoe_back_per_unit_of_phi(self, size: float) -> float:
         """Radius [m] of the back of the shoe's body, which is its arc length per radian of phi."""
-        return size - self.sign * self.depth
+        return size - self.sign_of_internal_shoe * self.total_thickness
 
     @property
     def angle_of_direction_in_which_lining_closes_gap(self) -> float:
@@ -130,13 +130,18 @@ class DrumShoe(Shoe):
         For an internal lining it is the angle of the lining's middle, and for an external lining
         this angle plus pi.
         """
-        return self.lining.middle + (self.sign < 0) * math.pi
+        return self.lining.middle + (self.sign_of_internal_shoe < 0) * math.pi
 
     def gaps_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a lining that is ground to a circle, at the angles theta [rad], same shape."""
         misfit = self.lining.misfit
         return gaps_of_lining_ground_to_circle(
-            size, misfit.radius, misfit.offset, self.lining.middle, self.sign, theta
+            size,
+            misfit.radius,
+            misfit.offset,
+            self.lining.middle,
+            self.sign_of_internal_shoe,
+            theta,
         )
 
 
@@ -225,7 +230,7 @@ class DrumBrake(Brake):
 
         The growth of a heated drum is a harmonic of order 0.
         """
-        growth = radial_growth_of_heated_drum(self.drum, self.shoes[0].sign)
+        growth = radial_growth_of_heated_drum(self.drum, self.shoes[0].sign_of_internal_shoe)
         heat = (Lobes(order=0, amplitude=growth),) if growth else ()
         return self.drum.out_of_round + heat
 
@@ -261,7 +266,7 @@ class DrumBrake(Brake):
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
         check_thermal_expansion_of_drum_is_known(self.drum)
         check_thermal_expansion_of_shoes_is_known(shoes)
-        _check_drum_is_round_enough(self.drum, shoes[0].sign)
+        _check_drum_is_round_enough(self.drum, shoes[0].sign_of_internal_shoe)
         for i, shoe in enumerate(shoes):
             _check_shoe_fits_drum(f"shoe[{i}]", shoe, self.drum.radius)
             several = len(shoe.lining.linings) > 1
@@ -306,7 +311,14 @@ def _check_lining_misfit_is_small(key: str, lining: Lining, radius: float) -> No
             f"{key}.radius = {text_in_mm(misfit.radius)}: "
             f"must be within {allowed} of drum.radius = {text_in_mm(radius)}"
         )
-    misfit.check(key, (lining.start, lining.end), lining.step, text_in_degrees, most, allowed)
+    misfit.check_misfit_size_and_blocks(
+        key,
+        (lining.start, lining.end),
+        lining.length_of_step_between_blocks,
+        text_in_degrees,
+        most,
+        allowed,
+    )
 
 
 THINNEST = 1e-9
@@ -349,10 +361,10 @@ def _check_shoe_fits_drum(key: str, shoe: DrumShoe, radius: float) -> None:
     check_shoe_on_abutment_has_no_grip(key, shoe)
     _check_support_lets_shoe_press_on_drum(key, shoe, radius)
     # The layers of an internal shoe must end before the drum's centre.
-    if shoe.sign > 0 and shoe.depth >= radius:
+    if shoe.sign_of_internal_shoe > 0 and shoe.total_thickness >= radius:
         raise ValueError(
-            f"{key}: lining, backing and body are {text_in_mm(shoe.depth)} thick together; "
-            f"must be less than drum.radius = {text_in_mm(radius)}"
+            f"{key}: lining, backing and body are {text_in_mm(shoe.total_thickness)} thick "
+            f"together; must be less than drum.radius = {text_in_mm(radius)}"
         )
     if isinstance(shoe.body, Beam):
         _check_beam_fits_outside_drum(key, shoe, radius)
@@ -401,7 +413,7 @@ def check_shoe_on_abutment_has_no_grip(key: str, shoe: Held) -> None:
 def _check_beam_fits_outside_drum(key: str, shoe: DrumShoe, radius: float) -> None:
     """Raise ValueError if a straight shoe beam does not fit outside a drum of this radius [m]."""
     shown = f'{key}.body.shape = "beam"'
-    if shoe.sign > 0 or shoe.kind_of_support != "hinge":
+    if shoe.sign_of_internal_shoe > 0 or shoe.kind_of_support != "hinge":
         raise ValueError(f"{shown}: only for an external shoe that turns about its hinge")
     if math.dist(shoe.actuation.point.xy, shoe.pin.xy) < 1e-6 * radius:
         raise ValueError(
@@ -409,15 +421,15 @@ def _check_beam_fits_outside_drum(key: str, shoe: DrumShoe, radius: float) -> No
         )
     # The axis of the beam, from the hinge to the point of actuation, must pass outside the drum.
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
-    if axis.distance <= radius:
+    if axis.distance_from_drum_centre <= radius:
         raise ValueError(
             f"{shown}: the line from the hinge to the actuation's point passes "
-            f"{text_in_mm(axis.distance)} from the drum's centre; must be more than drum.radius = "
-            f"{text_in_mm(radius)}"
+            f"{text_in_mm(axis.distance_from_drum_centre)} from the drum's centre; "
+            f"must be more than drum.radius = {text_in_mm(radius)}"
         )
     # The rays from the drum's centre through the lining's ends must meet the beam.
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
-    x = axis.foot + radius * np.sin(ends)
+    x = axis.x_of_perpendicular_foot + radius * np.sin(ends)
     if np.abs(ends).max() >= 0.5 * math.pi or x.min() < 0 or x.max() > axis.length:
         raise ValueError(
             f"{key}.lining = {text_in_degrees(shoe.lining.start)} to "
@@ -435,7 +447,7 @@ def _check_support_lets_shoe_press_on_drum(key: str, shoe: DrumShoe, radius: flo
     """
     if shoe.guide is not None:
         # The component of the guide's direction along the lining's normal must point to the drum.
-        away = shoe.sign * math.cos(shoe.guide.direction - shoe.lining.middle)
+        away = shoe.sign_of_internal_shoe * math.cos(shoe.guide.direction - shoe.lining.middle)
         if away <= 0:
             shown = f"{key}.guide.direction = {text_in_degrees(shoe.guide.direction)}"
             raise ValueError(f"{shown}: must lead the middle of the lining towards the drum")

@@ -72,11 +72,11 @@ class ElasticLayer(NamedTuple):
         return cls(plane_stress_elasticity_matrix(material), width, along)
 
     @property
-    def stiffness(self) -> Floats:
+    def elasticity_times_width(self) -> Floats:
         """The elasticity matrix times the width of the layer [N/m]."""
         return self.elasticity * self.width
 
-    def directions(self, points: Any) -> Any:
+    def unit_vectors_along_layer(self, points: Any) -> Any:
         """Unit vectors (2, ...) along the layer at points (2, ...) [m].
 
         Their floating-point type, such as double precision, is that of the points.

@@ -95,16 +95,16 @@ class FrictionTable(Part):
     temperature_rise: tuple[TemperatureRise, ...] = ()
 
     @property
-    def columns(self) -> dict[str, tuple[float, ...]]:
+    def given_columns(self) -> dict[str, tuple[float, ...]]:
         """The columns of the table that are given, by key, without the coefficients `mu`."""
         return {key: values for key in COLUMN_TEXTS if (values := getattr(self, key))}
 
     @model_validator(mode="after")
     def _check_rows_hold_each_combination_once(self) -> Self:
         """Raise ValueError unless the rows have each combination of the columns' values once."""
-        if not self.columns:
+        if not self.given_columns:
             raise ValueError(f"mu: give a column beside it: {', '.join(COLUMN_TEXTS)}")
-        for key, values in self.columns.items():
+        for key, values in self.given_columns.items():
             if len(values) != len(self.mu):
                 raise ValueError(
                     f"{key}: has {len(values)} values; must have {len(self.mu)}, one for each of mu"
@@ -113,10 +113,10 @@ class FrictionTable(Part):
                 raise ValueError(
                     f"{key}: has the same value in all rows; leave it out, or give another"
                 )
-        rows = list(zip(*self.columns.values(), strict=True))
-        grid = math.prod(len(set(values)) for values in self.columns.values())
+        rows = list(zip(*self.given_columns.values(), strict=True))
+        grid = math.prod(len(set(values)) for values in self.given_columns.values())
         if len(set(rows)) != len(rows) or len(rows) != grid:
-            words = " at each of the ".join(COLUMN_TEXTS[key] for key in self.columns)
+            words = " at each of the ".join(COLUMN_TEXTS[key] for key in self.given_columns)
             raise ValueError(
                 f"mu: has {len(rows)} rows, of which {len(set(rows))} differ; must have {grid}: "
                 f"each of the {words} once"
@@ -130,13 +130,13 @@ class FrictionTable(Part):
 
         If the table has no pressures, the curve has one point, at the pressure 0.
         """
-        places = [sorted(set(values)) for values in self.columns.values()]
-        rows = dict(zip(zip(*self.columns.values(), strict=True), self.mu, strict=True))
+        places = [sorted(set(values)) for values in self.given_columns.values()]
+        rows = dict(zip(zip(*self.given_columns.values(), strict=True), self.mu, strict=True))
         grid = np.array([rows[row] for row in product(*places)]).reshape(list(map(len, places)))
         at = {"speed": speed, "temperature_rise": temperature_rise}
         # The table is interpolated in one column after the other, from the last column on. The
         # first column, the pressure, is left.
-        for key, values in reversed(list(zip(self.columns, places, strict=True))):
+        for key, values in reversed(list(zip(self.given_columns, places, strict=True))):
             if key in at:
                 grid = np.apply_along_axis(partial(np.interp, at[key], values), -1, grid)
         pressure = np.array(places[0]) if self.pressure else np.zeros(1)

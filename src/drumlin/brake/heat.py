@@ -71,7 +71,7 @@ def heated_layers_of_shoe(shoe: "Shoe") -> Iterator[HeatedLayer]:
     for key, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
         if part is None:
             continue
-        thickness = getattr(part, "depth", part.thickness) or 0.0
+        thickness = getattr(part, "total_thickness", part.thickness) or 0.0
         if is_part_heated(part):
             yield HeatedLayer(key, part, (depth, depth + thickness))
         depth += thickness

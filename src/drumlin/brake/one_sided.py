@@ -43,11 +43,12 @@ NOT_HELD_TEXT = (
 class SideOfSupport(NamedTuple):
     """The push of a one-sided support on one shoe.
 
-    `shoe` is the index of the shoe in the brake, `push` a force of 1 N with its line of action.
+    `shoe` is the index of the shoe in the brake, `unit_push` a force of 1 N with its line of
+    action.
     """
 
     shoe: int
-    push: Actuation
+    unit_push: Actuation
 
 
 class OneSidedSupport(NamedTuple):
@@ -126,7 +127,7 @@ def unit_forces_of_one_sided_supports_on_shoe(brake: Brake, name: str) -> list[A
     """A force of 1 N by each one-sided support on the shoe `name`, in the order of the supports."""
     found = []
     for support in one_sided_supports_of_brake(brake):
-        found += [side.push for side in support.sides if brake.shoes[side.shoe].name == name]
+        found += [side.unit_push for side in support.sides if brake.shoes[side.shoe].name == name]
     return found
 
 
@@ -173,7 +174,7 @@ def forces_of_one_sided_supports_on_shoe(
     for support, force in zip(supports, np.maximum(forces, 0.0).tolist(), strict=True):
         for side in support.sides:
             if side.shoe == shoe:
-                push = side.push.model_copy(update={"force": force})
+                push = side.unit_push.model_copy(update={"force": force})
                 found.append(SupportForce(support.name, push))
     return tuple(found)
 

@@ -129,11 +129,18 @@ class FlatLining(Lining):
                 f"{1 / (8 * LARGEST_MISFIT):g} times the lining's length"
             )
         allowed = f"{LARGEST_MISFIT:g} of the lining's length, {text_in_mm(most)}"
-        self.misfit.check("misfit", (self.start, self.end), self.step, text_in_mm, most, allowed)
+        self.misfit.check_misfit_size_and_blocks(
+            "misfit",
+            (self.start, self.end),
+            self.length_of_step_between_blocks,
+            text_in_mm,
+            most,
+            allowed,
+        )
         return self
 
     @property
-    def step(self) -> float:
+    def length_of_step_between_blocks(self) -> float:
         """Length [m] over which the face rises smoothly from one block's height to the next."""
         return ROUNDED_STEP * (self.end - self.start)
 

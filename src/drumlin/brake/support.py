@@ -105,25 +105,27 @@ class Freedoms(NamedTuple):
     Attributes
     ----------
     motions : (k, 3), dx, dy and turn of each mode, for a turn by 1 rad or a slide by 1 m
-    tests : (k, 3), dx, dy and turn of the test modes, on which the support reactions do no work
-    work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
+    test_modes : (k, 3), dx, dy and turn of the test modes, on which the support reactions do no
+        work
+    actuation_work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
     further_work : (k,), work of all loads besides the actuation on each test mode [N m or N]
-    tip : (k,), displacement [m] of the actuation's point along the actuation force in each mode
+    actuation_point_travel : (k,), displacement [m] of the actuation's point along the actuation
+        force in each mode
     names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" (along an abutment or a
         guide), "off" (away from an abutment), "x" or "y" (translations of a shoe on anchors)
     """
 
     motions: Floats
-    tests: Floats
-    work: Floats
+    test_modes: Floats
+    actuation_work: Floats
     further_work: Floats
-    tip: Floats
+    actuation_point_travel: Floats
     names: tuple[str, ...]
 
     @property
     def work_of_all_loads_on_test_modes(self) -> Floats:
         """Work (k,) of the actuation and of all other loads on each test mode [N m or N]."""
-        return self.work + self.further_work
+        return self.actuation_work + self.further_work
 
 
 def rigid_body_motion_of_turn_about_point(point: Point) -> Floats:
@@ -164,11 +166,11 @@ class SupportChange(NamedTuple):
     Attributes
     ----------
     motions : (k, 3), derivatives of dx, dy and turn of the rigid-body modes
-    tests : (k, 3), derivatives of dx, dy and turn of the test modes
+    test_modes : (k, 3), derivatives of dx, dy and turn of the test modes
     """
 
     motions: Floats
-    tests: Floats
+    test_modes: Floats
 
 
 class Held(Part):

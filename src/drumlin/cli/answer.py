@@ -36,9 +36,10 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
 
     notes = _Notes.notes_of_response_by_place_in_printout(response)
     print_line_folded_to_terminal_width(
-        f"{brake.title}: {response.model}, {brake.motion}, {brake.friction_coefficients_as_text}"
+        f"{brake.title}: {response.model}, {brake.motion_as_text}, "
+        f"{brake.friction_coefficients_as_text}"
     )
-    for line in notes.apart:
+    for line in notes.lines_above_table:
         print_line_folded_to_terminal_width(line)
     _print_torque_and_brake_factor(brake, response)
     _print_table_of_shoes(brake, response)
@@ -56,16 +57,16 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
             print_line_folded_to_terminal_width(line)
     if response.error is not None:
         print_line_folded_to_terminal_width(
-            _estimated_errors_as_line(brake.surface.effect, response.error)
+            _estimated_errors_as_line(brake.surface.word_for_effect, response.error)
         )
     if response.plane_stress_error is not None:
         print_line_folded_to_terminal_width(
-            _plane_stress_errors_as_line(brake.surface.effect, response)
+            _plane_stress_errors_as_line(brake.surface.word_for_effect, response)
         )
-    for line in notes.held:
+    for line in notes.lines_on_supports:
         print_line_folded_to_terminal_width(line)
     if verbose:
-        _print_lines_of_verbose_answer(response, notes.others)
+        _print_lines_of_verbose_answer(response, notes.lines_of_verbose_answer)
 
 
 class _Notes(NamedTuple):
@@ -73,16 +74,17 @@ class _Notes(NamedTuple):
 
     Attributes
     ----------
-    apart : lines on shoes without contact, printed above the table of shoes
+    lines_above_table : lines on shoes without contact, printed above the table of shoes
     warnings : lines that begin with "warning:" or "note:", printed below the table
-    held : lines on the supports of each body and on corrections of a mesh file, printed last
-    others : all other lines, printed with --verbose only
+    lines_on_supports : lines on the supports of each body and on corrections of a mesh file,
+        printed last
+    lines_of_verbose_answer : all other lines, printed with --verbose only
     """
 
-    apart: list[str]
+    lines_above_table: list[str]
     warnings: list[str]
-    held: list[str]
-    others: list[str]
+    lines_on_supports: list[str]
+    lines_of_verbose_answer: list[str]
 
     @classmethod
     def notes_of_response_by_place_in_printout(cls, response: "Response") -> "_Notes":
@@ -94,13 +96,13 @@ class _Notes(NamedTuple):
         notes = cls([], [], [], [])
         for line in response.notes:
             if ": no contact" in line:
-                notes.apart.append(line)
+                notes.lines_above_table.append(line)
             elif line.startswith(("warning:", "note:")):
                 notes.warnings.append(line)
             elif line.startswith("held:") or ": its mesh: " in line:
-                notes.held.append(line)
+                notes.lines_on_supports.append(line)
             else:
-                notes.others.append(line)
+                notes.lines_of_verbose_answer.append(line)
         return notes
 
 
@@ -114,9 +116,12 @@ def _print_torque_and_brake_factor(brake: "Brake", response: "Response") -> None
 
     surface = brake.surface
     factor = brake_factor(brake, response)
-    line = f"{surface.effect} {response.effect:.6g} {surface.effect_unit}"
+    line = f"{surface.word_for_effect} {response.effect:.6g} {surface.effect_unit}"
     if factor is not None:
-        line += f", brake factor {factor:.4g} = {surface.factor}, F the mean actuation force"
+        line += (
+            f", brake factor {factor:.4g} = {surface.brake_factor_formula}, F the mean actuation "
+            "force"
+        )
     print_line_folded_to_terminal_width(line)
     if not response.converged:
         print_line_folded_to_terminal_width("not converged")
@@ -174,7 +179,7 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
     from drumlin.response.response import place_of_peak_pressure
 
     places = [place_of_peak_pressure(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
-    shown = brake.surface.shown
+    shown = brake.surface.si_to_shown_unit_factor
     # The list `at` has the angle or length where the pressure of each shoe peaks, as text. Adding
     # 0.0 turns a negative zero into a zero without sign.
     at = ["" if place is None else f"{place.at * shown + 0.0:.1f}" for place in places]
@@ -194,7 +199,7 @@ def _peak_pressures_over_width_as_line(brake: "Brake", response: "Response") -> 
     """The peak pressures over arc and width as one line of text; "" if no shoe has a width."""
     from drumlin.response.face import pressure_on_face_of_lining
 
-    shown, unit, peaks = brake.surface.shown, brake.surface.shown_unit, []
+    shown, unit, peaks = brake.surface.si_to_shown_unit_factor, brake.surface.shown_unit, []
     for i in range(len(response.shoes)):
         face = pressure_on_face_of_lining(brake, response, i)
         if face is not None:
@@ -219,14 +224,14 @@ def _columns_of_shoe_table(
     surface = brake.surface
     unit = surface.shown_unit
     table = {
-        "shoe": Column("shoe", "shoe\n", [], left=True),
-        "effect": Column("torque", surface.heading, []),
+        "shoe": Column("shoe", "shoe\n", [], is_left_aligned=True),
+        "effect": Column("torque", surface.effect_heading, []),
         "normal_force": Column("normal force", "normal\nforce [N]", []),
         "peak": Column("peak pressure", "peak p\n[MPa]", []),
         "at": Column("where the pressure peaks", f"at\n[{unit}]", at),
         "contact": Column("contact", f"contact\n[{unit}]", []),
         "reaction": Column("hinge reaction", "reaction\n[N]", []),
-        "shoe_factor": Column("shoe factor", f"{surface.factor}\n", []),
+        "shoe_factor": Column("shoe factor", f"{surface.brake_factor_formula}\n", []),
     }
     for i, shoe in enumerate(response.shoes):
         effect = response.effects[i]

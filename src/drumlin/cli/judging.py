@@ -65,7 +65,7 @@ def reference(
     path = output or Path(f"{brake_file.stem}.reference.json")
     with show_spinner_beside_words("columns of high degree, then triangles"):
         found = drumlin.reference(brake_file, path)
-    effect, unit = found.surface.effect, found.surface.effect_unit
+    effect, unit = found.surface.word_for_effect, found.surface.effect_unit
     print_line_folded_to_terminal_width(
         f"{effect} {found.torque.value:.10g} {unit}, "
         f"uncertainty {found.torque.uncertainty:.1g} {unit}"

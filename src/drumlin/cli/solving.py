@@ -224,7 +224,7 @@ def compare(
             brake, text, folder, options, fields_file=fields
         )
     print_line_folded_to_terminal_width(
-        f"{brake.title}: {brake.motion}, {brake.friction_coefficients_as_text}"
+        f"{brake.title}: {brake.motion_as_text}, {brake.friction_coefficients_as_text}"
     )
     print_table_of_compared_models(result.table, result.columns)
     print_line_folded_to_terminal_width(ERRORS_OF_COMPARISON)
@@ -274,13 +274,15 @@ def _table_columns_of_holding_states(run: "HoldingRun") -> dict[str, Column]:
     from drumlin.base.texts import number_as_text
 
     surface, states = run.brake.surface, run.states
-    turned = [f"{at.rotation * surface.shown:.6f}" for at in states]
+    turned = [f"{at.rotation * surface.si_to_shown_unit_factor:.6f}" for at in states]
     moments = [number_as_text(at.torque, ".4f") for at in states]
     sticking = [f"{100 * at.sticking:.1f}" for at in states]
     dissipated = [f"{at.dissipated:.5g}" for at in states]
     return {
-        "way": Column("way", f"{surface.moved} [{surface.shown_unit}]", turned),
-        "moment": Column("moment", f"{surface.held} [{surface.effect_unit}]", moments),
+        "way": Column("way", f"{surface.word_for_motion} [{surface.shown_unit}]", turned),
+        "moment": Column(
+            "moment", f"{surface.word_for_held_load} [{surface.effect_unit}]", moments
+        ),
         "sticking": Column("sticking", "sticking [%]", sticking),
         "dissipated": Column("dissipated", "dissipated [J]", dissipated),
     }
@@ -306,7 +308,7 @@ def sensitivity(
     if json_file is not None:
         write_json(json_file, found.as_dict())
     print_line_folded_to_terminal_width(
-        f"{brake.title}: {model}, {brake.motion}, {brake.friction_coefficients_as_text}"
+        f"{brake.title}: {model}, {brake.motion_as_text}, {brake.friction_coefficients_as_text}"
     )
     for line in sensitivity_as_text_lines(found, brake):
         print_line_folded_to_terminal_width(line)

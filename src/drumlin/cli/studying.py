@@ -109,7 +109,7 @@ def _print_outcome_of_sweep(table: "SweepTable", table_file: Path) -> None:
         head, *rows = table.cells_of_statistics()
         columns = {}
         for title, *texts in zip(head, *rows, strict=True):
-            columns[title] = Column(title or "result", title, texts, left=not title)
+            columns[title] = Column(title or "result", title, texts, is_left_aligned=not title)
         print_table_fitted_to_terminal(columns, STATISTICS_LEFT_OUT_FIRST)
     print_line_folded_to_terminal_width(f"table: {table_file}")
     if failed == len(table):

@@ -199,26 +199,26 @@ class Column(NamedTuple):
     Attributes
     ----------
     title : name of the column for use in a sentence
-    head : heading, of one line or more
+    heading : heading, of one line or more
     cells : text of each row, of one line or more
-    left : whether the texts are aligned to the left
+    is_left_aligned : whether the texts are aligned to the left
     """
 
     title: str
-    head: str
+    heading: str
     cells: list[str]
-    left: bool = False
+    is_left_aligned: bool = False
 
     @property
     def width(self) -> int:
         """Width of the widest line in the column's heading and cells, in cells of the terminal."""
-        lines = [line for cell in (self.head, *self.cells) for line in cell.split("\n")]
+        lines = [line for cell in (self.heading, *self.cells) for line in cell.split("\n")]
         return max(map(_width_on_terminal, lines))
 
     def padded_to_width(self, word: str) -> str:
         """A line of a cell with blanks up to the width of the column."""
         blanks = " " * (self.width - _width_on_terminal(word))
-        return word + blanks if self.left else blanks + word
+        return word + blanks if self.is_left_aligned else blanks + word
 
 
 def _width_on_terminal(text: str) -> int:
@@ -267,7 +267,7 @@ def _lines_of_printed_table(columns: Collection[Column]) -> list[str]:
 
     Headings of fewer lines than others stand low, cells of fewer lines stand high.
     """
-    rows = zip(*((column.head, *column.cells) for column in columns), strict=True)
+    rows = zip(*((column.heading, *column.cells) for column in columns), strict=True)
     lines: list[str] = []
     for number, row in enumerate(rows):
         cells = [text.split("\n") for text in row]
@@ -304,7 +304,7 @@ def print_table_of_compared_models(
             head += f"\n[{column.unit}]"
         cells = [printable_single_line(column.text(row)) for row in table]
         has_words = column.key in {"shoe", "model", "status"}
-        columns[column.key] = Column(column.title, head, cells, left=has_words)
+        columns[column.key] = Column(column.title, head, cells, is_left_aligned=has_words)
     # The status of a model may be a long reason: it is folded into the width that is left.
     status = columns.get("status")
     if status is not None:

@@ -177,14 +177,14 @@ class _TrialSolution(NamedTuple):
     p : pressures (n,), a view of x
     w : weighted gaps (n,), a view of the residual
     residual : weighted gaps (n,), then the imbalance (k,) of the forces in each rigid-body mode
-    wrong : whether a node (n,) has a negative pressure or a negative gap
+    nodes_with_negative_values : whether a node (n,) has a negative pressure or a negative gap
     """
 
     x: Floats
     p: Floats
     w: Floats
     residual: Floats
-    wrong: Bools
+    nodes_with_negative_values: Bools
 
 
 def solve_contact_by_block_pivoting(
@@ -225,7 +225,7 @@ def solve_contact_by_block_pivoting(
         if not isinstance(equations, BorderedEquations):
             base = equations
         trial = _solve_on_trial_contact_set(system, equations, active)
-        count = int(np.count_nonzero(trial.wrong))
+        count = int(np.count_nonzero(trial.nodes_with_negative_values))
         if not count:
             return _refine_contact_solution_once(system, equations, active, trial, step)
         # The search ends if the number of wrong nodes has not fallen for some steps.
@@ -316,13 +316,13 @@ def _next_contact_set(
     about the other node until a third node touches, see `_find_node_that_closes_first`. In this way
     a short contact moves along the lining node by node.
     """
-    wanted = active ^ trial.wrong
+    wanted = active ^ trial.nodes_with_negative_values
     if _can_contact_set_resist_rigid_body_modes(problem, wanted):
         return wanted
     # All nodes with a negative gap join the set. Nodes with negative pressure leave it one after
     # the other, the most negative first, as long as the remaining nodes resist all modes.
-    found = active | trial.wrong
-    leaving = np.flatnonzero(active & trial.wrong)
+    found = active | trial.nodes_with_negative_values
+    leaving = np.flatnonzero(active & trial.nodes_with_negative_values)
     leaving = leaving[np.argsort(trial.p[leaving], kind="stable")]
     for node in leaving:
         found[node] = False

@@ -579,21 +579,22 @@ class StartSetComparison(NamedTuple):
 
     Attributes
     ----------
-    starts : number of first contact sets
-    same : number of first sets that lead to the known solution, which friction growing from 0
-        reaches
-    others : number of first sets that lead to another stable solution
-    unstable : number of first sets that lead to an unstable solution
-    lost : number of first sets from which the method does not converge
-    difference : largest difference of pressure among `same`, relative to the largest pressure
+    number_of_start_sets : number of first contact sets
+    sets_with_known_solution : number of first sets that lead to the known solution, which friction
+        growing from 0 reaches
+    sets_with_other_stable_solution : number of first sets that lead to another stable solution
+    sets_with_unstable_solution : number of first sets that lead to an unstable solution
+    sets_without_convergence : number of first sets from which the method does not converge
+    largest_pressure_difference : largest difference of pressure among `sets_with_known_solution`,
+        relative to the largest pressure
     """
 
-    starts: int
-    same: int
-    others: int
-    unstable: int
-    lost: int
-    difference: float
+    number_of_start_sets: int
+    sets_with_known_solution: int
+    sets_with_other_stable_solution: int
+    sets_with_unstable_solution: int
+    sets_without_convergence: int
+    largest_pressure_difference: float
 
 
 def compare_solutions_from_starting_contact_sets(
@@ -611,21 +612,30 @@ def compare_solutions_from_starting_contact_sets(
     tolerance : difference of pressure, relative to the largest pressure, up to which two solutions
         count as the same
     """
-    counts = dict.fromkeys(("same", "others", "unstable", "lost"), 0)
+    counts = dict.fromkeys(
+        (
+            "sets_with_known_solution",
+            "sets_with_other_stable_solution",
+            "sets_with_unstable_solution",
+            "sets_without_convergence",
+        ),
+        0,
+    )
     largest, scale = 0.0, np.abs(answer.p).max()
     for start in starts:
         try:
             found = solve_contact_problem(problem, start)
         except NoAnswer:
-            counts["lost"] += 1
+            counts["sets_without_convergence"] += 1
             continue
         difference = float(np.abs(found.p - answer.p).max() / scale)
         if difference <= tolerance:
-            counts["same"] += 1
+            counts["sets_with_known_solution"] += 1
             largest = max(largest, difference)
         else:
-            counts["others" if found.stable else "unstable"] += 1
-    return StartSetComparison(len(starts), **counts, difference=largest)
+            kind = "other_stable" if found.stable else "unstable"
+            counts[f"sets_with_{kind}_solution"] += 1
+    return StartSetComparison(len(starts), **counts, largest_pressure_difference=largest)
 
 
 def smallest_friction_that_makes_any_contact_set_singular(

@@ -456,13 +456,13 @@ class _StateChange(NamedTuple):
     Attributes
     ----------
     node : number of the node that changes its state
-    edge : number of the condition, 0 or 1, that the node reaches, as in NEXT_STATE
+    reached_condition : number of the condition, 0 or 1, that the node reaches, as in NEXT_STATE
     load_change : change of the load parameter r of the path up to the change of state; inf if no
         node changes its state
     """
 
     node: int
-    edge: int
+    reached_condition: int
     load_change: float
 
 
@@ -494,7 +494,7 @@ def _follow_stick_slip_states_to_true_load(
         if node >= 0:
             direction = float(np.sign(change[edge, node]))
         met = _next_stick_slip_state_change_on_path(value, change, r, direction)
-        node, edge = met.node, met.edge
+        node, edge = met.node, met.reached_condition
         if direction < 0 and met.load_change >= r:
             return _SettledStates(state, point, passed)
         if not np.isfinite(met.load_change):

@@ -82,10 +82,10 @@ class ExploredAnswer:
     setting : positions of the sliders
     brake : the brake as it is solved, with worn linings if the slider of wear is not at 0; None
         where the parts of the brake do not fit together
-    found : response of the finite elements; None where they have no answer
+    fem_response : response of the finite elements; None where they have no answer
     failure : reason why the finite elements have no answer; "" where they have one
     law_name : name of the rigid-shoe law whose answer is shown beside the finite elements
-    law : response of the law; None where the law has no answer
+    law_response : response of the law; None where the law has no answer
     law_failure : reason why the law has no answer; "" where it has one
     law_locking : smallest friction at which a shoe locks itself by the law; None on a plane
     distance : sliding distance [m] over which the linings are worn
@@ -93,10 +93,10 @@ class ExploredAnswer:
 
     setting: KnobSetting
     brake: Brake | None = None
-    found: Response | None = None
+    fem_response: Response | None = None
     failure: str = ""
     law_name: str | None = None
-    law: Response | None = None
+    law_response: Response | None = None
     law_failure: str = ""
     law_locking: float | None = None
     distance: float = 0.0
@@ -129,14 +129,14 @@ class StatedError(NamedTuple):
     ----------
     torque : relative difference of the torque
     pressure : relative difference of the pressure (L2) on the shoe where it is largest
-    own : estimated errors that `drumlin.solve` states for its accurate answer; None if it states
-        none
+    errors_stated_by_accurate_answer : estimated errors that `drumlin.solve` states for its accurate
+        answer; None if it states none
     plane_stress : estimated errors by the assumption of plane stress; None for solid shoes
     """
 
     torque: float
     pressure: float
-    own: Mapping[str, float] | None
+    errors_stated_by_accurate_answer: Mapping[str, float] | None
     plane_stress: ModelError | None
 
 
@@ -151,7 +151,7 @@ class LatestValueCache:
         """The stored value if it was made for `key`, else None."""
         return self._value if key == self._key else None
 
-    def get(self, key: Any, make: Callable[[], Any]) -> Any:
+    def stored_or_new_value(self, key: Any, make: Callable[[], Any]) -> Any:
         """The stored value if it was made for `key`, else a new value that `make` returns."""
         if self._value is None or key != self._key:
             self._value = make()
@@ -195,7 +195,7 @@ class Explorer:
             # On a plane the page shows the braking force, which is a figure of merit.
             if brake.surface.is_plane_and_not_drum:
                 found = response_with_figures_of_merit(brake, found)
-            answer = replace(answer, found=found)
+            answer = replace(answer, fem_response=found)
         except DrumlinError as error:
             answer = replace(answer, failure=str(error))
         return _fem_answer_with_results_of_pressure_law(answer)
@@ -225,7 +225,7 @@ class Explorer:
         # that they share one key in the cache.
         with_friction = {"friction_as_written": 1.0}
         key = brake_without_loads_and_clearances(brake).model_copy(update=with_friction)
-        return self._scene.get((key, model), prepare_model_with_friction)
+        return self._scene.stored_or_new_value((key, model), prepare_model_with_friction)
 
     def _brake_worn_over_distance(
         self, scene: PreparedModel, brake: Brake, wear: float
@@ -235,7 +235,7 @@ class Explorer:
         Raises NoAnswer where a lining is worn out before.
         """
         (slider,) = (knob for knob in self.knobs if knob.name == "wear")
-        run = self._worn.get(
+        run = self._worn.stored_or_new_value(
             brake, lambda: _wear_linings_over_distance(scene, brake, 1e3 * slider.high)
         )
         state = interpolate_wear_state_at_distance(run.states, 1e3 * wear)
@@ -273,7 +273,7 @@ class Explorer:
                 return {}
             return {members: limit.friction for members, limit in found.items()}
 
-        known: LockingFriction = self._limits.get(
+        known: LockingFriction = self._limits.stored_or_new_value(
             (_brake_with_unit_friction(brake), model), find_self_locking_friction_with_unit_friction
         )
         return known
@@ -297,7 +297,7 @@ class Explorer:
         The accurate answer takes seconds to minutes. The result is None where the page or
         `drumlin.solve` has no answer.
         """
-        brake, found, model = answer.brake, answer.found, answer.setting.model
+        brake, found, model = answer.brake, answer.fem_response, answer.setting.model
         if brake is None or found is None:
             return None
         options: dict[str, Any] = {"model_error": True}
@@ -319,7 +319,9 @@ class Explorer:
                 finer.plane_stress_error,
             )
 
-        known: StatedError | None = self._stated.get((brake, model), solve_accurately_and_compare)
+        known: StatedError | None = self._stated.stored_or_new_value(
+            (brake, model), solve_accurately_and_compare
+        )
         return known
 
 
@@ -351,6 +353,8 @@ def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> Explored
                 own = self_locking_friction_of_hinged_shoe(brake, shoe, LAWS[name])
                 limits.append(brake.brake_friction_that_gives_shoe_friction(shoe, own))
             answer = replace(answer, law_locking=min(limits))
-        return replace(answer, law=model_with_name_that_applies_to_brake(name, brake).solve(brake))
+        return replace(
+            answer, law_response=model_with_name_that_applies_to_brake(name, brake).solve(brake)
+        )
     except DrumlinError as error:
         return replace(answer, law_failure=str(error))

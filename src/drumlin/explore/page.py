@@ -77,15 +77,15 @@ class Reply(NamedTuple):
     Attributes
     ----------
     status : status code of HTTP
-    media : media type of the text
+    media_type : media type of the text
     text : content of the reply
-    file : name under which the browser saves the text; "" where the browser shows the text
+    file_name : name under which the browser saves the text; "" where the browser shows the text
     """
 
     status: int
-    media: str
+    media_type: str
     text: str
-    file: str = ""
+    file_name: str = ""
 
 
 class _Request(NamedTuple):
@@ -95,13 +95,13 @@ class _Request(NamedTuple):
     ----------
     explorer : solver that answers for the brake
     setting : positions of the sliders
-    lines : messages about parts of the link that were refused
+    refusal_messages : messages about parts of the link that were refused
     name : beginning of the name of a file that the browser saves
     """
 
     explorer: Explorer
     setting: KnobSetting
-    lines: tuple[str, ...]
+    refusal_messages: tuple[str, ...]
     name: str
 
 
@@ -140,7 +140,7 @@ def _reply_with_html_page(request: _Request) -> Reply:
     # [mm] on a drum, a straight line at this height [mm] on a plane.
     rings = [-PRESSURE_SCALE_DISTANCE * size]
     if not is_flat:
-        signs = set(map(attrgetter("sign"), brake.shoes))
+        signs = set(map(attrgetter("sign_of_internal_shoe"), brake.shoes))
         rings = sorted(size * (1 + sign * PRESSURE_SCALE_DISTANCE) for sign in signs)
     # The page shows the colour of each model and the title of each law.
     colors, laws = {"fem": color_of_model("fem")}, {}
@@ -148,7 +148,7 @@ def _reply_with_html_page(request: _Request) -> Reply:
         colors[law], laws[law] = color_of_model(law), title_of_model_in_figures(law)
     text = _jinja_template_of_html_page().render(
         title=brake.title,
-        lines=request.lines,
+        lines=request.refusal_messages,
         knobs=list(map(partial(_slider_data_for_html_page, setting), request.explorer.knobs)),
         motion=motion_key_of_brake_file(brake),
         senses=brake.directions,
@@ -169,7 +169,7 @@ def _reply_with_html_page(request: _Request) -> Reply:
         petal=PRESSURE_SCALE_DISTANCE,
         units=(PLACE_STEP, PRESSURE_STEP),
         rings=rings,
-        place=brake.surface.page_axis,
+        place=brake.surface.axis_label_in_explorer,
         low=low,
         high=high,
         ticks=_values_of_axis_ticks(low, high, brake.surface.shown_unit),
@@ -236,7 +236,9 @@ def _reply_with_picture_data(request: _Request) -> Reply:
         known = explorer.self_locking_friction_if_already_computed(
             answer.brake, answer.setting.model
         )
-    whole_numbers = partial(pressure_curve_as_whole_numbers, scale=picture.scale)
+    whole_numbers = partial(
+        pressure_curve_as_whole_numbers, scale=picture.highest_pressure_of_scale
+    )
     arcs = np.rint(np.array(picture.arcs) / PLACE_STEP).astype(int)
     # The texts of the reply are finished HTML, its curves are whole numbers.
     data = {
@@ -244,13 +246,13 @@ def _reply_with_picture_data(request: _Request) -> Reply:
         "law": list(map(whole_numbers, picture.law)),
         "arcs": arcs.tolist(),
         "forces": svg_path_of_lines(picture.forces),
-        "scale": picture.scale,
+        "scale": picture.highest_pressure_of_scale,
         "motion": picture.motion,
-        "head": torque_and_refusals_as_html(picture, request.lines),
+        "head": torque_and_refusals_as_html(picture, request.refusal_messages),
         "table": html_table_of_text_rows(picture.rows),
         "locking": self_locking_as_html(answer, known),
         "error": error_of_finite_elements_as_html(answer, None, asked=False),
-        "torque": None if answer.found is None else answer.found.effect,
+        "torque": None if answer.fem_response is None else answer.fem_response.effect,
         "shape": _drawing_of_changed_shape(request, answer.brake),
     }
     return Reply(200, JSON, json.dumps(data, allow_nan=False))

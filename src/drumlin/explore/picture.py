@@ -72,12 +72,12 @@ class PressureCurve(NamedTuple):
 
     Attributes
     ----------
-    at : angles (n,) [deg] on the drum, on a plane lengths [mm]
+    positions : angles (n,) [deg] on the drum, on a plane lengths [mm]
     p : pressures (n,) [MPa] at these places
     sign : +1 for a shoe inside the drum, -1 for a shoe outside
     """
 
-    at: Floats
+    positions: Floats
     p: Floats
     sign: int
 
@@ -103,9 +103,9 @@ class Picture:
     fem, law : pressure curves, by finite elements and by the law, of the shoes that touch
     arcs : first and last place [deg, on a plane mm] of each pressed arc by finite elements
     forces : arrows of the actuation forces [mm]
-    scale : highest pressure of the scale [MPa], the same for all curves
+    highest_pressure_of_scale : highest pressure of the scale [MPa], the same for all curves
     motion : arrow character for the motion of the drum or of the sliding body
-    head : torque, brake factor and torque by the law, as one line of HTML
+    torque_line_as_html : torque, brake factor and torque by the law, as one line of HTML
     rows : rows of the table, its headings first
     failures : reasons why finite elements or the law have no answer
     """
@@ -114,9 +114,9 @@ class Picture:
     law: tuple[PressureCurve, ...]
     arcs: tuple[tuple[float, float], ...]
     forces: Lines
-    scale: float
+    highest_pressure_of_scale: float
     motion: str
-    head: str
+    torque_line_as_html: str
     rows: tuple[tuple[str, ...], ...]
     failures: tuple[str, ...]
 
@@ -128,29 +128,33 @@ def picture_of_brake_at_slider_setting(answer: ExploredAnswer, brake: Brake) -> 
     not fit together.
     """
     shown = answer.brake or brake
-    unit = shown.surface.shown
+    unit = shown.surface.si_to_shown_unit_factor
     # Finite elements and law share one scale of pressure, so that their curves can be compared.
     peaks: list[float] = []
-    for response in (answer.found, answer.law):
+    for response in (answer.fem_response, answer.law_response):
         if response is not None:
             peaks += map(attrgetter("peak_pressure"), response.shoes)
     # Ends of the pressed arcs of all shoes, in the unit of the page.
     arcs: list[tuple[float, float]] = []
-    for shoe in answer.found.shoes if answer.found else ():
+    for shoe in answer.fem_response.shoes if answer.fem_response else ():
         for start, end in shoe.contact_arcs:
             arcs.append((start * unit, end * unit))
     # If finite elements and law fail for the same reason, the page shows the reason once.
     failures = (answer.failure, answer.law_failure)
     return Picture(
-        fem=_pressure_curves_of_touching_shoes(answer.found, shown),
-        law=_pressure_curves_of_touching_shoes(answer.law, shown),
+        fem=_pressure_curves_of_touching_shoes(answer.fem_response, shown),
+        law=_pressure_curves_of_touching_shoes(answer.law_response, shown),
         arcs=tuple(arcs),
         forces=_lines_of_force_arrows(
-            shown if answer.found is None else brake_with_forces_of_response(shown, answer.found)
+            shown
+            if answer.fem_response is None
+            else brake_with_forces_of_response(shown, answer.fem_response)
         ),
-        scale=highest_pressure_of_picture_scale(max(peaks, default=0.0) * PAGE_MPA),
+        highest_pressure_of_scale=highest_pressure_of_picture_scale(
+            max(peaks, default=0.0) * PAGE_MPA
+        ),
         motion=_arrow_character_of_motion(shown),
-        head=torque_line_as_html(answer),
+        torque_line_as_html=torque_line_as_html(answer),
         rows=table_rows_by_shoe_and_model(answer, shown),
         failures=tuple(dict.fromkeys(filter(None, failures))),
     )
@@ -169,7 +173,7 @@ def pressure_curve_as_whole_numbers(curve: PressureCurve, scale: float) -> dict[
     Places are in units of PLACE_STEP. Pressures are in units of PRESSURE_STEP times `scale` [MPa],
     the highest pressure of the scale.
     """
-    at, p = np.rint(curve.at / PLACE_STEP), np.rint(curve.p / scale / PRESSURE_STEP)
+    at, p = np.rint(curve.positions / PLACE_STEP), np.rint(curve.p / scale / PRESSURE_STEP)
     return {"at": at.astype(int).tolist(), "p": p.astype(int).tolist(), "sign": curve.sign}
 
 
@@ -190,11 +194,11 @@ def _pressure_curves_of_touching_shoes(
     """The pressure curves of all shoes that touch the drum or plane, by the model of a response."""
     if response is None:
         return ()
-    unit, curves = brake.surface.shown, []
+    unit, curves = brake.surface.si_to_shown_unit_factor, []
     for shoe, part in zip(response.shoes, brake.shoes, strict=True):
         if shoe.contact_arcs:
             theta, p = evenly_spaced_pressure_curve_of_shoe(shoe, CURVE_POINTS)
-            curves.append(PressureCurve(theta * unit, p * PAGE_MPA, part.sign))
+            curves.append(PressureCurve(theta * unit, p * PAGE_MPA, part.sign_of_internal_shoe))
     return tuple(curves)
 
 
@@ -241,7 +245,7 @@ def _point_of_force_arrow_tip(shoe: Shoe) -> Floats:
     """
     along, point = shoe.actuation.unit_vector_of_force, shoe.actuation.point.xy
     # Shoes on a plane and external shoes keep the point of the file.
-    if shoe.flat or shoe.sign < 0:
+    if shoe.is_on_plane or shoe.sign_of_internal_shoe < 0:
         return point
     size = float(np.linalg.norm(point))
     angles = shoe.lining.start, shoe.lining.end
@@ -255,20 +259,19 @@ def _point_of_force_arrow_tip(shoe: Shoe) -> Floats:
 
 def torque_line_as_html(answer: ExploredAnswer) -> str:
     """A line of HTML with torque and brake factor by finite elements, and the torque by the law."""
-    if answer.found is None or answer.brake is None:
+    if answer.fem_response is None or answer.brake is None:
         return "no answer"
     surface = answer.brake.surface
     unit = surface.effect_unit
-    effect, factor = answer.found.effect, brake_factor(answer.brake, answer.found)
-    words = [f"{surface.effect} <b>{effect:.6g} {unit}</b>"]
+    effect, factor = answer.fem_response.effect, brake_factor(answer.brake, answer.fem_response)
+    words = [f"{surface.word_for_effect} <b>{effect:.6g} {unit}</b>"]
     if factor is not None:
-        words.append(f"brake factor {surface.factor} <b>{factor:.4g}</b>")
-    if answer.law is not None:
-        by_law = answer.law.effect
+        words.append(f"brake factor {surface.brake_factor_formula} <b>{factor:.4g}</b>")
+    if answer.law_response is not None:
+        by_law = answer.law_response.effect
         off = f" ({number_as_text(by_law / effect - 1, '+.1%')})" if effect else ""
-        words.append(
-            f"{escape(title_of_model_in_figures(answer.law.model))} {by_law:.6g} {unit}{off}"
-        )
+        law_title = escape(title_of_model_in_figures(answer.law_response.model))
+        words.append(f"{law_title} {by_law:.6g} {unit}{off}")
     if answer.distance:
         words.append(f"worn over {answer.distance * 1e-3:.4g} km at k = 1e-5 mm³/(N m)")
     return " · ".join(words)
@@ -279,7 +282,7 @@ def torque_and_refusals_as_html(picture: Picture, refused: Sequence[str] = ()) -
 
     Refusals are the given messages on parts of the link, and reasons why a model has no answer.
     """
-    html = f'<p class="answer">{picture.head}</p>'
+    html = f'<p class="answer">{picture.torque_line_as_html}</p>'
     for line in (*refused, *picture.failures):
         html += f'<p class="refused">{escape(line)}</p>'
     return html
@@ -316,18 +319,21 @@ def error_of_finite_elements_as_html(
     `asked` is whether the accurate answer has been asked for. Without `stated` the text is then
     empty; otherwise it says that the error follows.
     """
-    if answer.found is None or answer.brake is None or (asked and stated is None):
+    if answer.fem_response is None or answer.brake is None or (asked and stated is None):
         return ""
     if stated is None:
         return "<p>quick answer; its error follows when the sliders rest</p>"
-    effect = answer.brake.surface.effect
+    effect = answer.brake.surface.word_for_effect
     torque, pressure = map(_relative_error_as_text, stated[:2])
     lines = [f"this quick answer is off by {torque} ({effect}) and {pressure} (pressure)"]
     command = "drumlin solve"
-    if answer.found.model == "solid":
+    if answer.fem_response.model == "solid":
         command += f" --model solid --tolerance {WIDTH_TOLERANCE:g}"
-    if stated.own is not None:
-        own = (stated.own["torque"], stated.own["pressure"])
+    if stated.errors_stated_by_accurate_answer is not None:
+        own = (
+            stated.errors_stated_by_accurate_answer["torque"],
+            stated.errors_stated_by_accurate_answer["pressure"],
+        )
         torque, pressure = map(_relative_error_as_text, own)
         lines[0] += f"; {command} on the saved file is off by at most some {torque} and {pressure}"
     plane = stated.plane_stress
@@ -365,15 +371,15 @@ def table_rows_by_shoe_and_model(
     head = (
         "shoe",
         "by",
-        f"{surface.effect} [{surface.effect_unit}]",
-        surface.factor,
+        f"{surface.word_for_effect} [{surface.effect_unit}]",
+        surface.brake_factor_formula,
         "peak p [MPa]",
         f"contact [{brake.surface.shown_unit}]",
         "self-energising",
     )
     rows = []
     for i in range(len(brake.shoes)):
-        for response in (answer.found, answer.law):
+        for response in (answer.fem_response, answer.law_response):
             if response is not None:
                 rows.append(_page_table_row_of_shoe(brake, response, i))
     return (head, *rows)
@@ -424,7 +430,9 @@ def drawing_lines_of_brake(brake: Brake) -> Mapping[str, Lines]:
             depth += shoe.backing.thickness if shoe.backing else 0.0
             ends = shoe.body.start, shoe.body.end
             bodies.append(
-                _outline_of_shoe_layer(shoe, brake.size, ends, (depth, depth + shoe.body.depth))
+                _outline_of_shoe_layer(
+                    shoe, brake.size, ends, (depth, depth + shoe.body.total_thickness)
+                )
             )
         if isinstance(shoe.body, Beam):
             bodies.append(_outline_of_straight_beam(shoe, brake.size))
@@ -463,7 +471,7 @@ def _angles_or_positions_of_lining_ends(brake: Brake) -> Floats:
 
 def lowest_and_highest_angle_or_position_of_linings(brake: Brake) -> tuple[float, float]:
     """The lowest and highest angle [deg], on a plane length [mm], of all linings, with a margin."""
-    ends = _angles_or_positions_of_lining_ends(brake) * brake.surface.shown
+    ends = _angles_or_positions_of_lining_ends(brake) * brake.surface.si_to_shown_unit_factor
     room = 0.04 * brake.size * PAGE_MM if brake.surface.is_plane_and_not_drum else 2.0 + ARC_REACH
     return float(ends.min()) - room, float(ends.max()) + room
 
@@ -519,7 +527,9 @@ def half_side_length_of_picture(brake: Brake) -> float:
         # Pressure curves of internal shoes are drawn outside the drum, and pressure curves of
         # external shoes inside it.
         room.append(
-            1.12 * (1 + PRESSURE_SCALE_DISTANCE) * R if shoe.sign > 0 else 1.05 * R + shoe.depth
+            1.12 * (1 + PRESSURE_SCALE_DISTANCE) * R
+            if shoe.sign_of_internal_shoe > 0
+            else 1.05 * R + shoe.total_thickness
         )
     room.append(float(np.abs(_points_of_pins_and_force_arrows(brake)).max()) + 0.1 * R)
     return max(room) * PAGE_MM
@@ -538,13 +548,15 @@ def _outline_of_shoe_layer(
     depths : distances [m] of the layer's front and back from the friction surface
     """
     # The outline runs along the front, returns along the back, and closes at its first point.
-    there = np.linspace(*ends, 2 if shoe.flat else 90)
+    there = np.linspace(*ends, 2 if shoe.is_on_plane else 90)
     places = np.concatenate([there, there[::-1], there[:1]])
     front, back = depths
     at = np.repeat([front, back, front], [len(there), len(there), 1])
     return (
         shoe.convert_points_to_brake_frame(
-            shoe.points_at_depth_and_coordinate_phi(at, shoe.frame.phi(places), size)
+            shoe.points_at_depth_and_coordinate_phi(
+                at, shoe.frame.phi_of_surface_coordinates(places), size
+            )
         )
         * PAGE_MM
     )

@@ -67,12 +67,12 @@ class _Handler(BaseHTTPRequestHandler):
             )
         data = found.text.encode("utf-8", errors="replace")
         self.send_response(found.status)
-        self.send_header("Content-Type", found.media)
+        self.send_header("Content-Type", found.media_type)
         self.send_header("Content-Length", str(len(data)))
         self.send_header("Content-Security-Policy", CONTENT_POLICY)
         self.send_header("Cache-Control", "no-store")
-        if found.file:
-            name = f"attachment; filename*=UTF-8''{quote(found.file)}"
+        if found.file_name:
+            name = f"attachment; filename*=UTF-8''{quote(found.file_name)}"
             self.send_header("Content-Disposition", name)
         self.end_headers()
         self.wfile.write(data)

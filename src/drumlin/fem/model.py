@@ -248,7 +248,7 @@ def _warnings_on_overlap_of_mesh_and_drum(scene: PreparedModel, brake: Brake) ->
         if deep > LARGEST_SILENT_OVERLAP * shoe.lining.thickness:
             yield (
                 f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to "
-                f"{text_in_mm(deep)} in the {shoe.surface.word}; its pressure is that of the "
+                f"{text_in_mm(deep)} in the {shoe.surface.name}; its pressure is that of the "
                 "lining "
                 "squeezed out of there"
             )
@@ -317,7 +317,7 @@ def _support_of_elastic_shoe_body_as_text(shoe: Shoe, bar: Bar, size: float) -> 
     away = math.dist(
         shoe.middle_of_supported_or_loaded_end_face_of_body(size), shoe.pin_position_in_shoe_frame
     )
-    joined = "" if away < 0.5 * bar.depth else ", joined by a rigid arm"
+    joined = "" if away < 0.5 * bar.total_thickness else ", joined by a rigid arm"
     holder = "pin" if shoe.kind_of_support == "hinge" else "foot"
     return (
         f"its {holder} holds the end face of its body, {text_in_mm(round(away, 4))} from the "
@@ -395,7 +395,7 @@ class _ShoeSolution(NamedTuple):
 
 def _result_of_shoe_not_pressed_on_drum(shoe: Shoe) -> _ShoeResult:
     """The result for a shoe whose force does not press it on the drum."""
-    word = shoe.surface.word
+    word = shoe.surface.name
     note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {word}"
     return _ShoeResult(
         response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads),
@@ -435,7 +435,7 @@ def _solve_group_of_coupled_shoes(
     refinable = _can_full_system_be_refined(settled.group)
     # Shoes of the solid model are never refined, but are judged as strictly as a group that could
     # be refined.
-    strict = refinable or settled.group.scene.model == "solid"
+    strict = refinable or settled.group.prepared_model.model == "solid"
     if refinable and not LONG_DOUBLE_IS_WIDER:
         return _shoe_results_with_note_if_round_off_is_large(settled.group, answers)
     most = LARGEST_UNREFINED_ROUND_OFF if strict else LARGEST_REFINED_ROUND_OFF
@@ -515,7 +515,7 @@ def _can_full_system_be_refined(group: ShoeGroup) -> bool:
     )
     # The sparse factors of large systems of high degree have many entries and take too long.
     small = size <= LARGEST_REFINED_SYSTEM or max(orders) <= 2
-    return group.scene.model != "solid" and small and not group.one_sided_supports
+    return group.prepared_model.model != "solid" and small and not group.one_sided_supports
 
 
 def _refine_full_system_and_return_shoe_results(
@@ -862,9 +862,9 @@ def _note_on_accuracy_of_shoe_contact(solution: _ShoeSolution, errors: _Arithmet
         softer = float(lever @ solution.pressure_errors[0]) / pressed if pressed else 0.0
         penetration = p.max() / group.contact_stiffness_per_area_of_shoes[k]
         contact = (
-            f"penalty {group.penalty:g} E/t, the stiffness between lining and {shoe.surface.word}: "
-            f"the lining enters the {shoe.surface.word} by {1e3 * penetration:.1e} mm at most, "
-            f"which changes the {shoe.surface.effect} by {100 * softer:+.1e} %"
+            f"penalty {group.penalty:g} E/t, the stiffness between lining and {shoe.surface.name}: "
+            f"the lining enters the {shoe.surface.name} by {1e3 * penetration:.1e} mm at most, "
+            f"which changes the {shoe.surface.word_for_effect} by {100 * softer:+.1e} %"
         )
     note = f"shoe {shoe.name!r}: {contact}"
     if solution.refined:
@@ -908,7 +908,7 @@ def _response_of_shoe_in_brake_frame(
     return response_of_pressed_elastic_shoe(
         shoe,
         brake.scale_factor,
-        frame.theta(phi),
+        frame.surface_coordinates_of_phi(phi),
         mean,
         order=line.interpolation_degree_along_contact_line,
         on_lining=on_lining,
@@ -1061,7 +1061,9 @@ def _mask_of_nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response)
     k : position of the shoe in the group
     start : the earlier response, whose contact arcs count
     """
-    theta = group.shoes[k].frame.theta(group.substructures_of_shoes[k].line.phi)
+    theta = group.shoes[k].frame.surface_coordinates_of_phi(
+        group.substructures_of_shoes[k].line.phi
+    )
     touching = np.zeros(len(theta), dtype=bool)
     for first, last in start.shoes[group.members[k]].contact_arcs:
         touching |= (theta > first - 1e-9) & (theta < last + 1e-9)

@@ -83,7 +83,7 @@ def solve(
         from drumlin.fem.analysis.solid_fields import recover_stresses_in_half_of_each_solid_shoe  # noqa: PLC0415
 
         recovered = recover_stresses_in_half_of_each_solid_shoe(
-            solved.scene, brake, solved.response
+            solved.prepared_model, brake, solved.response
         )
         write_fields_to_vtu_file(fields, recovered)
     return response_with_figures_of_merit(brake, solved.response)

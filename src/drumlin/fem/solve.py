@@ -286,7 +286,7 @@ def finest_model_with_stated_errors(
             solved = solve_brake_on_mesh_files(brake, solve_prepared_model, None, cache)
         except NoAnswer:
             return FinestModel(prepared_model_on_second_level_of_mesh_files(brake, cache))
-        return FinestModel(solved.scene, solved.response.error)
+        return FinestModel(solved.prepared_model, solved.response.error)
     if not _is_brake_solved_on_hp_element_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         kind = kind or DEFAULT_KIND
@@ -298,7 +298,7 @@ def finest_model_with_stated_errors(
         )
     except NoAnswer:
         return FinestModel(make_prepared_model(brake, LEVELS[1], cache=cache))
-    return FinestModel(solved.scene, solved.response.error)
+    return FinestModel(solved.prepared_model, solved.response.error)
 
 
 def require_element_options_have_effect(

@@ -206,7 +206,9 @@ def contact_problem_of_shoe_group(
     )
     posts = tuple(make(brake, brake.shoes[i]) for i in group)
     # The polar angles, on the ring, of the sectors of all shoes of the group.
-    theta = np.concatenate([p.axis.origin + p.axis.sense * p.theta for p in posts])
+    theta = np.concatenate(
+        [p.axis.polar_angle_of_perpendicular_foot + p.axis.sense * p.theta for p in posts]
+    )
     ring = ring_displacement_per_normal_force(brake, theta, theta, lift)
     # Only the ring couples the shoes: all matrices except `ring` have a diagonal block per shoe.
     problems = list(map(_contact_problem_of_one_shoe, posts))

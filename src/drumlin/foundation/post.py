@@ -100,7 +100,7 @@ def divide_shoe_into_stations_and_sectors(
     arcs = sorted(
         (np.sort(axis.angle(np.array(arc))) for arc in shoe.lining.arcs), key=itemgetter(0)
     )
-    places = [axis.foot + R * np.sin(arc) for arc in arcs]
+    places = [axis.x_of_perpendicular_foot + R * np.sin(arc) for arc in arcs]
     x, stations = places_of_beam_stations_and_indices_under_linings(axis.length, places, sections)
     angles = [
         _angles_of_sectors_at_places(x[own], axis, R, arc)
@@ -114,7 +114,7 @@ def divide_shoe_into_stations_and_sectors(
     c, s = np.cos(theta), np.sin(theta)
     offset = body.neutral_axis_offset_at_distances_from_hinge(x)
     arm_x, arm_y = _levers_along_and_across_beam_of_sectors_about_stations(
-        x, under, angles, offset[:, None] + (axis.distance - R * c)
+        x, under, angles, offset[:, None] + (axis.distance_from_drum_centre - R * c)
     )
     along, towards = axis.vector_components_along_and_across_beam(shoe.actuation.force_vector)
     pressed = arm_x * c + arm_y * s
@@ -149,7 +149,7 @@ def _angles_of_sectors_at_places(places: Floats, axis: Axis, R: float, ends: Flo
     R : radius of the drum [m]
     ends : (2,) angles of the lining's ends [rad], which are the first and the last result
     """
-    theta = np.arcsin(np.clip((places - axis.foot) / R, -1, 1))
+    theta = np.arcsin(np.clip((places - axis.x_of_perpendicular_foot) / R, -1, 1))
     theta[[0, -1]] = ends
     return theta
 
@@ -273,7 +273,7 @@ def compression_of_layers_per_pressure(
         # `reason_against_foundation_model` has refused bodies other than beams, and
         # `validated_names_of_effects_to_include` has refused beams without a thickness.
         assert isinstance(shoe.body, Beam) and shoe.body.thickness is not None
-        face = axis.distance - shoe.body.thickness / 2
+        face = axis.distance_from_drum_centre - shoe.body.thickness / 2
         thickness = face - (brake.size + lining.thickness) * np.cos(theta)
     return total + compression_of_layer_per_pressure(thickness, backing.material)
 

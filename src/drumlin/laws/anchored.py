@@ -119,7 +119,7 @@ def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesO
         for side in support.sides:
             k = members.index(side.shoe)
             opening[j, 3 * k : 3 * k + 3] = work_of_support_push_in_rigid_body_modes(
-                shoes[k], side.push
+                shoes[k], side.unit_push
             )
     # If the stiffness of any lining is unknown, all linings are taken as equally stiff.
     stiffness = np.ones(len(shoes))
@@ -251,7 +251,7 @@ def _solve_rigid_shoes_on_given_supports(
     motions = _rigid_body_motions_held_and_free(on, bearing)
     if motions is None:
         return None
-    work = np.concatenate([modes.work + modes.further_work for modes in on.freedoms])
+    work = np.concatenate([modes.actuation_work + modes.further_work for modes in on.freedoms])
     settled = _equilibrium_in_free_motions(brake, on, motions.free, work)
     if settled is None:
         return None
@@ -289,7 +289,9 @@ def _do_supports_of_rigid_shoes_bear_as_assumed(
     forces : (m,) forces of the supports [N]
     """
     bears = np.array(bearing, dtype=bool)
-    actuation = max(float(np.abs(free.work + free.further_work).max()) for free in on.freedoms)
+    actuation = max(
+        float(np.abs(free.actuation_work + free.further_work).max()) for free in on.freedoms
+    )
     largest = max(float(np.abs(forces).max()), actuation * float(on.sizes[0]))
     parts = on.opening * y
     pulls = (forces[bears] < -LARGEST_PULL * largest).any()

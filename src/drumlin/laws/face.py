@@ -232,4 +232,4 @@ Face = DrumFace | PlaneFace
 
 def friction_surface_of_shoe(brake: Brake, shoe: Shoe) -> Face:
     """The drum or the plane on which a shoe of a brake presses."""
-    return PlaneFace() if shoe.flat else DrumFace(brake.size, shoe.sign)
+    return PlaneFace() if shoe.is_on_plane else DrumFace(brake.size, shoe.sign_of_internal_shoe)

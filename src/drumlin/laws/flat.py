@@ -207,7 +207,7 @@ def reason_against_flat_law(law: FlatLaw, brake: Brake) -> str | None:
 
 def solve_brake_on_plane_by_law(law: FlatLaw, brake: Brake) -> Response:
     """Solve a brake on a plane by a law of flat shoes. Raises NoAnswer for a self-locking shoe."""
-    word = brake.surface.word
+    word = brake.surface.name
     shoes = tuple(_flat_shoe_response_by_law(law, brake, shoe) for shoe in brake.shoes)
     apart = [
         note_on_shoe_without_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs

@@ -113,7 +113,7 @@ def solve_brake_with_hinged_shoes_by_law(law: Law, brake: Brake) -> Response:
         model=law.name,
         shoes=shoes,
         balance=largest_imbalance_among_shoes(balances),
-        left_out=NEGLECTED_BY_RIGID_LAWS[brake.surface.word],
+        left_out=NEGLECTED_BY_RIGID_LAWS[brake.surface.name],
         notes=tuple(notes),
     )
     return response_with_figures_of_merit(brake, response)
@@ -193,7 +193,7 @@ def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
     total = 0.0
     for shoe in brake.shoes:
         middle = 0.5 * (shoe.lining.start + shoe.lining.end)
-        force = shoe.sign * float(
+        force = shoe.sign_of_internal_shoe * float(
             shoe.sum_of_forces_of_all_loads @ [math.cos(middle), math.sin(middle)]
         )
         lumped = brake.friction_coefficient_of_shoe_at_zero_pressure(shoe) * float(
@@ -207,7 +207,11 @@ def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
 
 def actuation_moment_towards_drum(shoe: Shoe) -> float:
     """Moment [N m] of all loads on a shoe about its hinge, positive if it presses on the drum."""
-    return -shoe.sign * shoe.frame.sense * shoe.moment_of_all_loads_about_point(shoe.pin)
+    return (
+        -shoe.sign_of_internal_shoe
+        * shoe.frame.sense
+        * shoe.moment_of_all_loads_about_point(shoe.pin)
+    )
 
 
 def resultant_of_hinged_shoe_pressure(
@@ -228,7 +232,9 @@ def resultant_of_hinged_shoe_pressure(
     across = np.array([-along[1], along[0]])
     drag = factor * brake.signed_friction_stress_over_pressure(shoe)
     return Resultant(
-        normal=shoe.frame.convert_vectors_from_shoe_to_brake_frame(-shoe.sign * along),
+        normal=shoe.frame.convert_vectors_from_shoe_to_brake_frame(
+            -shoe.sign_of_internal_shoe * along
+        ),
         friction=shoe.frame.convert_vectors_from_shoe_to_brake_frame(
             drag * shoe.frame.sense * across
         ),
@@ -258,7 +264,7 @@ def response_of_hinged_shoe_in_contact(
     sense = shoe.frame.sense
     nodes = [np.linspace(*arc, PRESSURE_NODES)[::sense] for arc in shoe.arcs][::sense]
     theta, on_lining = polynomial_nodes_on_linings_and_slots(
-        [shoe.frame.theta(phi) for phi in nodes], 2
+        [shoe.frame.surface_coordinates_of_phi(phi) for phi in nodes], 2
     )
     # Round-off of the angle may make the pressure negative at an end where it is zero.
     pressures = np.zeros(len(theta))

@@ -164,7 +164,7 @@ def sign_of_pressure_that_balances_actuation(brake: Brake, shoe: Shoe) -> int:
     """
     face, ends = friction_surface_of_shoe(brake, shoe), (shoe.lining.start, shoe.lining.end)
     free = shoe.rigid_body_modes_of_support(shoe.senses_of_abutment_friction_to_try[-1])
-    shapes = face.gap_closing_factors_of_rigid_body_motions(free.tests)
+    shapes = face.gap_closing_factors_of_rigid_body_motions(free.test_modes)
     if len(shapes) == 1:
         # A shoe with one mode moves so that the loads do positive work. A pressure can balance them
         # if this motion closes the gap at some place of the lining.
@@ -281,7 +281,7 @@ def response_of_rigid_shoe(
     """The response of a rigid shoe with the contact `found`; None stands for no contact."""
     if found is None:
         return response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads)
-    contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.flat
+    contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.is_on_plane
     # The pressure on a plane is linear in x, so that three nodes (two intervals) are enough.
     steps, linings = 2 if flat else PRESSURE_NODES - 1, []
     for ends in shoe.lining.arcs:
@@ -356,7 +356,7 @@ def _pressure_and_friction_moments_about_pin(shoe: Shoe, contact: Resultant) -> 
     pin = shoe.pin.xy
     # The moment of the resultant is taken about the origin. About this point only the pressure has
     # a moment on a plane, and only the friction on a drum.
-    pressure, friction = (contact.moment, 0.0) if shoe.flat else (0.0, contact.moment)
+    pressure, friction = (contact.moment, 0.0) if shoe.is_on_plane else (0.0, contact.moment)
     return _PinMoments(
         pressure - float(planar_cross_product(pin, contact.normal)),
         friction - float(planar_cross_product(pin, contact.friction)),
@@ -527,7 +527,7 @@ def solve_brake_by_rigid_shoe_law(
             replace(response, force=shoe.actuation.force)
             for response, shoe in zip(shoes, under.shoes, strict=True)
         ]
-    word = brake.surface.word
+    word = brake.surface.name
     apart = [
         note_on_shoe_without_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs
     ]
@@ -585,7 +585,7 @@ def response_with_note_on_ignored_keys(brake: Brake, response: Response) -> Resp
     The law also ignores `misfit.blocks`. The real lining does not press where blocks lie back, so
     that torque and pressure of the law are wrong; a warning says so.
     """
-    if response.left_out != NEGLECTED_BY_RIGID_LAWS[brake.surface.word]:
+    if response.left_out != NEGLECTED_BY_RIGID_LAWS[brake.surface.name]:
         return response
     keys = _given_keys_that_laws_do_not_use(brake)
     line = (UNUSED_KEYS + ", ".join(keys),) if keys else ()

@@ -43,7 +43,7 @@ class RigidShoeContact(NamedTuple):
 
         The quotient is in Pa, because the compliance is the lining's compression per pressure.
         """
-        return float(self.freedoms.tip @ self.amounts)
+        return float(self.freedoms.actuation_point_travel @ self.amounts)
 
 
 def equilibrium_matrices_of_rigid_shoe(
@@ -66,8 +66,8 @@ def equilibrium_matrices_of_rigid_shoe(
         width * face.integrals_of_shape_products(arcs),
         face.gap_closing_factors_of_rigid_body_motions(free.motions),
     )
-    N = face.gap_closing_factors_of_rigid_body_motions(free.tests) @ products[:2] @ shapes.T
-    return N, face.slide_factors_of_rigid_body_motions(free.tests) @ products @ shapes.T
+    N = face.gap_closing_factors_of_rigid_body_motions(free.test_modes) @ products[:2] @ shapes.T
+    return N, face.slide_factors_of_rigid_body_motions(free.test_modes) @ products @ shapes.T
 
 
 def self_locking_friction_on_arcs(

@@ -202,7 +202,9 @@ def wear_setup_by_finite_elements(
             group.members, group.substructures_of_shoes, group.shoes, strict=True
         ):
             phi, _ = body.line.angles_and_mean_pressures(np.zeros(len(body.line.nodes)))
-            for own in body.line.split_nodal_values_by_lining(shoe.frame.theta(phi)):
+            for own in body.line.split_nodal_values_by_lining(
+                shoe.frame.surface_coordinates_of_phi(phi)
+            ):
                 placed.append(
                     _PlacedLining(
                         i,

@@ -666,7 +666,7 @@ def report_lines_of_wear_run(
     for i in np.unique(np.rint(np.linspace(0, len(states) - 1, lines)).astype(int)):
         text.append(_table_line_of_wear_state(setup, states[i], goal, law))
     text += _lines_on_spring_pulls_of_wear_run(setup.brake, states)
-    text.append(f"worn in (law): {surface.effect} {goal.torque:.6g} {surface.effect_unit}")
+    text.append(f"worn in (law): {surface.word_for_effect} {goal.torque:.6g} {surface.effect_unit}")
     text += _notes_on_difference_of_wear_end_from_law(setup, goal, law)
     if law.coefficient > 0:
         spent = compute_life_of_linings(setup, states, goal, law)
@@ -714,10 +714,11 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
         )
     effect_unit = f"[{surface.effect_unit}]"
     return [
-        f"{brake.title}: {setup.model}, {brake.motion}, {brake.friction_coefficients_as_text}, "
-        f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:.9g}{wears}",
-        f"{'s':>9}{'s k K':>10}{surface.short:>11}{'force':>10}{'peak p':>10}{'p off law':>10}"
-        f"{'T off law':>10}{'deepest':>10}",
+        f"{brake.title}: {setup.model}, {brake.motion_as_text}, "
+        f"{brake.friction_coefficients_as_text}, k = {law.coefficient:g} 1/Pa, "
+        f"exponent {law.exponent:.9g}{wears}",
+        f"{'s':>9}{'s k K':>10}{surface.short_word_for_effect:>11}{'force':>10}"
+        f"{'peak p':>10}{'p off law':>10}{'T off law':>10}{'deepest':>10}",
         f"{'[km]':>9}{'':10}{effect_unit:>11}{'[N]':>10}{'[MPa]':>10}{'[%]':>10}"
         f"{'[%]':>10}{'wear [mm]':>10}",
     ]

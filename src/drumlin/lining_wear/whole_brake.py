@@ -73,8 +73,8 @@ class WearRun:
         return [
             *lines,
             f"estimated error of the unworn state: p {error_text_in_percent(start['pressure'])} "
-            "(L2), "
-            f"{self.setup.brake.surface.effect} {error_text_in_percent(start['torque'])}; {step}",
+            f"(L2), {self.setup.brake.surface.word_for_effect} "
+            f"{error_text_in_percent(start['torque'])}; {step}",
         ]
 
 

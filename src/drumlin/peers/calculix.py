@@ -289,7 +289,7 @@ def plane_stress_deck_format(brake: Brake, loaded: LoadedShoe) -> DeckFormat:
     count = len(angles_of_drum_nodes(loaded))
     # The deck lists the drum's nodes from the inner to the outer arc. The friction surface is the
     # inner arc for an internal shoe, the outer arc for an external shoe.
-    arc = slice(count) if loaded.shoe.sign > 0 else slice(-count, None)
+    arc = slice(count) if loaded.shoe.sign_of_internal_shoe > 0 else slice(-count, None)
     return DeckFormat(
         text=lambda setting, name: plane_stress_deck_text(brake, loaded, setting, name),
         along=lambda forces: forces[arc],
@@ -527,14 +527,16 @@ def shoe_response_and_imbalance_of_calculix_state(
     shoe, frame = loaded.shoe, loaded.shoe.frame
     # The nodes of the drum's arc in the order of growing phi, the angle in the shoe's frame.
     forces = state.contact[:: frame.sense]
-    phi = frame.phi(angles_of_drum_nodes(loaded))[:: frame.sense]
+    phi = frame.phi_of_surface_coordinates(angles_of_drum_nodes(loaded))[:: frame.sense]
     radius = float(np.hypot(*loaded.parts.line.xy).mean())
     xy = radius * np.array([np.cos(phi), np.sin(phi)])
     # Each quadratic edge of an element has three successive nodes; two edges share an end node.
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
     coupling = weak_coupling_of_contact_line(
-        line, shoe.lining.width, function_that_returns_drum_normals_and_tangents(shoe.sign)
+        line,
+        shoe.lining.width,
+        function_that_returns_drum_normals_and_tangents(shoe.sign_of_internal_shoe),
     )
     # Column j of each matrix has the nodal forces of a unit pressure, or unit shear, at node j.
     pressing, dragging = -coupling.N.T, coupling.T.T

@@ -148,7 +148,7 @@ def plane_stress_deck_text(
     grid = _shoe_mesh_in_form_of_calculix_deck(loaded)
     drum_mesh = mesh_drum_arc(brake, loaded, FirstLabels(grid.turn + 1, len(grid.cells) + 1))
     lining_faces = deck_lines_of_element_faces(grid.cells, grid.edges["contact"], grid.corners)
-    drum_face = "S1" if loaded.shoe.sign > 0 else "S3"
+    drum_face = "S1" if loaded.shoe.sign_of_internal_shoe > 0 else "S3"
     lines = [
         *deck_header_lines(brake, loaded, setting, name),
         *_deck_lines_of_shoe_mesh(loaded, grid),
@@ -488,7 +488,7 @@ def angles_of_drum_nodes(loaded: LoadedShoe) -> Floats:
     The drum has nodes at the same angles as the lining, so that no gap is left between the curved
     edges of drum and lining. It has a few more nodes beyond the lining's ends.
     """
-    theta = np.sort(loaded.shoe.frame.theta(loaded.parts.line.phi))
+    theta = np.sort(loaded.shoe.frame.surface_coordinates_of_phi(loaded.parts.line.phi))
     # The drum's arc must not close to a full circle.
     beyond = min(BEYOND_ANGLE, 0.49 * (2 * math.pi - np.ptp(theta)))
     more = np.linspace(0.0, beyond, 2 * BEYOND_ELEMENTS + 1)[1:]
@@ -504,7 +504,9 @@ def mesh_drum_arc(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> DrumM
     shoe, R = loaded.shoe, brake.size
     theta = angles_of_drum_nodes(loaded)
     count = len(theta) // 2
-    inner, outer = (R, R * (1 + DRUM_LAYER)) if shoe.sign > 0 else (R * (1 - DRUM_LAYER), R)
+    inner, outer = (
+        (R, R * (1 + DRUM_LAYER)) if shoe.sign_of_internal_shoe > 0 else (R * (1 - DRUM_LAYER), R)
+    )
     # Rows of nodes along the arc: the inner arc, the middle of the layer (at every other angle),
     # the outer arc.
     rows = [(inner, theta), ((inner + outer) / 2, theta[::2]), (outer, theta)]

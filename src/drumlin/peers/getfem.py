@@ -463,7 +463,9 @@ def _mesh_and_material_arrays(brake: Brake, loaded: LoadedShoe) -> dict[str, Any
     for name, elements in mesh.subdomains.items():
         layer = elastic_layers_of_shoe(shoe)[name]
         constants[:, elements] = (
-            isotropic_and_orthotropic_elastic_constants(layer.stiffness)[:, None] / width / E
+            isotropic_and_orthotropic_elastic_constants(layer.elasticity_times_width)[:, None]
+            / width
+            / E
         )
         if layer.along is not None:
             straight[:, elements] = layer.along[:, None]
@@ -490,13 +492,15 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
     work = loaded.work_of_loads_on_rigid_shoe_holder / modes.test_sizes / (E * R**2 * width)
     gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe) / R
     open_by = (
-        clearance.gaps_between_unloaded_lining_and_surface(brake, shoe, shoe.frame.theta(line.phi))
+        clearance.gaps_between_unloaded_lining_and_surface(
+            brake, shoe, shoe.frame.surface_coordinates_of_phi(line.phi)
+        )
         / R
     )
     return {
         "body": loaded.body,
-        "side": shoe.sign,
-        "flat": shoe.flat,
+        "side": shoe.sign_of_internal_shoe,
+        "flat": shoe.is_on_plane,
         "pin": (shoe.pin_position_in_shoe_frame / R).tolist(),
         "motions": modes.motions.tolist(),
         "tests": modes.tests.tolist(),

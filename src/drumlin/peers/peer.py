@@ -176,7 +176,7 @@ class LoadedShoe:
     def radius(self) -> float:
         """The mean radius [m] of the lining's face; on a plane, the length of a unit of phi [m]."""
         line = self.parts.line
-        if self.shoe.flat:
+        if self.shoe.is_on_plane:
             return float(np.ptp(line.xy[0]) / np.ptp(line.phi))
         return float(np.hypot(*line.xy).mean())
 
@@ -256,10 +256,10 @@ def meshed_shoe_with_actuation_and_support(
     load = parts.load_matrix_columns_by_load_name.column_factors_of_one_named_load(
         ACTUATION, acting
     )
-    if shoe.kind_of_support == "hinge" and not shoe.flat:
+    if shoe.kind_of_support == "hinge" and not shoe.is_on_plane:
         # If the shoe turns by 1 rad about the pin at (a, 0), the gap at the point (x, y) of the
         # lining, at the radius r, closes by -sign a y / r.
-        closing = -moment * shoe.sign * parts.line.xy[1]
+        closing = -moment * shoe.sign_of_internal_shoe * parts.line.xy[1]
         approaches = shoe.is_any_load_on_shoe and bool((closing > 0).any())
     else:
         approaches = (
@@ -275,9 +275,9 @@ def meshed_shoe_with_actuation_and_support(
         drag=brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
         approaches=approaches,
         motions=pin_motions_in_rigid_body_motions(shoe, free.motions).T,
-        tests=pin_motions_in_rigid_body_motions(shoe, free.tests).T,
+        tests=pin_motions_in_rigid_body_motions(shoe, free.test_modes).T,
         work=free.work_of_all_loads_on_test_modes,
-        tip=free.tip,
+        tip=free.actuation_point_travel,
         at_places=at_places,
     )
 
@@ -345,8 +345,8 @@ def shoe_response_and_imbalance_from_peer_forces(
     drag = _friction_force_and_moment_about_pin_from_peer_forces(loaded, forces)
     response = response_of_pressed_elastic_shoe(
         shoe,
-        loaded.radius / frame.unit,
-        frame.theta(phi),
+        loaded.radius / frame.surface_coordinate_per_phi,
+        frame.surface_coordinates_of_phi(phi),
         pressure,
         order=order,
         torque=forces.torque,
@@ -377,7 +377,7 @@ def _friction_force_and_moment_about_pin_from_peer_forces(
     """
     pin = loaded.shoe.pin_position_in_shoe_frame
     drag = np.array([*forces.friction, -float(planar_cross_product(pin, forces.friction))])
-    if not loaded.shoe.flat:
+    if not loaded.shoe.is_on_plane:
         drag[2] += math.copysign(forces.torque, loaded.drag)
     return drag
 

@@ -413,7 +413,7 @@ def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> Dru
     shoe, R = loaded.shoe, brake.size
     theta = angles_of_drum_nodes(loaded)
     ends = theta[::2]
-    back = R * (1 + shoe.sign * DRUM_LAYER)
+    back = R * (1 + shoe.sign_of_internal_shoe * DRUM_LAYER)
     outer = DRUM_WIDTH * shoe.lining.width / 2
     rows = [
         _DrumNodeRow(R, theta, 0.0),
@@ -431,7 +431,7 @@ def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> Dru
     lines.append("*ELEMENT, TYPE=C3D20, ELSET=DRUM")
     labels = first.node + np.cumsum([0, *(len(row.theta) for row in rows)])
     for k in range(len(ends) - 1):
-        nodes = _node_labels_of_drum_element(labels[:-1].tolist(), k, shoe.sign)
+        nodes = _node_labels_of_drum_element(labels[:-1].tolist(), k, shoe.sign_of_internal_shoe)
         lines += _deck_lines_of_solid_element(first.element + k, nodes)
     return DrumMesh(lines, xyz[:, :2])
 

@@ -62,7 +62,9 @@ def panel_title_and_responses_of_each_shoe(
             # model.
             if response.shoes[i].self_energising:
                 verb = "assists"
-        made.append((f"{shoe.name}, {brake.sense}: friction {verb}", responses))
+        made.append(
+            (f"{shoe.name}, {brake.direction_as_text_in_tables}: friction {verb}", responses)
+        )
     return made
 
 
@@ -120,7 +122,7 @@ def _comparison_as_plain_data(comparison: Comparison[Any]) -> dict[str, Any]:
     """The comparison of all models on one brake as plain data for JSON."""
     return {
         "case": comparison.case,
-        "rotation": comparison.brake.sense,
+        "rotation": comparison.brake.direction_as_text_in_tables,
         "friction": comparison.brake.friction,
         "models": list(map(_model_answer_as_plain_data, comparison.outcomes)),
     }

@@ -86,7 +86,9 @@ def _outer_radius_of_brake(brake: Brake) -> float:
     """The radius [mm] of the circle that just encloses drum, ring and external shoes."""
     ring = _thickness_of_drum_ring(brake)
     outside = any(shoe.side == "internal" for shoe in brake.shoes) and ring
-    depth = max((shoe.depth for shoe in brake.shoes if shoe.side == "external"), default=0.0)
+    depth = max(
+        (shoe.total_thickness for shoe in brake.shoes if shoe.side == "external"), default=0.0
+    )
     return (brake.size + max(outside, depth)) * MM_PER_M
 
 
@@ -195,7 +197,11 @@ def _draw_shoe_on_drum(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_stru
     # The name is written inside the drum; for an internal shoe, between the shoe and the drum's
     # centre.
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
-    inside = R - 1.8 * unit - (shoe.depth * MM_PER_M if shoe.sign > 0 else 0.0)
+    inside = (
+        R
+        - 1.8 * unit
+        - (shoe.total_thickness * MM_PER_M if shoe.sign_of_internal_shoe > 0 else 0.0)
+    )
     _write_text_on_pale_box(axes, inside * _unit_vector_at_angle(middle), shoe.name)
 
 
@@ -221,7 +227,10 @@ def _draw_straight_beam_of_shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -
     for ends in shoe.lining.arcs if shoe.backing is not None else ():
         angle = axis.angle(np.linspace(*ends, 60))
         back = R + shoe.lining.thickness * MM_PER_M
-        x, y = axis.foot + back * np.sin(angle), axis.distance - back * np.cos(angle)
+        x, y = (
+            axis.x_of_perpendicular_foot + back * np.sin(angle),
+            axis.distance_from_drum_centre - back * np.cos(angle),
+        )
         block = axis.convert_beam_coordinates_to_brake_points(
             np.append(x, x[[-1, 0]]), np.append(y, [half, half])
         )
@@ -251,7 +260,7 @@ class _Layer(NamedTuple):
 
 def _draw_layer_as_ring_segment(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
     """Draw a layer of a shoe on the drum as part of a circular ring."""
-    outer = R - layer.depth if shoe.sign > 0 else R + layer.depth + layer.thickness
+    outer = R - layer.depth if shoe.sign_of_internal_shoe > 0 else R + layer.depth + layer.thickness
     wedge = Wedge(
         (0, 0),
         outer,
@@ -267,7 +276,7 @@ def _draw_layer_as_ring_segment(axes: Axes, shoe: Shoe, R: float, layer: _Layer)
 
 def _radius_of_rigid_shoe_back(shoe: Shoe, R: float) -> float:
     """The radius [mm] of the arc that stands for a rigid shoe behind its lining."""
-    return R - shoe.sign * (shoe.lining.thickness * MM_PER_M + 0.035 * R)
+    return R - shoe.sign_of_internal_shoe * (shoe.lining.thickness * MM_PER_M + 0.035 * R)
 
 
 def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
@@ -286,7 +295,7 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     # An external shoe has a lever along the straight line from hinge to force, if this line passes
     # outside the drum.
     clear = np.linalg.norm(np.linspace(hinge, load, 50), axis=1)
-    if np.all(clear > R) and shoe.sign < 0:
+    if np.all(clear > R) and shoe.sign_of_internal_shoe < 0:
         foot = _point_of_lever_nearest_to_given_point(hinge, load, middle)
         return [back, np.array([hinge, load]), np.array([middle, foot])]
     # For other shoes, the end of the arc near the hinge is joined to the hinge, the other end to
@@ -315,11 +324,11 @@ def _point_where_force_is_drawn(shoe: Shoe, R: float) -> Floats:
     the arc of the shoe's back.
     """
     point = shoe.actuation.point.xy * MM_PER_M
-    if shoe.sign < 0 and np.linalg.norm(point) > R:
+    if shoe.sign_of_internal_shoe < 0 and np.linalg.norm(point) > R:
         return point
     # Find the shoe's end that is farther from the pin, at the middle of the body's depth.
-    half = 0.5 * shoe.body.depth if isinstance(shoe.body, Bar) else 0.0
-    radius = R - shoe.sign * (shoe.depth - half) * MM_PER_M
+    half = 0.5 * shoe.body.total_thickness if isinstance(shoe.body, Bar) else 0.0
+    radius = R - shoe.sign_of_internal_shoe * (shoe.total_thickness - half) * MM_PER_M
     arc = shoe.body if isinstance(shoe.body, Bar) else shoe.lining
     ends = [radius * _unit_vector_at_angle(angle) for angle in (arc.start, arc.end)]
     far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy * MM_PER_M)))
@@ -329,7 +338,7 @@ def _point_where_force_is_drawn(shoe: Shoe, R: float) -> Floats:
     # back; it is negative if the line misses the circle.
     middle = point - (point @ along) * along
     reach = _radius_of_rigid_shoe_back(shoe, R) ** 2 - middle @ middle
-    if shoe.sign > 0 or shoe.body or reach < 0:
+    if shoe.sign_of_internal_shoe > 0 or shoe.body or reach < 0:
         return np.asarray(nearest)
     return np.asarray(middle + math.copysign(math.sqrt(reach), (far - middle) @ along) * along)
 
@@ -342,7 +351,7 @@ def _tip_of_force_arrow(shoe: Shoe, R: float, unit: float) -> Floats:
     """
     load, arrow = _point_where_force_is_drawn(shoe, R), _vector_of_force_arrow(shoe.actuation, unit)
     middle = R * _unit_vector_at_angle(shoe.lining.middle)
-    return load + arrow if shoe.sign < 0 and (load - middle) @ arrow > 0 else load
+    return load + arrow if shoe.sign_of_internal_shoe < 0 and (load - middle) @ arrow > 0 else load
 
 
 def _corners_of_box_around_pin(shoe: Shoe, unit: float) -> Floats:
@@ -527,7 +536,7 @@ def _draw_force_arrows_with_labels(
         return
     # Labels of the forces on internal shoes stand on the side of the arrow that faces the drum's
     # centre.
-    inside = not brake.surface.is_plane_and_not_drum and brake.shoes[0].sign > 0
+    inside = not brake.surface.is_plane_and_not_drum and brake.shoes[0].sign_of_internal_shoe > 0
     labels: list[_ForceLabel] = []
     for shoe in pushed:
         tip = tips[shoe.name]

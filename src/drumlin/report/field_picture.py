@@ -140,7 +140,7 @@ def draw_stress_in_shoes_and_ring(
     discs = [pin + radius * np.array([[-1.0, -1.0], [1.0, 1.0]]) for pin in pins]
     places = [line, *deformed, pressure.reshape(-1, 2), forces.reshape(-1, 2), *discs]
     with mpl.rc_context(STYLE):
-        motion = f"{brake.motion}; displacements × {factor:g}"
+        motion = f"{brake.motion_as_text}; displacements × {factor:g}"
         title = title_folded_into_lines(brake.title, motion)
         figure, axes, bar = _figure_that_shows_all_points(np.concatenate(places), size, title)
         _draw_stress_and_colour_bar(axes, bar, bodies, deformed)
@@ -376,7 +376,7 @@ def _pressure_arrows(brake: Brake, response: Response, size: float) -> Floats:
         else:
             radial = np.column_stack([np.cos(theta), np.sin(theta)])
             tips.append(size * radial)
-            pushes.append(-shoe.sign * p[:, None] * radial)
+            pushes.append(-shoe.sign_of_internal_shoe * p[:, None] * radial)
     tip, push = np.concatenate(tips), np.concatenate(pushes)
     if not len(tip):
         return np.zeros((0, 2, 2))

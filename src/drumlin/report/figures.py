@@ -403,9 +403,9 @@ def _draw_pressure_panel(
 ) -> None:
     """Draw the pressure curves of one panel; if `named`, write the models' names beside them."""
     title, responses = panel
-    unit = surface.shown
+    unit = surface.si_to_shown_unit_factor
     axes.set_title(title)
-    axes.set_xlabel(surface.figure_axis)
+    axes.set_xlabel(surface.axis_label_in_report)
     curves = {
         model: evenly_spaced_pressure_curve_of_shoe(shoe) for model, shoe in responses.items()
     }

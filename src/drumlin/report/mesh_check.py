@@ -117,7 +117,7 @@ def _text_about_contact_line(brake: Brake, checked: CheckedShoe) -> str:
     """A text about a contact line: its ends, and its distance from the drum or the plane."""
     shoe, contact = checked.shoe, checked.read.contact
     offsets = _offsets_of_contact_nodes(brake, checked)
-    surface, place = shoe.surface.word, shoe.surface.place
+    surface, place = shoe.surface.name, shoe.surface.coordinate_as_text
     sides = len(checked.read.mesh.boundaries["contact"])
     text = (
         f"contact line of {sides} sides from {place(offsets.at[0])} to {place(offsets.at[-1])}, "
@@ -174,7 +174,9 @@ def _offsets_of_contact_nodes(brake: Brake, checked: CheckedShoe) -> _ContactOff
     nodes = np.unique(_nodes_along_element_sides(mesh, mesh.boundaries["contact"]))
     solved = nodal_basis_of_mesh(mesh).doflocs[:, nodes]
     in_file = nodal_basis_of_mesh(checked.read.in_file).doflocs[:, nodes]
-    at = shoe.frame.theta(shoe.surface_coordinates_of_points_in_shoe_frame(solved, brake.size))
+    at = shoe.frame.surface_coordinates_of_phi(
+        shoe.surface_coordinates_of_points_in_shoe_frame(solved, brake.size)
+    )
     order = np.argsort(at)
     return _ContactOffsets(
         at[order],
@@ -324,7 +326,7 @@ def _draw_rigid_arm(axes: Axes, start: Floats, end: Floats, unit: float) -> None
 
 def _draw_friction_surface(axes: Axes, brake: Brake, shoe: Shoe, low: Floats, high: Floats) -> None:
     """Draw the drum's circle with its centre, or the plane, behind the mesh."""
-    if shoe.flat:
+    if shoe.is_on_plane:
         axes.axhspan(min(low[1], 0.0) - 1.0, 0.0, facecolor=DRUM_COLOR, zorder=1)
         axes.plot([low[0], high[0]], [0.0, 0.0], color=INK, lw=0.8, zorder=2)
         return
@@ -338,9 +340,9 @@ def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe
     """Draw the distances of the contact nodes from the drum or the plane, in micrometres."""
     shoe = checked.shoe
     offsets = _offsets_of_contact_nodes(brake, checked)
-    at = offsets.at * shoe.surface.shown
+    at = offsets.at * shoe.surface.si_to_shown_unit_factor
     compression = mean_lining_compression_under_actuation_force(brake, shoe) * UM_PER_M
-    word = shoe.surface.word
+    word = shoe.surface.name
     axes.axhline(0.0, color=INK, lw=1.2)
     if compression:
         axes.axhspan(-compression, compression, facecolor="#dfe5ea", zorder=0)
@@ -371,6 +373,6 @@ def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe
             zorder=6,
         )
     axes.set_title(f"contact line off the {word}, positive: open gap")
-    axes.set_xlabel(shoe.surface.figure_axis)
+    axes.set_xlabel(shoe.surface.axis_label_in_report)
     axes.set_ylabel(f"distance off the {word} [\u00b5m]")
     _draw_legend_below_axes(axes, axes.get_legend_handles_labels()[0], 2)

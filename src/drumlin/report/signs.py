@@ -120,7 +120,7 @@ def draw_rigid_arms_of_shoe(
     if not isinstance(shoe.body, Bar) or shoe.mesh is not None:
         return
     grip = shoe.interval_of_body_back_held_by_support(radius)
-    depth = np.array(shoe.depth)
+    depth = np.array(shoe.total_thickness)
     pin_at = shoe.pin.xy * MM_PER_M
     drawn: Sequence[_Arm]
     if grip is None:

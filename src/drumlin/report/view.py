@@ -27,7 +27,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     figure = Figure(figsize=(7.5, 7.5), layout="constrained")
     axes = figure.subplots()
     draw_brake(axes, brake)
-    axes.set_title(f"{brake.title}, {brake.motion}")
+    axes.set_title(f"{brake.title}, {brake.motion_as_text}")
     if "fem" in reasons_why_models_do_not_apply(brake):
         return figure
     if options or not any(shoe.mesh for shoe in brake.shoes):

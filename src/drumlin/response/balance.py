@@ -38,7 +38,7 @@ def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeRespons
         order=response.order,
         size=brake.size,
         per_place=brake.scale_factor * shoe.lining.width,
-        sign=shoe.sign,
+        sign=shoe.sign_of_internal_shoe,
         drag=brake.signed_friction_stress_over_pressure(shoe)
         if response.friction_stress is None
         else brake.sign_of_motion,

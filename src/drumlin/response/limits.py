@@ -77,7 +77,7 @@ def _warnings_on_large_strains(brake: Brake, peaks: dict[str, float]) -> Iterato
 def _warnings_on_overlapping_linings(brake: Brake) -> Iterator[str]:
     """A warning for each pair of linings that cover the same part of the drum or the plane."""
     surface = brake.surface
-    text = surface.place
+    text = surface.coordinate_as_text
     for one, other in combinations(brake.shoes, 2):
         if one.side != other.side:
             continue

@@ -43,8 +43,10 @@ def sign_of_friction_moment_about_hinge(brake: Brake, shoe: Shoe) -> int:
     # A lining that reaches beyond half a turn from the hinge is pressed either before or beyond
     # this angle. The sense of the actuation moment tells which.
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
-    beyond = shoe.arc[1] > math.pi and M * -shoe.sign * shoe.frame.sense < 0
-    return shoe.sign * brake.sign_of_motion * shoe.frame.sense * (1 if beyond else -1)
+    beyond = shoe.arc[1] > math.pi and M * -shoe.sign_of_internal_shoe * shoe.frame.sense < 0
+    return (
+        shoe.sign_of_internal_shoe * brake.sign_of_motion * shoe.frame.sense * (1 if beyond else -1)
+    )
 
 
 def figures_of_merit_of_shoe_on_drum(
@@ -70,7 +72,7 @@ def figures_of_merit_of_shoe_on_drum(
     N, T = float(np.linalg.norm(contact.normal)), response.torque
     # With the sign, `outwards` points from the drum's centre to the lining, for internal and for
     # external shoes.
-    outwards = -shoe.sign * contact.normal
+    outwards = -shoe.sign_of_internal_shoe * contact.normal
     angle = math.atan2(outwards[1], outwards[0])
     sum_of_forces = (
         b * R * integral_of_piecewise_polynomial(response.theta, response.pressure, response.order)

@@ -724,7 +724,7 @@ def angle_of_edge_zone_left_out_of_peak_search(shoe: Shoe, size: float) -> float
     `length_of_edge_zone_left_out_of_peak_search`. `size` [m] is the size of the brake, on a drum
     its radius.
     """
-    unit = shoe.frame.unit
+    unit = shoe.frame.surface_coordinate_per_phi
     return length_of_edge_zone_left_out_of_peak_search(shoe, size / unit) / unit
 
 

@@ -23,7 +23,7 @@ TOP_OVER_PEAK = 1.12
 
 def text_of_contact_arcs(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
     """The contact arcs of a shoe as text, in degrees, on a plane in mm; "none" without contact."""
-    factor = surface.shown
+    factor = surface.si_to_shown_unit_factor
     arcs = [f"{start * factor:.1f} to {end * factor:.1f}" for start, end in shoe.contact_arcs]
     return ", ".join(arcs) or "none"
 
@@ -33,7 +33,7 @@ def rows_of_response_table(response: "Response") -> list[tuple[str, ...]]:
     surface, effects = response.surface, response.effects
     head = (
         "shoe",
-        f"{surface.effect} [{surface.effect_unit}]",
+        f"{surface.word_for_effect} [{surface.effect_unit}]",
         "normal force [N]",
         "peak pressure [MPa]",
         f"contact [{surface.shown_unit}]",
@@ -87,10 +87,14 @@ def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: s
         pieces = [np.linspace(a, b, POINTS_PER_PIECE) for a, b in pairwise(ends)]
         theta = np.unique(np.concatenate(pieces))
         axes.plot(
-            theta * surface.shown, shoe.pressure_at(theta) * 1e-6, label=f"{prefix}{shoe.name}"
+            theta * surface.si_to_shown_unit_factor,
+            shoe.pressure_at(theta) * 1e-6,
+            label=f"{prefix}{shoe.name}",
         )
     axes.set(
-        xlabel=surface.axis, ylabel="pressure p [MPa]", title=_title_line_of_response(response)
+        xlabel=surface.axis_label_in_python,
+        ylabel="pressure p [MPa]",
+        title=_title_line_of_response(response),
     )
     if top > 0:
         axes.set_ylim(0, top)
@@ -103,4 +107,4 @@ def _title_line_of_response(response: "Response") -> str:
     surface = response.surface
     unconverged = "" if response.converged else ", not converged"
     effect = f"{response.effect:.6g} {surface.effect_unit}"
-    return f"{response.model}: {surface.effect} {effect}{unconverged}"
+    return f"{response.model}: {surface.word_for_effect} {effect}{unconverged}"

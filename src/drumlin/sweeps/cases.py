@@ -228,7 +228,7 @@ def results_of_response_by_name(brake: Brake, response: Response) -> Row:
     """
     row: Row = {
         "status": "solved" if response.converged else "failed: not converged",
-        brake.surface.key: response.effect,
+        brake.surface.effect_key: response.effect,
         "brake_factor": brake_factor(brake, response),
         "peak_pressure": max(shoe.peak_pressure for shoe in response.shoes),
         "balance": max(response.balance.force, response.balance.moment),
@@ -260,7 +260,7 @@ def _results_of_shoe_by_name(brake: Brake, number: int, effect: float, shoe: Sho
     load = abs(brake.shoes[number].actuation.force)
     arcs = shoe.contact_arcs
     return {
-        brake.surface.key: effect,
+        brake.surface.effect_key: effect,
         "peak_pressure": shoe.peak_pressure,
         "shoe_factor": effect / (load * brake.scale_factor) if load else None,
         "hinge_reaction": float(np.linalg.norm(shoe.hinge_reaction)),

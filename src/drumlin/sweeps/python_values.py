@@ -90,7 +90,7 @@ def _listed_value_with_unit(brake: Brake, key: str, value: Any, unit: str | None
     tables = values_of_brake_key(vary(brake, {key: value}), key)
     if len(set(tables)) > 1:
         raise BadInput(f"vary[{key!r}]: a function gives each shoe its own table; name one shoe")
-    place = "rad" if brake.surface.unit == "rad" else "m"
+    place = "rad" if brake.surface.coordinate_unit == "rad" else "m"
     return [[f"{at!r} {place}", f"{gap!r} {unit}"] for at, gap in tables[0]]
 
 

@@ -79,7 +79,7 @@ def _unit_of_result(case: SweepCase, name: str) -> str | None:
     # Results of a shoe have the name of the shoe in front, such as "leading.torque".
     quantity = name.rpartition(".")[2]
     if quantity in {"contact_start", "contact_end"}:
-        return case.brake.surface.unit
+        return case.brake.surface.coordinate_unit
     return ROW_UNITS.get(quantity)
 
 

@@ -31,7 +31,7 @@ from drumlin.verification.reference_file import LARGEST_REFERENCE_FILE
 
 def _heading_of_column_of_angles_or_places(surface: FrictionSurface) -> str:
     """The heading of the column of angles or places, with its unit: "theta [deg]" or "x [mm]"."""
-    return f"{surface.coordinate} [{surface.shown_unit}]"
+    return f"{surface.coordinate_name} [{surface.shown_unit}]"
 
 
 def _columns_allowed_in_pressure_table_as_text(surface: FrictionSurface) -> str:
@@ -89,7 +89,7 @@ def pressure_curves_as_csv(response: Response, surface: FrictionSurface = DRUM) 
     rows = []
     for shoe in response.shoes:
         places, p = shoe.curve()
-        for x, mpa in zip(places * surface.shown, p * 1e-6, strict=True):
+        for x, mpa in zip(places * surface.si_to_shown_unit_factor, p * 1e-6, strict=True):
             rows.append({"shoe": shoe.name, heading: f"{x:.12g}", "p [MPa]": f"{mpa:.12g}"})
     return table_as_csv_text(rows)
 
@@ -106,7 +106,7 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
     except csv.Error as error:
         raise BadInput(f"{path}: is not a CSV file ({error})") from error
     surface = brake.surface
-    wanted = {surface.coordinate: surface.unit, "p": "Pa"}
+    wanted = {surface.coordinate_name: surface.coordinate_unit, "p": "Pa"}
     if not lines:
         raise BadInput(
             f"{path}: is empty; must have {_columns_allowed_in_pressure_table_as_text(surface)}"
@@ -267,7 +267,7 @@ def _sorted_pressure_curve(path: Path, shoe: Shoe, points: list[list[float]]) ->
     if len(points) < 2:
         raise BadInput(f"{path}: shoe {shoe.name!r}: {len(points)} points; must be 2 or more")
     theta, p = np.array(points).T
-    if not shoe.flat:
+    if not shoe.is_on_plane:
         # 350 and -10 degrees are one angle: each angle is shifted by whole turns until it is
         # within 180 degrees of the lining's middle.
         middle = shoe.lining.middle
@@ -284,7 +284,7 @@ def _sorted_pressure_curve(path: Path, shoe: Shoe, points: list[list[float]]) ->
 
 def _angle_or_place_in_words_with_unit(shoe: Shoe, at: float) -> str:
     """An angle [rad] on a shoe, or a place [m] on a flat shoe, in words with its unit."""
-    return f"{shoe.surface.coordinate} = {shoe.surface.place(at)}"
+    return f"{shoe.surface.coordinate_name} = {shoe.surface.coordinate_as_text(at)}"
 
 
 def compare_curves_with_reference(
@@ -410,7 +410,7 @@ def text_lines_on_errors_of_pressure_table(
 
     The friction surface of the brake, drum or plane, gives the name and the unit of the torque.
     """
-    effect, unit = surface.effect, surface.effect_unit
+    effect, unit = surface.word_for_effect, surface.effect_unit
     text = []
     for verdict in verdicts:
         text.append(

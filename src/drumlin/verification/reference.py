@@ -355,7 +355,7 @@ def _value_with_largest_distance_as_uncertainty(values: Sequence[Any]) -> Uncert
 def _contact_force_on_lining(brake: Brake, index: int, response: ShoeResponse) -> Floats:
     """The force (2,) [N] of the drum or the plane on the lining of the shoe number `index`."""
     shoe = brake.shoes[index]
-    if not shoe.flat:
+    if not shoe.is_on_plane:
         return resultant_of_contact_on_shoe(brake, index, response).force
     # On a plane surface the contact force follows from equilibrium of the shoe: contact force,
     # hinge reaction and actuation add up to zero.
@@ -408,7 +408,7 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
 
 def _whole_degree_angles_or_millimetre_positions_on_lining(shoe: Shoe) -> Floats:
     """The whole degrees (n,) [rad] on a lining, on a plane the whole millimetres [m]."""
-    step = 1e-3 if shoe.flat else ONE_DEGREE
+    step = 1e-3 if shoe.is_on_plane else ONE_DEGREE
     first, last = shoe.lining.start / step, shoe.lining.end / step
     return np.arange(math.ceil(first + 1e-6), last - 1e-6) * step
 

@@ -59,7 +59,7 @@ REFERENCE_UNITS = {
 SURFACE_UNITS = {
     surface: {
         "torque": surface.effect_unit,
-        **dict.fromkeys(("contact_arcs", "edge", "theta"), surface.unit),
+        **dict.fromkeys(("contact_arcs", "edge", "theta"), surface.coordinate_unit),
     }
     for surface in (DRUM, PLANE)
 }
@@ -150,7 +150,7 @@ def read_reference_file(path: Path) -> Reference:
             versions=dict(map(_require_both_values_to_be_text, data["versions"].items())),
             torque=_uncertain_value_from_json_data(data["torque"]),
             shoes=tuple(map(_reference_values_of_shoe_from_json_data, data["shoes"])),
-            surface=PLANE if data["units"]["theta"] == PLANE.unit else DRUM,
+            surface=PLANE if data["units"]["theta"] == PLANE.coordinate_unit else DRUM,
         )
     except REFERENCE_READING_ERRORS as error:
         raise BadInput(

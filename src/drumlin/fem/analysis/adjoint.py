@@ -64,8 +64,8 @@ class GroupAdjoint(NamedTuple):
     torques : torque of each shoe (shoes,) [N m]
     friction_slopes : change of the torque of each shoe per friction coefficient (shoes,) [N m]
     ring_modulus_slope : change of the group's torque by the logarithm of the ring's modulus [N m]
-    given_forces_slope : change of the group's torque by the logarithm of all actuation forces that
-        the brake file gives [N m]
+    torque_slope_by_given_forces : change of the group's torque by the logarithm of all actuation
+        forces that the brake file gives [N m]
     springs : the effects of the brake's springs on the group, at the friction of the solution
     preload_slopes : change of the group's torque per preload (springs,) [m]
     approaches : motion (springs,) [m] by which the points of each spring come nearer to each other
@@ -76,7 +76,7 @@ class GroupAdjoint(NamedTuple):
     torques: Floats
     friction_slopes: Floats
     ring_modulus_slope: float
-    given_forces_slope: float
+    torque_slope_by_given_forces: float
     springs: SpringMatrices
     preload_slopes: Floats
     approaches: Floats
@@ -134,7 +134,9 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
         torques=size * mu * (lever.T @ contact.p),
         friction_slopes=size * by_friction,
         ring_modulus_slope=_torque_slope_by_logarithm_of_ring_modulus(group, a, contact.p),
-        given_forces_slope=size * group.sum_of_cam_forces_over_largest_force * float(c[-1])
+        torque_slope_by_given_forces=size
+        * group.sum_of_cam_forces_over_largest_force
+        * float(c[-1])
         if group.indices_of_shoes_under_cam
         else given,
         springs=springs,

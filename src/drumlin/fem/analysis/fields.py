@@ -187,8 +187,8 @@ def stress_and_displacement_fields_of_shoe(
     )
     directions = (
         plane_normals_and_tangents
-        if shoe.flat
-        else function_that_returns_drum_normals_and_tangents(shoe.sign)
+        if shoe.is_on_plane
+        else function_that_returns_drum_normals_and_tangents(shoe.sign_of_internal_shoe)
     )
     return _stress_and_displacement_fields_in_brake_frame(
         solved, _Placement(shoe.frame, shoe.convert_points_to_brake_frame, directions)
@@ -297,7 +297,7 @@ def _mean_nodal_stresses_of_subdomain(solved: _SolvedBody, name: str) -> _Subdom
     gradient = np.einsum("ian,ajnq->ijnq", solved.u[:, dofs], slopes)
     points = basis.doflocs[:, dofs].transpose(0, 2, 1)
     stress = stresses_from_displacement_gradients(
-        gradient, layer.elasticity, layer.directions(points)
+        gradient, layer.elasticity, layer.unit_vectors_along_layer(points)
     )
     if name in solved.strains:
         free_strains = solved.strains[name](points)

@@ -648,7 +648,7 @@ def _state_of_brake_at_rotation(
         linings |= _nodal_contact_states_of_linings(path.held.group, path.increments[k])
     order = sorted(linings)
     theta, pressure, traction, state, face = zip(*(linings[i] for i in order), strict=True)
-    if any(path.held.group.scene.model == "solid" for path in paths):
+    if any(path.held.group.prepared_model.model == "solid" for path in paths):
         notes.append(NO_FRICTION_ACROSS_WIDTH)
     arcs = list(map(stick_slip.sticking_and_slipping_arcs_of_lining, theta, state))
     return Hold(
@@ -690,7 +690,7 @@ def _nodal_contact_states_of_linings(
             at.state[part].reshape(shape)[forward],
         )
         states[group.members[k]] = _LiningNodeStates(
-            frame.theta(phi)[forward],
+            frame.surface_coordinates_of_phi(phi)[forward],
             face.pressure @ shares,
             face.traction @ shares,
             stick_slip_state_at_each_angle_of_lining(face.state),
@@ -725,7 +725,7 @@ def _solve_contact_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _
     try:
         if held.springs is not None:
             # The group has the pulls that its springs have in `solve`.
-            solved = solve_prepared_model(group.scene, group.brake, penalty=group.penalty)
+            solved = solve_prepared_model(group.prepared_model, group.brake, penalty=group.penalty)
             group = group_under_spring_pulls(group, solved.spring_pulls)
         group, contact = solve_shoe_group_with_lining_friction(group)
     except NoAnswer as error:
@@ -751,10 +751,10 @@ def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str
     if math.isclose(torque, sliding.torque, rel_tol=LARGEST_TORQUE_DIFFERENCE):
         return []
     surface = held.group.brake.surface
-    unit, moving = surface.effect_unit, surface.moving
+    unit, moving = surface.effect_unit, surface.name_of_moving_body
     text = (
-        f"{held.group.names_of_shoes_as_text}: at full slip the {surface.effect} is {torque:.6g} "
-        f"{unit}"
+        f"{held.group.names_of_shoes_as_text}: at full slip the "
+        f"{surface.word_for_effect} is {torque:.6g} {unit}"
     )
     if sliding.contact is None:
         return [f"{text}; solve has none: {sliding.refusal}"]

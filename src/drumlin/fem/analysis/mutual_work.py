@@ -249,7 +249,10 @@ def _work_change_per_turn_of_layer_directions(
     """
     of_first = _strains_in_layer_directions(of_u, constants, along)
     of_second = _strains_in_layer_directions(of_v, constants, along)
-    return of_first.shear * of_second.stretched + of_second.shear * of_first.stretched
+    return (
+        of_first.shear * of_second.stretch_times_stiffness
+        + of_second.shear * of_first.stretch_times_stiffness
+    )
 
 
 class _DirectionStrains(NamedTuple):
@@ -258,12 +261,12 @@ class _DirectionStrains(NamedTuple):
     Attributes
     ----------
     shear : shear strain gamma between both directions
-    stretched : a eps_along - b eps_through [N/m], with the stiffnesses a and b that the layer's
-        directions add to its isotropic stiffness
+    stretch_times_stiffness : a eps_along - b eps_through [N/m], with the stiffnesses a and b that
+        the layer's directions add to its isotropic stiffness
     """
 
     shear: Floats
-    stretched: Floats
+    stretch_times_stiffness: Floats
 
 
 def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) -> _DirectionStrains:
@@ -288,7 +291,9 @@ def _elastic_constants_of_elements(basis: Any, layers: Mapping[str, ElasticLayer
     """
     constants = np.zeros((basis.element_dofs.shape[1], 4))
     for name, elements in _mesh_of_finite_element_basis(basis).subdomains.items():
-        constants[elements] = isotropic_and_orthotropic_elastic_constants(layers[name].stiffness)
+        constants[elements] = isotropic_and_orthotropic_elastic_constants(
+            layers[name].elasticity_times_width
+        )
     return constants
 
 
@@ -310,7 +315,7 @@ def _layer_directions_at_quadrature_points(
     along, straight = np.empty(points.shape), np.zeros(points.shape[1], dtype=bool)
     # A layer with one fixed direction is straight; all other layers run around the drum's centre.
     for name, elements in subdomains.items():
-        along[:, elements] = layers[name].directions(points[:, elements])
+        along[:, elements] = layers[name].unit_vectors_along_layer(points[:, elements])
         straight[elements] = layers[name].along is not None
     curvature = np.where(straight[:, None], 0.0, 1 / np.hypot(*points))
     return _LayerDirections(np.moveaxis(along, 0, 2), curvature, straight)

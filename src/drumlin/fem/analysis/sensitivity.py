@@ -263,7 +263,7 @@ def compute_torque_sensitivity(
             slopes = _TorqueSlopesOfShoe(adjoint, k, changed, wanted)
             pressed[i] = slopes.compute_all_torque_slopes_of_shoe()
         ring += adjoint.ring_modulus_slope
-        drive += adjoint.given_forces_slope
+        drive += adjoint.torque_slope_by_given_forces
         by_preload += adjoint.preload_slopes
         approaches += adjoint.approaches
     shoes = []
@@ -332,7 +332,7 @@ def _logarithmic_slope(x: float, slope: float, value: float) -> float | None:
 def _zero_sensitivity_of_unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
     """The sensitivities, all zero, of a shoe that does not press on the drum."""
     phi, _ = body.line.angles_and_mean_pressures(np.zeros(len(body.line.nodes)))
-    theta = shoe.frame.theta(phi)[:: shoe.frame.sense]
+    theta = shoe.frame.surface_coordinates_of_phi(phi)[:: shoe.frame.sense]
     moduli = dict.fromkeys(map(_material_name_of_part, elastic_layers_of_shoe(shoe)), 0.0)
     given = shoe.body is not None and shoe.body.bending_stiffness is not None
     return ShoeSensitivity(
@@ -400,7 +400,7 @@ class _TorqueSlopesOfShoe:
     ) -> None:
         """Collect the shoe, its adjoint, and the signs of its rigid-body modes."""
         self.adjoint, self.k, self.changed, self.wanted = adjoint, k, changed, wanted
-        self.is_solid = adjoint.group.scene.model == "solid"
+        self.is_solid = adjoint.group.prepared_model.model == "solid"
         self.group: ShoeGroup = adjoint.group
         self.own: ShoeAdjoint = adjoint.shoes[k]
         self.body, self.shoe = self.group.substructures_of_shoes[k], self.group.shoes[k]
@@ -456,7 +456,7 @@ class _TorqueSlopesOfShoe:
             clearance=-float(own.gap_multipliers @ coupling.M.sum(axis=1)),
             held=held,
             penalty=by_penalty,
-            theta=shoe.frame.theta(phi)[forward],
+            theta=shoe.frame.surface_coordinates_of_phi(phi)[forward],
             density=-shoe.lining.width * multipliers[forward],
             modulus_error=modulus_error,
             not_given=tuple(key for key in keys if key not in held),
@@ -570,7 +570,7 @@ class _TorqueSlopesOfShoe:
                 list(map(self._torque_slope_by_rigid_body_mode_change, changes))
             )
             moves = node_motions_per_motion_of_shoe_point(
-                group.scene, group.members[k], self.shoe, key
+                group.prepared_model, group.members[k], self.shoe, key
             )
             if moves:
                 effects[key] = effects[key] + self._torque_slopes_by_node_motions(moves)
@@ -599,7 +599,7 @@ class _TorqueSlopesOfShoe:
         loads_move = self.shoe.has_loads_besides_actuation and key != "pivot"
         return not (
             (self.is_solid or loads_move)
-            and do_nodes_of_shoe_move_with_point(self.group.scene, self.shoe, key)
+            and do_nodes_of_shoe_move_with_point(self.group.prepared_model, self.shoe, key)
         )
 
     def _torque_slope_by_rigid_body_mode_change(self, change: SupportChange) -> float:
@@ -626,9 +626,11 @@ class _TorqueSlopesOfShoe:
             sign * shoe.actuation.unit_vector_of_force, shoe.actuation.point.xy
         )
         y, b = self.mode_signs * own.coordinates, self.mode_signs * own.equilibrium_multipliers
-        by_equilibria = change.tests @ of_drum + own.force * works * (change.tests @ push)
+        by_equilibria = change.test_modes @ of_drum + own.force * works * (change.test_modes @ push)
         if shoe.has_loads_besides_actuation:
-            by_equilibria = by_equilibria + change.tests @ shoe.resultant_of_loads_besides_actuation
+            by_equilibria = (
+                by_equilibria + change.test_modes @ shoe.resultant_of_loads_besides_actuation
+            )
         by_tip = self.tip_multiplier * (y * works) @ (change.motions @ push)
         # The points of springs move with the rigid-body modes, too.
         of_springs = self._spring_multipliers @ self.adjoint.springs.resultants[:, self.k]
@@ -730,7 +732,7 @@ class _TorqueSlopesOfShoe:
 
         The value [N m] is 0 for a rigid drum.
         """
-        group, scene = self.group, self.group.scene
+        group, scene = self.group, self.group.prepared_model
         if scene.ring is None or scene.ring_under_lines is None:
             return 0.0
         lines = [body.line for body in scene.bodies]
@@ -771,7 +773,7 @@ class _TorqueSlopesOfShoe:
         load = body.load_matrix_columns_by_load_name.column_factors_of_all_loads(
             {ACTUATION: pushing}
         )
-        work = free.tests @ np.array([*force, moment])
+        work = free.test_modes @ np.array([*force, moment])
         tested = self.mode_signs * self.works * work
         return own.force * float(
             own.gap_multipliers @ (body.closure_by_load @ load)
@@ -787,7 +789,7 @@ class _TorqueSlopesOfShoe:
         """
         key, direction = "actuation.point", self.shoe.actuation.unit_vector_of_force
         moves = node_motions_per_motion_of_shoe_point(
-            self.group.scene, self.group.members[self.k], self.shoe, key
+            self.group.prepared_model, self.group.members[self.k], self.shoe, key
         )
         effects = []
         for step in np.eye(2):
@@ -850,7 +852,7 @@ def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
     the sensitivities of the brake.
     """
     surface = brake.surface
-    symbol, effect, unit = surface.symbol, surface.effect, surface.effect_unit
+    symbol, effect, unit = surface.effect_symbol, surface.word_for_effect, surface.effect_unit
     law = found.law or (None,) * (len(found.shoes) + 1)
     of_law = f"{name_of_rigid_shoe_law(brake)} law"
     T, elasticity = found.torque or math.inf, f"d ln {symbol}/d ln"
@@ -987,9 +989,9 @@ class _ProbedSlope(NamedTuple):
 
     Attributes
     ----------
-    what : name of the slope, as "dT/dF"
+    name : name of the slope, as "dT/dF"
     unit : unit of the slope
-    exact : exact value of the slope
+    exact_slope : exact value of the slope
     changes : function of the step that returns the changed keys of the brake file with their values
     step : step of the central difference; relative for force and moduli, otherwise in the key's
         unit
@@ -997,9 +999,9 @@ class _ProbedSlope(NamedTuple):
         give the slope by the force; 1 for all other slopes
     """
 
-    what: str
+    name: str
     unit: str
-    exact: float
+    exact_slope: float
     changes: Callable[[float], Mapping[str, Any]]
     step: float
     per_force: float = 1.0
@@ -1036,8 +1038,8 @@ def compare_torque_slopes_with_solve_differences(
             torques.append(solve(changed, elements=elements, penalty=penalty).torque)
         up, down = torques
         near = (up - down) / (2 * probe.step * probe.per_force)
-        row = {"what": probe.what, "unit": probe.unit, "exact": probe.exact, "near": near}
-        rows.append(row | {"difference": abs(probe.exact / near - 1)})
+        row = {"what": probe.name, "unit": probe.unit, "exact": probe.exact_slope, "near": near}
+        rows.append(row | {"difference": abs(probe.exact_slope / near - 1)})
     return slopes, rows
 
 

@@ -39,23 +39,25 @@ class VirtualLoads(NamedTuple):
     Attributes
     ----------
     pressures : pressures (n,) [Pa] at the contact nodes
-    drag : friction coefficient, positive if the drum drags along growing angles of the shoe's frame
-    load : factors (l,) by which the body's load columns make up the other loads on the shoe
+    signed_friction : friction coefficient, positive if the drum drags along growing angles of the
+        shoe's frame
+    load_column_factors : factors (l,) by which the body's load columns make up the other loads on
+        the shoe
     gap_multipliers : adjoint multipliers (n,) of the weighted gaps
     adjoint_load : factors (l,) by which the load columns make up the adjoint load
     """
 
     pressures: Floats
-    drag: float
-    load: Floats
+    signed_friction: float
+    load_column_factors: Floats
     gap_multipliers: Floats
     adjoint_load: Floats
 
     def work_of_adjoint_loads_on_body(self, body: ShoeSubstructure) -> float:
         """The work [N m] of the adjoint loads on a body's displacements under the actual loads."""
-        p, drag = self.pressures, self.drag
-        closed = body.closure_by_pressure @ p + body.closure_by_load @ self.load
-        moved = body.load_motion_by_load @ self.load - body.closure_by_load.T @ p
+        p, drag = self.pressures, self.signed_friction
+        closed = body.closure_by_pressure @ p + body.closure_by_load @ self.load_column_factors
+        moved = body.load_motion_by_load @ self.load_column_factors - body.closure_by_load.T @ p
         # A brake without friction has no torque, and so no slopes.
         assert body.closure_by_friction is not None and body.load_motion_by_friction is not None
         closed = closed + drag * (body.closure_by_friction @ p)

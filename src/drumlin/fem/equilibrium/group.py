@@ -171,12 +171,12 @@ class ShoeGroup(GroupProblems):
         If the shoe is hinged or on anchors, and the drum drags it the same way as in the prepared
         model, the value is taken from the model.
         """
-        shoe, known = self.brake.shoes[i], self.scene.brake.shoes[i]
+        shoe, known = self.brake.shoes[i], self.prepared_model.brake.shoes[i]
         kinds = {shoe.kind_of_support, known.kind_of_support}
         of_model = kinds in ({"hinge"}, {"anchor"})
         drag = self.brake.sign_of_motion * shoe.frame.sense
-        if of_model and drag == self.scene.brake.sign_of_motion * known.frame.sense:
-            return self.scene.locking_frictions_of_rigid_shoes[i]
+        if of_model and drag == self.prepared_model.brake.sign_of_motion * known.frame.sense:
+            return self.prepared_model.locking_frictions_of_rigid_shoes[i]
         return rigid.self_locking_friction_of_rigid_shoe(self.brake, shoe)
 
     def _error_text_if_force_pulls_at_friction_limit(
@@ -411,7 +411,7 @@ class ShoeGroup(GroupProblems):
             low, before, at = high, at, after
             if at.problem is not before.problem:
                 end = at.self_locking_limit_with_present_supports(low, largest_friction)
-        group = at.settled.group
+        group = at.solved_group.group
         return FollowedFrictionLimit(
             end, pulling_part=group._error_text_if_force_pulls_at_friction_limit(end)
         )
@@ -508,17 +508,17 @@ class _FollowedSolution(NamedTuple):
 
     Attributes
     ----------
-    settled : the group with its directions of friction and bearing supports, and its contact
+    solved_group : the group with its directions of friction and bearing supports, and its contact
     problem : the contact problem under these directions and supports, at every friction
     """
 
-    settled: SolvedGroup
+    solved_group: SolvedGroup
     problem: self_locking.FrictionDependentProblem
 
     @property
-    def choice(self) -> tuple[object, ...]:
+    def friction_directions_and_bearing_supports(self) -> tuple[object, ...]:
         """The directions of friction at the abutments, and which one-sided supports bear."""
-        return self.settled.group.friction_senses, self.settled.group.bearing
+        return self.solved_group.group.friction_senses, self.solved_group.group.bearing
 
     def self_locking_limit_with_present_supports(
         self, friction: float, largest: float
@@ -530,21 +530,21 @@ class _FollowedSolution(NamedTuple):
         return self_locking.find_largest_friction_with_equilibrium(
             self.problem,
             largest,
-            (friction, self.settled.contact),
-            self.settled.group.contact_node_areas,
+            (friction, self.solved_group.contact),
+            self.solved_group.group.contact_node_areas,
         )
 
     def solution_continued_with_present_supports_or_none(
         self, friction: float
     ) -> "_FollowedSolution | None":
         """The solution at a higher friction with the present directions and supports, or None."""
-        group = self.settled.group.copy_of_group_with_other_drum_friction(friction)
+        group = self.solved_group.group.copy_of_group_with_other_drum_friction(friction)
         contact = self_locking.stable_contact_continued_to_higher_friction_or_none(
-            self.problem, friction, self.settled.contact, group.contact_node_areas
+            self.problem, friction, self.solved_group.contact, group.contact_node_areas
         )
         if contact is None or not group.is_contact_solution_physically_possible(contact):
             return None
-        return self._replace(settled=SolvedGroup(group, contact))
+        return self._replace(solved_group=SolvedGroup(group, contact))
 
     def solution_at_higher_friction_or_none(self, friction: float) -> "_FollowedSolution | None":
         """The solution at a higher friction coefficient; None if there is none.
@@ -555,11 +555,16 @@ class _FollowedSolution(NamedTuple):
         continued = self.solution_continued_with_present_supports_or_none(friction)
         if continued is not None:
             return continued
-        found = self.settled.group._solve_if_struts_and_cam_push(friction)
+        found = self.solved_group.group._solve_if_struts_and_cam_push(friction)
         if found is None:
             return None
-        other = self._replace(settled=found)
-        return other if other.choice == self.choice else _followed_solution_of_settled_group(found)
+        other = self._replace(solved_group=found)
+        return (
+            other
+            if other.friction_directions_and_bearing_supports
+            == self.friction_directions_and_bearing_supports
+            else _followed_solution_of_settled_group(found)
+        )
 
 
 def _followed_solution_of_settled_group(settled: SolvedGroup) -> _FollowedSolution:
@@ -582,10 +587,10 @@ def _friction_limit_by_bisection(
     tried: set[tuple[object, ...]] = set()
     reach = self_locking.POLE_DISTANCE * high
     while high - low > self_locking.POLE_DISTANCE * high:
-        if at.choice not in tried:
+        if at.friction_directions_and_bearing_supports not in tried:
             # The solution mostly ends where its directions of friction and its supports cease to
             # hold. Each step of the search for this friction takes one contact solve.
-            tried.add(at.choice)
+            tried.add(at.friction_directions_and_bearing_supports)
             at, low, end = _bisect_friction_at_which_supports_change(at, low, high)
         else:
             # Where one choice takes over from another, both hold up to round-off, and an earlier
@@ -598,7 +603,7 @@ def _friction_limit_by_bisection(
         else:
             low, at = end, after
     limit = limit_before._replace(friction=low, pressure_stays_finite=True, last_friction=low)
-    beyond = at.settled.group.copy_of_group_with_other_drum_friction(high)
+    beyond = at.solved_group.group.copy_of_group_with_other_drum_friction(high)
     return FollowedFrictionLimit(limit, beyond._error_text_on_cam_strut_or_support_that_pulls())
 
 

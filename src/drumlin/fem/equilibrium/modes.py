@@ -75,10 +75,10 @@ def make_rigid_body_modes(
     size = abs(shoe.actuation.force) or 1.0
     modes = RigidBodyModes(
         contact_modes=_contact_node_displacements_in_rigid_body_motions(body, shoe, free.motions),
-        test_modes=_contact_node_displacements_in_rigid_body_motions(body, shoe, free.tests),
-        actuation_work=free.work / size,
+        test_modes=_contact_node_displacements_in_rigid_body_motions(body, shoe, free.test_modes),
+        actuation_work=free.actuation_work / size,
         further_work=free.further_work,
-        tip_travel=free.tip * math.copysign(1.0, shoe.actuation.force),
+        tip_travel=free.actuation_point_travel * math.copysign(1.0, shoe.actuation.force),
         pin_motion=pin_motions_in_rigid_body_motions(shoe, free.motions),
     )
     if free.names[0] == "turn":

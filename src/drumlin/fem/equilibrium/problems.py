@@ -325,7 +325,7 @@ class GroupProblems(GroupState):
                     k, load, friction
                 )
                 modes = self.rigid_body_mode_slices_of_shoes[k]
-                by_motion[j, modes] = self.work_of_support_push_on_shoe_modes(k, side.push)
+                by_motion[j, modes] = self.work_of_support_push_on_shoe_modes(k, side.unit_push)
                 gap[nodes, j] = -(body.closure_by_load @ load)
         by_force = np.zeros((count, count))
         for i, j in product(range(count), repeat=2):

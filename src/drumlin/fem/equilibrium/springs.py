@@ -115,7 +115,7 @@ def work_of_force_on_test_modes(shoe: Shoe, sense: int, force: ForceAtPoint) -> 
     `sense` is the direction of friction at the shoe's abutment.
     """
     free = shoe.rigid_body_modes_of_support(sense)
-    return _signs_of_modes_in_shoe_frame(shoe, free.names) * (free.tests @ force.resultant)
+    return _signs_of_modes_in_shoe_frame(shoe, free.names) * (free.test_modes @ force.resultant)
 
 
 def displacement_of_point_along_force_in_modes(

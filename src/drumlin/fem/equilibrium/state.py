@@ -99,7 +99,7 @@ class GroupState:
 
     Attributes
     ----------
-    scene : the prepared model
+    prepared_model : the prepared model
     brake : the brake, whose friction, forces and clearances may differ from those of the model
     members : positions of the shoes in the brake
     penalty : factor alpha of the contact stiffness alpha E/t; inf for exact contact
@@ -117,7 +117,7 @@ class GroupState:
         None for unworn linings
     """
 
-    scene: PreparedModel
+    prepared_model: PreparedModel
     brake: Brake
     members: tuple[int, ...]
     penalty: float = math.inf
@@ -137,7 +137,7 @@ class GroupState:
     @cached_property
     def substructures_of_shoes(self) -> tuple[ShoeSubstructure, ...]:
         """The substructures of the shoes."""
-        return tuple(self.scene.bodies[i] for i in self.members)
+        return tuple(self.prepared_model.bodies[i] for i in self.members)
 
     @property
     def names_of_shoes_as_text(self) -> str:
@@ -336,7 +336,9 @@ class GroupState:
     def load_column_factors_of_support_push(self, side: SideOfSupport) -> Floats:
         """The factors (l,) by which a shoe's load columns make up the push of a support by 1 N."""
         body, shoe = self.substructures_of_shoes[side.shoe], self.shoes[side.shoe]
-        return load_column_factors_of_one_sided_support_push(body, shoe, side.push, self.brake.size)
+        return load_column_factors_of_one_sided_support_push(
+            body, shoe, side.unit_push, self.brake.size
+        )
 
     # These properties are integrals over the linings.
 
@@ -374,7 +376,7 @@ class GroupState:
     @cached_property
     def factors_of_ring_flexibility(self) -> RingFlexibilityRoots | None:
         """The factors of the drum ring's flexibility under the linings; None without a ring."""
-        ring = self.scene.ring
+        ring = self.prepared_model.ring
         if ring is None:
             return None
         return RingFlexibilityRoots(
@@ -439,7 +441,7 @@ def unloaded_lining_gaps_at_points(xy: Floats, phi: Floats, brake: Brake, shoe: 
     brake : the brake
     shoe : the shoe of the lining
     """
-    theta, radius = shoe.frame.theta(phi), brake.size
+    theta, radius = shoe.frame.surface_coordinates_of_phi(phi), brake.size
     off = shoe.distances_from_friction_surface(xy, radius)
     # Round-off moves nodes off the drum's radius. This must not count as a gap or an overlap.
     off = np.where(np.abs(off) < 1e-12 * radius, 0.0, off)

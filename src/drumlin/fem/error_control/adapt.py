@@ -73,18 +73,19 @@ class _Progress(NamedTuple):
 
     Attributes
     ----------
-    scene : prepared model of the last level
+    prepared_model : prepared model of the last level
     responses : responses of all levels
     error : estimated errors of the last response; empty on the first level
     unknowns : largest number of unknowns of a shoe
-    missed : text that says why the tolerance is not reached; empty if it is reached
+    text_on_missed_tolerance : text that says why the tolerance is not reached; empty if it is
+        reached
     """
 
-    scene: PreparedModel
+    prepared_model: PreparedModel
     responses: list[Response]
     error: Errors
     unknowns: int
-    missed: str
+    text_on_missed_tolerance: str
 
 
 def solve_brake_to_tolerance(
@@ -121,17 +122,17 @@ def solve_brake_to_tolerance(
     """
     levels = levels or solve_brake_on_finer_and_finer_mesh_levels(brake, respond, cache)
     progress = _refine_mesh_levels_until_tolerance(brake, tolerance, levels)
-    if not progress.missed:
-        return SolvedLevel(progress.scene, _last_response_with_estimated_errors(progress))
+    if not progress.text_on_missed_tolerance:
+        return SolvedLevel(progress.prepared_model, _last_response_with_estimated_errors(progress))
     why = _shoes_with_unbounded_pressure_as_text(brake, progress.responses[-1])
     if must:
         reached = _reached_errors_as_text(progress, tolerance)
         raise NoAnswer(
-            f"{progress.missed} on {len(progress.responses)} meshes of up to {progress.unknowns} "
-            f"unknowns a shoe: {reached}{why}"
+            f"{progress.text_on_missed_tolerance} on {len(progress.responses)} meshes of "
+            f"up to {progress.unknowns} unknowns a shoe: {reached}{why}"
         )
-    progress = progress._replace(missed=progress.missed + why)
-    return SolvedLevel(progress.scene, _last_response_with_estimated_errors(progress))
+    progress = progress._replace(text_on_missed_tolerance=progress.text_on_missed_tolerance + why)
+    return SolvedLevel(progress.prepared_model, _last_response_with_estimated_errors(progress))
 
 
 def _refine_mesh_levels_until_tolerance(
@@ -161,7 +162,7 @@ def _refine_mesh_levels_until_tolerance(
                 of_levels, brake, last
             )
             if is_tolerance_met(error, tolerance):
-                return _Progress(scene, responses, error, unknowns, missed="")
+                return _Progress(scene, responses, error, unknowns, text_on_missed_tolerance="")
             if unknown:
                 missed += f": {unknown}"
                 break
@@ -225,8 +226,8 @@ def _last_response_with_estimated_errors(progress: _Progress) -> Response:
         f"solved on {len(progress.responses)} meshes, each adapted to the answer before; "
         f"the last has {progress.unknowns} unknowns for each shoe"
     ]
-    if progress.missed:
-        notes.append(f"warning: {progress.missed}")
+    if progress.text_on_missed_tolerance:
+        notes.append(f"warning: {progress.text_on_missed_tolerance}")
     return response_with_estimated_errors(progress.responses, progress.error, notes)
 
 
@@ -405,7 +406,9 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
         possible_peak = (
             largest_value_of_piecewise_polynomial(theta[around], p[around], order) + growth
         )
-        elements_end_at_tip = abs(theta[nearest] - tip) < TIP_TOLERANCE * shoe.frame.unit
+        elements_end_at_tip = (
+            abs(theta[nearest] - tip) < TIP_TOLERANCE * shoe.frame.surface_coordinate_per_phi
+        )
         if possible_peak > answer.peak_pressure:
             excess = possible_peak / answer.peak_pressure - 1.0
             missing = max(missing, 1.0 if elements_end_at_tip else excess)

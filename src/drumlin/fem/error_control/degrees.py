@@ -205,7 +205,7 @@ def solve_brake_on_mesh_files(
     try:
         for solved in levels:
             responses.append(response_with_power_laws_at_corners(brake, solved.response))
-            solved_last = solved.scene
+            solved_last = solved.prepared_model
             if len(responses) == 1:
                 first = solved
                 continue
@@ -328,8 +328,10 @@ def _estimated_errors_on_last_mesh_level(
     *former, before, last = responses
     moved = relative_differences_of_responses_on_two_levels(brake, before, last)
     if former:
-        steps = relative_differences_of_responses_on_two_levels(brake, former[-1], before).steps
-        moved = moved._replace(steps=moved.steps + FORMER_SHARE * steps)
+        steps = relative_differences_of_responses_on_two_levels(
+            brake, former[-1], before
+        ).differences
+        moved = moved._replace(differences=moved.differences + FORMER_SHARE * steps)
     factors = _factors_of_error_estimate(brake)
     errors = estimate_errors_from_response_differences(moved, last, factors, shape)
     return errors_with_singular_points_and_text_on_short_contacts(errors, brake, last)[0]
@@ -371,7 +373,7 @@ def _errors_due_to_sides_off_smooth_outline(
     response on a prepared model.
     """
     changed = prepared_model_with_moved_nodes(
-        solved.scene, brake, solved.response, node_displacements_onto_smooth_outline
+        solved.prepared_model, brake, solved.response, node_displacements_onto_smooth_outline
     )
     cause = "with sides that follow the curves"
     return _errors_by_change_of_shape(brake, respond, solved, lambda: changed, cause)
@@ -399,13 +401,16 @@ def _errors_by_change_of_shape(
     except NoAnswer as refusal:
         raise NoAnswer(f"{cause}: {refusal}") from refusal
     moved = relative_differences_of_responses_on_two_levels(brake, changed, solved.response)
-    torque, of_shoes = moved.steps[:1], moved.steps[1:].reshape(-1, len(QUANTITIES)).copy()
+    torque, of_shoes = (
+        moved.differences[:1],
+        moved.differences[1:].reshape(-1, len(QUANTITIES)).copy(),
+    )
     pressure, peak = (QUANTITIES.index(name) for name in ("pressure", "peak"))
     # The difference of a peak may be small by accident; it counts as at least the difference of p.
     of_shoes[:, peak] = of_shoes[:, [pressure, peak]].max(axis=1)
     steps = np.concatenate([torque, of_shoes.ravel()])
     factors = SHAPE_FACTORS.safety_factors_of_level_differences(len(brake.shoes))
-    return factors * steps + SHAPE_FACTORS.cancelled * moved.chance
+    return factors * steps + SHAPE_FACTORS.cancelled * moved.changes_with_random_signs
 
 
 def _errors_due_to_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Floats:
@@ -446,9 +451,9 @@ def _errors_due_to_gaps_below_rounding(
         gaps = np.zeros(0) if read is None else np.abs(read.off[read.off != 0])
         if read is not None and (gaps <= read.contact.rounded_by).any():
             cause = "without gaps below the rounding of coordinates"
-            level = solved.scene.level
+            level = solved.prepared_model.level
             assert level is not None
-            prepare = partial(prepare_fitting, level, solved.scene.points)
+            prepare = partial(prepare_fitting, level, solved.prepared_model.points)
             return _errors_by_change_of_shape(brake, respond, solved, prepare, cause)
     return 0.0
 

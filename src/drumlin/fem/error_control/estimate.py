@@ -71,7 +71,7 @@ class Factors(NamedTuple):
     peak: float
 
     def safety_factors_of_level_differences(self, shoes: int) -> Floats:
-        """The factors (1 + 4 shoes,) that turn the `steps` of `LevelDifferences` into errors."""
+        """The factors (1 + 4 shoes,) that turn `LevelDifferences.differences` into errors."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 
@@ -130,13 +130,13 @@ class LevelDifferences(NamedTuple):
 
     Attributes
     ----------
-    steps : difference of each quantity between the two levels
-    chance : change that each force would have if the columns of elements contributed to it with
-        random signs; 0 for pressures
+    differences : difference of each quantity between the two levels
+    changes_with_random_signs : change that each force would have if the columns of elements
+        contributed to it with random signs; 0 for pressures
     """
 
-    steps: Floats
-    chance: Floats
+    differences: Floats
+    changes_with_random_signs: Floats
 
 
 def estimate_errors_from_two_mesh_levels(
@@ -164,8 +164,8 @@ def estimate_errors_from_response_differences(
     further : (1 + 4 shoes,) errors that are added, in the order of `LevelDifferences`
     """
     found = (
-        factors.safety_factors_of_level_differences(len(last.shoes)) * moved.steps
-        + factors.cancelled * moved.chance
+        factors.safety_factors_of_level_differences(len(last.shoes)) * moved.differences
+        + factors.cancelled * moved.changes_with_random_signs
         + further
     )
     # A quantity without any difference, such as the torque of a shoe without contact, keeps the
@@ -214,7 +214,11 @@ def relative_differences_of_responses_on_two_levels(
     rows = []
     for shoe, (of_a, of_b) in zip(brake.shoes, pairs, strict=True):
         zone = length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor)
-        rows.append(_relative_shoe_response_differences_of_levels(zone, brake.unit, of_a, of_b))
+        rows.append(
+            _relative_shoe_response_differences_of_levels(
+                zone, brake.surface_coordinate_per_phi, of_a, of_b
+            )
+        )
     of_shoes = np.array(rows)  # (shoes, 2, 4)
     # The difference of the brake's torque is the sum of the absolute differences of its shoes.
     total = b.torque or a.torque or 1.0

@@ -118,7 +118,10 @@ def errors_of_first_refinement_level(
     first, last = map(_response_with_braking_forces_as_torques, (first, last))
     moved = relative_differences_of_responses_on_two_levels(brake, first, last)
     factors = FIRST_LEVEL_FACTORS.safety_factors_of_level_differences(len(last.shoes))
-    found = factors * moved.steps + FIRST_LEVEL_FACTORS.cancelled * moved.chance
+    found = (
+        factors * moved.differences
+        + FIRST_LEVEL_FACTORS.cancelled * moved.changes_with_random_signs
+    )
     worst = np.reshape(found[1:], (-1, len(QUANTITIES))).max(axis=0).tolist()
     return dict(zip(QUANTITIES, worst, strict=True)) | {"torque": float(found[0])}
 
@@ -179,7 +182,7 @@ def _kind_of_singular_point(shoe: Shoe, point: SingularPoint) -> str:
     # The position of the point may be rounded, see CONTACT_END_BITS. A point this near to a
     # lining's end therefore lies at the end.
     near = 2.0 ** (1 - CONTACT_END_BITS) * point.length
-    at_end_of_lining = any(abs(point.at - end) <= near for arc in shoe.arcs for end in arc)
+    at_end_of_lining = any(abs(point.position - end) <= near for arc in shoe.arcs for end in arc)
     if point.kind == Singularity.END and at_end_of_lining:
         return "corner"
     return str(point.kind.name)

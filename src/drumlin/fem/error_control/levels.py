@@ -86,15 +86,15 @@ class LevelRule(NamedTuple):
         corner = self.corner * e**self.sizes
         return Level(
             degree=p,
-            zone=corner,
-            edge=corner,
-            end=self.end * e**self.sizes,
-            ratio=_element_size_ratio_for_error(e, p),
-            opening=_element_size_ratio_for_error(e**self.sizes, p),
-            largest=self.largest,
-            back=corner,
-            hinge=corner,
-            through=_element_size_ratio_for_error(e**self.layers, p),
+            face_layer_size=corner,
+            lining_end_column_size=corner,
+            contact_end_column_size=self.end * e**self.sizes,
+            column_size_ratio=_element_size_ratio_for_error(e, p),
+            size_ratio_at_short_contacts=_element_size_ratio_for_error(e**self.sizes, p),
+            largest_column=self.largest,
+            interface_layer_size=corner,
+            hinge_column_size=corner,
+            layer_size_ratio=_element_size_ratio_for_error(e**self.layers, p),
         )
 
 
@@ -170,7 +170,7 @@ PrepareFunction = Callable[[Level, PointsByShape], PreparedModel]
 class SolvedLevel(NamedTuple):
     """The prepared model of one level of a solve, and the response of the brake on this model."""
 
-    scene: PreparedModel
+    prepared_model: PreparedModel
     response: Response
 
 
@@ -221,7 +221,7 @@ def solve_brake_on_finer_and_finer_mesh_levels(
         for _ in range(MOST_PASSES):
             # The brake is divided with small elements at the singular points of the earlier pass,
             # and solved.
-            limited = replace(level, largest=min(level.largest, column_limit))
+            limited = replace(level, largest_column=min(level.largest_column, column_limit))
             model = prepare(limited, points)
             try:
                 response = respond(model, brake, start=last)
@@ -291,12 +291,12 @@ def _has_lining_new_singular_points(
     of the contact may move by UNRESOLVED_LENGTH times the length of the contact or opening that it
     bounds. Ends of contacts and openings of less than the length `shortest` [rad] do not count.
     """
-    known = [*chain(*arcs), *(point.at for point in before)]
+    known = [*chain(*arcs), *(point.position for point in before)]
     for point in now:
-        if point.kind in {Singularity.KINK, Singularity.TIP} and point.at not in known:
+        if point.kind in {Singularity.KINK, Singularity.TIP} and point.position not in known:
             return True
         if point.kind == Singularity.END and point.length >= shortest:
-            moved = min(abs(point.at - at) for at in known)
+            moved = min(abs(point.position - at) for at in known)
             if moved > UNRESOLVED_LENGTH * point.length:
                 return True
     return False

@@ -77,23 +77,24 @@ class RefinedSolution(NamedTuple):
     last_correction : last correction (n_i,) of the pressures of each shoe [1/m^2]
     coordinates : generalised coordinates (k_i,) of each shoe, the sizes of its rigid-body motions
     torque : torque of all shoes per newton [m]
-    gap : weighted gaps (n,) of all nodes. Each gap is a sum of terms; all gaps are divided by the
-        largest sum of the absolute values of these terms.
+    scaled_weighted_gaps : weighted gaps (n,) of all nodes. Each gap is a sum of terms; all gaps are
+        divided by the largest sum of the absolute values of these terms.
     correction : largest entry of the last correction, relative to the largest pressure
     corrections : number of corrections
     contact_sets : number of contact sets that were tried
-    condition : condition number of the torque for relative changes of each entry of the system
+    condition_number_of_torque : condition number of the torque for relative changes of each entry
+        of the system
     """
 
     p: tuple[Floats, ...]
     last_correction: tuple[Floats, ...]
     coordinates: tuple[Floats, ...]
     torque: float
-    gap: Floats
+    scaled_weighted_gaps: Floats
     correction: float
     corrections: int
     contact_sets: int
-    condition: float
+    condition_number_of_torque: float
 
 
 @dataclass(frozen=True)
@@ -105,21 +106,21 @@ class FullSystem:
     Attributes
     ----------
     matrix : sparse matrix (unknowns, unknowns); the rows of the pressures come last
-    right : right side (unknowns,)
+    right_side : right side (unknowns,)
     pressures : slice of each shoe's pressures among the unknowns
     coordinates : slice of each shoe's generalised coordinates (rigid-body motion) among the
         unknowns
-    lever : (unknowns,) torque per unknown, so that torque = lever . x
-    scale : (unknowns,) factors that give rows and columns similar sizes, see
+    torque_per_unknown : (unknowns,) torque per unknown, so that torque = lever . x
+    scale_factors : (unknowns,) factors that give rows and columns similar sizes, see
         `_scale_factors_of_full_system`
     """
 
     matrix: Any
-    right: Any
+    right_side: Any
     pressures: tuple[slice, ...]
     coordinates: tuple[slice, ...]
-    lever: Floats
-    scale: Floats
+    torque_per_unknown: Floats
+    scale_factors: Floats
 
     @property
     def index_of_first_pressure_unknown(self) -> int:
@@ -203,8 +204,8 @@ def assemble_full_system_of_group(
         _assemble_shoe_block_of_full_system(group, k, relative_to_rigid_motion) for k in members
     ]
     ring = (
-        _assemble_ring_block_of_full_system(group.scene, group.brake)
-        if group.scene.ring is not None
+        _assemble_ring_block_of_full_system(group.prepared_model, group.brake)
+        if group.prepared_model.ring is not None
         else None
     )
     stiffnesses = [block.K for block in shoe_blocks] + ([ring.K] if ring else [])
@@ -218,14 +219,14 @@ def assemble_full_system_of_group(
     ends = layout.block_starts[1 : len(members) + 1]
     return FullSystem(
         matrix=matrix,
-        right=_right_side_of_full_system(group, shoe_blocks, layout),
+        right_side=_right_side_of_full_system(group, shoe_blocks, layout),
         pressures=tuple(slice(int(a), int(b)) for a, b in pairwise(layout.pressure_starts)),
         coordinates=tuple(
             slice(int(end) - modes.actuation_work.size, int(end))
             for end, modes in zip(ends, group.rigid_body_modes_of_shoes, strict=True)
         ),
-        lever=_torque_factors_of_full_system_unknowns(group, layout),
-        scale=_scale_factors_of_full_system(matrix, int(layout.pressure_starts[0])),
+        torque_per_unknown=_torque_factors_of_full_system_unknowns(group, layout),
+        scale_factors=_scale_factors_of_full_system(matrix, int(layout.pressure_starts[0])),
     )
 
 
@@ -476,7 +477,7 @@ def solve_full_system_by_iterative_refinement(
     """
     first = system.index_of_first_pressure_unknown
     active = active.copy()
-    rows, right = system.matrix[first:], system.right[first:]
+    rows, right = system.matrix[first:], system.right_side[first:]
     for contact_sets in range(1, MOST_REFINED_SETS + 1):
         on = np.concatenate([np.ones(first, dtype=bool), active])
         solution = _refined_solution_on_contact_set(system, on, order)
@@ -531,7 +532,7 @@ def _divide_refined_solution_into_shoes(
     contact_sets : number of contact sets that were tried
     """
     x = solution.x
-    torque = float(system.lever @ x)
+    torque = float(system.torque_per_unknown @ x)
     return RefinedSolution(
         p=tuple(np.maximum(x[part].astype(float), 0.0) for part in system.pressures),
         last_correction=tuple(
@@ -539,11 +540,11 @@ def _divide_refined_solution_into_shoes(
         ),
         coordinates=tuple(x[part].astype(float) for part in system.coordinates),
         torque=torque,
-        gap=gap,
+        scaled_weighted_gaps=gap,
         correction=solution.correction,
         corrections=solution.corrections,
         contact_sets=contact_sets,
-        condition=_condition_number_of_torque(system, on, solution, torque),
+        condition_number_of_torque=_condition_number_of_torque(system, on, solution, torque),
     )
 
 
@@ -554,7 +555,7 @@ def _refined_solution_on_contact_set(system: FullSystem, on: Bools, order: str) 
     open nodes, are zero. `order` is SuperLU's name for the order of elimination.
     """
     at = np.flatnonzero(on)
-    A, b, scale = system.matrix[at][:, at], system.right[at], system.scale[at]
+    A, b, scale = system.matrix[at][:, at], system.right_side[at], system.scale_factors[at]
     D = sp.diags(scale.astype(LONG_DOUBLE))
     A, b = (D @ A @ D).tocsr(), scale * b
     try:
@@ -594,8 +595,8 @@ def _condition_number_of_torque(
     if torque == 0:
         return math.nan
     at = np.flatnonzero(on)
-    scale = system.scale[at]
-    z = scale * solution.factors.solve(scale * system.lever[at], trans="T")
+    scale = system.scale_factors[at]
+    z = scale * solution.factors.solve(scale * system.torque_per_unknown[at], trans="T")
     A = abs(system.matrix[at][:, at])
-    terms = A @ np.abs(solution.x[at]) + np.abs(system.right[at])
+    terms = A @ np.abs(solution.x[at]) + np.abs(system.right_side[at])
     return float(np.abs(z) @ terms / abs(torque))

@@ -62,11 +62,11 @@ class _Opening(NamedTuple):
 
     Attributes
     ----------
-    at : coordinate phi of the open node [rad]
+    phi : coordinate phi of the open node [rad]
     width : distance of the two pressed nodes [rad]
     """
 
-    at: float
+    phi: float
     width: float
 
 
@@ -131,7 +131,7 @@ def _singular_points_of_lining(
         points.append(SingularPoint(first, last - first, Singularity.END))
         points.append(SingularPoint(last, last - first, Singularity.END))
     for opening in _openings_within_contact_arcs_of_lining(shoe, answer, arcs):
-        at = _rounded_angle_of_contact_end(opening.at, opening.width)
+        at = _rounded_angle_of_contact_end(opening.phi, opening.width)
         points.append(SingularPoint(at, opening.width, Singularity.END))
     return points
 
@@ -160,7 +160,7 @@ def _singular_points_at_steps_of_lining(
     (kind OPEN_STEP): a polynomial for the gap across the step would oscillate.
     """
     start, end = shoe.arc
-    length = shoe.lining.step / shoe.frame.unit
+    length = shoe.lining.length_of_step_between_blocks / shoe.frame.surface_coordinate_per_phi
     points: list[SingularPoint] = []
     for phi in shoe.frame.phi_coordinates_as_list(
         clearance.coordinates_of_step_ends_between_blocks(shoe.lining)
@@ -258,7 +258,7 @@ def _singular_points_at_kinks_of_friction(
     )
     # The elements at such a point get the sizes of elements at a step between blocks. The thickness
     # of the lining takes the place of the step's length.
-    length = shoe.lining.thickness / scale_factor / shoe.frame.unit
+    length = shoe.lining.thickness / scale_factor / shoe.frame.surface_coordinate_per_phi
     (start, end), points = shoe.arc, []
     for phi in shoe.frame.phi_coordinates_as_list(kinks):
         if start < phi < end:
@@ -283,7 +283,7 @@ def _singular_points_at_pointed_gap_kinks(
     for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, scale_factor):
         if tip.theta in kinks:
             (phi,) = shoe.frame.phi_coordinates_as_list([tip.theta])
-            length = (norm / tip.factor) ** 2 / shoe.frame.unit
+            length = (norm / tip.factor) ** 2 / shoe.frame.surface_coordinate_per_phi
             points.append(SingularPoint(phi, length, Singularity.TIP))
     return points
 
@@ -398,7 +398,7 @@ def _openings_within_contact_arcs_of_lining(
     open_nodes = 1 + np.flatnonzero(press[:-2] & ~press[1:-1] & press[2:])
     if not len(open_nodes):
         return []
-    phi = shoe.frame.phi(answer.theta)
+    phi = shoe.frame.phi_of_surface_coordinates(answer.theta)
     openings = []
     for i in open_nodes:
         opening = _Opening(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1])))
@@ -414,7 +414,7 @@ def _is_opening_inside_contact(opening: _Opening, arcs: list[list[float]]) -> bo
     UNRESOLVED_LENGTH of its contact.
     """
     for start, end in arcs:
-        away_from_ends = start + opening.width < opening.at < end - opening.width
+        away_from_ends = start + opening.width < opening.phi < end - opening.width
         if away_from_ends and opening.width > UNRESOLVED_LENGTH * (end - start):
             return True
     return False

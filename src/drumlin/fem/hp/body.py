@@ -65,7 +65,7 @@ def element_grid_of_whole_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> 
     # The body continues beyond the lining from these nodes: `faces` are the nodes through its
     # thickness under the lining's start and end.
     faces = [under[first * p :, 0], under[first * p :, -1]]
-    for k, ends in enumerate((div.before, div.after)):
+    for k, ends in enumerate((div.column_ends_before_lining, div.column_ends_behind_lining)):
         if first == div.number_of_element_layers or len(ends) == 1:
             continue
         # The block of nodes beyond the lining shares the nodes through the thickness at the

@@ -43,16 +43,16 @@ class ColumnUnknowns(NamedTuple):
     kept : (layers,) the unknowns of each element that are kept, on both sides and on the contact
     inside : (layers,) the unknowns of each element that are eliminated, edge by edge from the
         contact on
-    sides : number of kept unknowns of the column
-    rest : number of eliminated unknowns of the column
-    line : number of unknowns of the nodes on one side of the column (a line)
+    number_of_kept_unknowns : number of kept unknowns of the column
+    number_of_eliminated_unknowns : number of eliminated unknowns of the column
+    number_of_side_unknowns : number of unknowns of the nodes on one side of the column (a line)
     """
 
     kept: tuple[tuple[UnknownsAt, ...], ...]
     inside: tuple[UnknownsAt, ...]
-    sides: int
-    rest: int
-    line: int
+    number_of_kept_unknowns: int
+    number_of_eliminated_unknowns: int
+    number_of_side_unknowns: int
 
 
 @cache
@@ -101,9 +101,9 @@ def numbering_of_element_column_unknowns(
     return ColumnUnknowns(
         kept=tuple(kept),
         inside=tuple(inside),
-        sides=far + (sides - 1) * line,
-        rest=edge * (layers + 1 - contact - held),
-        line=line,
+        number_of_kept_unknowns=far + (sides - 1) * line,
+        number_of_eliminated_unknowns=edge * (layers + 1 - contact - held),
+        number_of_side_unknowns=line,
     )
 
 
@@ -150,10 +150,12 @@ def condensed_element_column_stiffness(
     """
     count = elements.shape[1]
     extra = 0 if loads is None else loads.shape[2]
-    size = extra + unknowns.sides
+    size = extra + unknowns.number_of_kept_unknowns
     K = np.zeros((count, size, size))
-    C = np.zeros((count, unknowns.rest, size))
-    inner = np.zeros((count, unknowns.rest, unknowns.rest))
+    C = np.zeros((count, unknowns.number_of_eliminated_unknowns, size))
+    inner = np.zeros(
+        (count, unknowns.number_of_eliminated_unknowns, unknowns.number_of_eliminated_unknowns)
+    )
     sides, coupling = K[:, extra:, extra:], C[:, :, extra:]
     for part, kept, inside in zip(elements, unknowns.kept, unknowns.inside, strict=True):
         _add_element_stiffness_to_columns(part, kept, kept, sides)
@@ -162,10 +164,12 @@ def condensed_element_column_stiffness(
     if loads is not None:
         # The loads act on the edge farthest from the contact. The first node of this edge is the
         # last node on the column's side; the unknowns of the edge's other nodes are eliminated.
-        at = slice(extra + unknowns.line - 2, extra + unknowns.line)
+        at = slice(
+            extra + unknowns.number_of_side_unknowns - 2, extra + unknowns.number_of_side_unknowns
+        )
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
-        C[:, unknowns.rest - loads.shape[1] + 2 :, :extra] = -loads[:, 2:]
+        C[:, unknowns.number_of_eliminated_unknowns - loads.shape[1] + 2 :, :extra] = -loads[:, 2:]
     return replace_matrices_by_schur_complements(K, C, inner)
 
 

@@ -379,7 +379,9 @@ def _shoe_response_with_pressure_power_laws(
 ) -> ShoeResponse:
     """The response of shoe `index`, with a power law near each corner of unbounded pressure."""
     for corner in corners_with_unbounded_pressure(brake, index, response):
-        response = _shoe_response_with_one_corner_power_law(response, corner, brake.unit)
+        response = _shoe_response_with_one_corner_power_law(
+            response, corner, brake.surface_coordinate_per_phi
+        )
     return response
 
 
@@ -425,7 +427,7 @@ def corners_with_unbounded_pressure(
         return []
     # The corners are not needed if the stated error of the pressure excludes the lining's ends.
     zone = length_of_uncompared_edge_zone(
-        brake.shoes[index].lining.length_of_shortest_lining, brake.unit
+        brake.shoes[index].lining.length_of_shortest_lining, brake.surface_coordinate_per_phi
     )
     slots = brake.shoes[index].lining.slots
     if length_of_edge_zone_left_out_of_pressure_errors(theta, p, response.order, zone, slots) > 0:
@@ -611,7 +613,9 @@ def _does_stated_error_include_unbounded_pressure_at_slot(
     edges = [int(np.abs(response.theta - edge).argmin()) for edge in np.ravel(lining.slots)]
     if not np.any(response.pressure[edges] > 0):
         return False
-    zone = length_of_uncompared_edge_zone(lining.length_of_shortest_lining, brake.unit)
+    zone = length_of_uncompared_edge_zone(
+        lining.length_of_shortest_lining, brake.surface_coordinate_per_phi
+    )
     counts = length_of_edge_zone_left_out_of_pressure_errors(
         response.theta, response.pressure, response.order, zone, lining.slots
     )
@@ -669,7 +673,9 @@ def remaining_pressure_error_at_pointed_gap_kinks(
         # kink.
         k = int(np.abs(column_ends - tip.theta).argmin())
         has_two_columns = 0 < k < len(column_ends) - 1
-        at_tip = abs(column_ends[k] - tip.theta) < TIP_TOLERANCE * shoe.frame.unit
+        at_tip = (
+            abs(column_ends[k] - tip.theta) < TIP_TOLERANCE * shoe.frame.surface_coordinate_per_phi
+        )
         if has_two_columns and at_tip and pressed[k]:
             both_columns = float(column_ends[k + 1] - column_ends[k - 1])
             squared_error += tip.factor**2 * both_columns / (order + 1) ** 2

@@ -91,7 +91,7 @@ class SingularPoint(NamedTuple):
 
     Attributes
     ----------
-    at : position phi of the point [rad]
+    position : position phi of the point [rad]
     length : length over which the pressure changes at the point [rad], by the kind of the point.
         END: length of the contact, or of the open gap beside it; KINK: length of the lining; STEP
         and OPEN_STEP: length of the step; TIP: (N/c)^2, where N is the L2 norm of the pressure and
@@ -99,7 +99,7 @@ class SingularPoint(NamedTuple):
     kind : which function is not smooth
     """
 
-    at: float
+    position: float
     length: float
     kind: Singularity
 
@@ -111,14 +111,15 @@ class GradingPoint(NamedTuple):
 
     Attributes
     ----------
-    at : position phi of the point [rad]
-    size : size of the columns on both sides of the point [rad]
-    ratio : size of a column relative to the size of the next column away from the point, below 1
+    position : position phi of the point [rad]
+    column_size : size of the columns on both sides of the point [rad]
+    size_ratio_of_columns : size of a column relative to the size of the next column away from the
+        point, below 1
     """
 
-    at: float
-    size: float
-    ratio: float
+    position: float
+    column_size: float
+    size_ratio_of_columns: float
 
 
 @dataclass(frozen=True)
@@ -131,37 +132,40 @@ class Level:
     Attributes
     ----------
     degree : degree of the hp elements
-    zone : size of the layer of elements at the lining's face, relative to EDGE_ZONE, or to the
-        lining's thickness or the contact's length if these are less. Columns at a lining's end that
-        the contact reaches are no wider than `zone` times EDGE_ZONE, even if `edge` gives a larger
-        size.
-    edge : size of the columns at the lining's ends, relative to the lining's thickness or to half
-        its length, whichever is less. At an end that a contact reaches, the size is relative to
-        half the contact's length.
-    end : size of the columns at ends of the contact and at kinks of the gap. It is relative to the
-        contact's length, or to the geometric mean of this length and the lining's thickness if the
-        mean is less. The pressure rises from an end of the contact over a distance of about the
-        thickness, which matters less in a longer contact.
-    ratio : size of a column relative to the next column away from a singular point, below 1
-    opening : as `ratio`, at the ends of a contact (or open gap) shorter than the lining is thick
-    largest : upper limit of the size of a column [rad]
-    back : size of the layers of elements at the interface of two layers of the shoe, relative to
-        the thinner one of these two layers
-    hinge : size of columns and layers of elements at the face that the hinge holds, relative to the
-        body's thickness
-    through : size of a layer of elements relative to the next layer away from an interface, below 1
+    face_layer_size : size of the layer of elements at the lining's face, relative to EDGE_ZONE, or
+        to the lining's thickness or the contact's length if these are less. Columns at a lining's
+        end that the contact reaches are no wider than `face_layer_size` times EDGE_ZONE, even if
+        `lining_end_column_size` gives a larger size.
+    lining_end_column_size : size of the columns at the lining's ends, relative to the lining's
+        thickness or to half its length, whichever is less. At an end that a contact reaches, the
+        size is relative to half the contact's length.
+    contact_end_column_size : size of the columns at ends of the contact and at kinks of the gap. It
+        is relative to the contact's length, or to the geometric mean of this length and the
+        lining's thickness if the mean is less. The pressure rises from an end of the contact over a
+        distance of about the thickness, which matters less in a longer contact.
+    column_size_ratio : size of a column relative to the next column away from a singular point,
+        below 1
+    size_ratio_at_short_contacts : as `column_size_ratio`, at the ends of a contact (or open gap)
+        shorter than the lining is thick
+    largest_column : upper limit of the size of a column [rad]
+    interface_layer_size : size of the layers of elements at the interface of two layers of the
+        shoe, relative to the thinner one of these two layers
+    hinge_column_size : size of columns and layers of elements at the face that the hinge holds,
+        relative to the body's thickness
+    layer_size_ratio : size of a layer of elements relative to the next layer away from an
+        interface, below 1
     """
 
     degree: int
-    zone: float
-    edge: float
-    end: float
-    ratio: float
-    opening: float
-    largest: float
-    back: float
-    hinge: float
-    through: float
+    face_layer_size: float
+    lining_end_column_size: float
+    contact_end_column_size: float
+    column_size_ratio: float
+    size_ratio_at_short_contacts: float
+    largest_column: float
+    interface_layer_size: float
+    hinge_column_size: float
+    layer_size_ratio: float
 
     @property
     def pressure_error_due_to_column_size_ratio(self) -> float:
@@ -169,7 +173,7 @@ class Level:
 
         `levels.LevelRule` derives the formula.
         """
-        root = math.sqrt(self.ratio)
+        root = math.sqrt(self.column_size_ratio)
         return ((1 - root) / (1 + root)) ** self.degree
 
 
@@ -190,8 +194,8 @@ class ShoeDivision:
     degree : degree of the elements
     angles : (m + 1,) positions phi of the ends of the columns under the lining [rad], or under all
         linings and in the slots between them. In a slot the shoe has its body only.
-    before, after : positions phi of the ends of the columns of the body before and behind the
-        lining [rad], the nearest to the lining first
+    column_ends_before_lining, column_ends_behind_lining : positions phi of the ends of the columns
+        of the body before and behind the lining [rad], the nearest to the lining first
     depths : (l + 1,) distances of the faces of the layers from the lining's face [m]. For a
         straight beam the depth grows by 1 through each layer of the shoe.
     part : (l,) name of the part of the shoe that each layer of elements belongs to
@@ -204,8 +208,8 @@ class ShoeDivision:
 
     degree: int
     angles: Floats
-    before: Floats
-    after: Floats
+    column_ends_before_lining: Floats
+    column_ends_behind_lining: Floats
     depths: Floats
     part: tuple[str, ...]
     singular_layer_size: float = math.inf
@@ -231,8 +235,8 @@ class ShoeDivision:
         return (
             self.degree,
             self.angles.tobytes(),
-            self.before.tobytes(),
-            self.after.tobytes(),
+            self.column_ends_before_lining.tobytes(),
+            self.column_ends_behind_lining.tobytes(),
             self.depths.tobytes(),
         )
 
@@ -343,7 +347,7 @@ def shoe_layers_with_their_thickness(shoe: Shoe, radius: float) -> list[ShoeLaye
         ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
         nearest = 1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max())
         back = radius + shoe.lining.thickness
-        block = axis.distance - beam_thickness / 2 - back * nearest
+        block = axis.distance_from_drum_centre - beam_thickness / 2 - back * nearest
         return [*layers, ShoeLayer("backing", block), ShoeLayer("shoe", beam_thickness)]
     if shoe.backing is not None:
         layers.append(ShoeLayer("backing", shoe.backing.thickness))
@@ -401,14 +405,14 @@ def divide_shoe_into_hp_elements(
         level,
         radius * min(face_size, singular_size),
         radius * max(lining.contact.longest for lining in found),
-        coarsens=all(lining.contact.coarsens for lining in found),
+        coarsens=all(lining.contact.may_coarsen_far_from_contact for lining in found),
         straight=isinstance(shoe.body, Beam),
     )
     return ShoeDivision(
         degree=level.degree,
         angles=angles,
-        before=before,
-        after=after,
+        column_ends_before_lining=before,
+        column_ends_behind_lining=after,
         depths=depths,
         part=part,
         singular_layer_size=radius * singular_size if singular_size < face_size else math.inf,
@@ -455,7 +459,11 @@ def _divide_one_lining_into_element_columns(
     exponents : exponents of the pressure at the corners of the lining, at its start and its end
     arc : positions of the lining's start and end [rad]
     """
-    own = [point for point in points if _is_lining_on_arc_nearest_to_position(shoe, arc, point.at)]
+    own = [
+        point
+        for point in points
+        if _is_lining_on_arc_nearest_to_position(shoe, arc, point.position)
+    ]
     contact = _extent_of_lining_contacts(shoe, radius, level, own, arc)
     corner_sizes = _element_column_sizes_at_corners(contact, exponents)
     end_sizes = _element_column_sizes_at_lining_ends(level, contact, corner_sizes)
@@ -501,14 +509,14 @@ def _element_column_ends_under_linings_and_slots(
     columns = len(linings[0].angles) - 1
     grip_size = _element_column_size_at_ends_of_grip(shoe, radius, level)
     for before, lining in pairwise(linings):
-        first = GradingPoint(float(before.angles[-1]), before.end_sizes[1], level.ratio)
-        last = GradingPoint(float(lining.angles[0]), lining.end_sizes[0], level.ratio)
+        first = GradingPoint(float(before.angles[-1]), before.end_sizes[1], level.column_size_ratio)
+        last = GradingPoint(float(lining.angles[0]), lining.end_sizes[0], level.column_size_ratio)
         in_slot = [
             at
             for at in shoe.interval_of_body_back_held_by_support(radius) or ()
-            if first.at < at < last.at
+            if first.position < at < last.position
         ]
-        grip_ends = [GradingPoint(at, grip_size, level.ratio) for at in in_slot]
+        grip_ends = [GradingPoint(at, grip_size, level.column_size_ratio) for at in in_slot]
         ends = _element_column_ends_between_grading_points([first, *grip_ends, last], level)
         angles += [ends[1:], lining.angles[1:]]
         slots.append((columns, columns + len(ends) - 1))
@@ -535,10 +543,15 @@ def _element_column_ends_between_grading_points(points: list[GradingPoint], leve
     ends = []
     for a, b in pairwise(points):
         sizes = element_sizes_growing_from_both_ends(
-            b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio
+            b.position - a.position,
+            a.column_size,
+            b.column_size,
+            a.size_ratio_of_columns,
+            level.largest_column,
+            b.size_ratio_of_columns,
         )
-        ends.append(interval_ends_from_interval_sizes(sizes, a.at, b.at)[:-1])
-    return np.append(np.concatenate(ends), points[-1].at)
+        ends.append(interval_ends_from_interval_sizes(sizes, a.position, b.position)[:-1])
+    return np.append(np.concatenate(ends), points[-1].position)
 
 
 def _size_of_first_element_layer_at_lining_face(level: Level, contact: "_ContactExtent") -> float:
@@ -553,8 +566,9 @@ def _size_of_first_element_layer_at_lining_face(level: Level, contact: "_Contact
     """
     start, end = contact.arc
     size = min(
-        level.zone * min(EDGE_ZONE, contact.thickness, end - start, *contact.reaching_lengths),
-        *(level.end * length for length in contact.lengths),
+        level.face_layer_size
+        * min(EDGE_ZONE, contact.thickness, end - start, *contact.reaching_lengths),
+        *(level.contact_end_column_size * length for length in contact.lengths),
         math.inf,
     )
     return max(size, contact.smallest_column)
@@ -577,7 +591,7 @@ class _ContactExtent(NamedTuple):
         from the lining's end
     reaching_lengths : lengths of the contacts that reach the lining's start and end; inf for an end
         that no contact reaches
-    coarsens : whether elements at corners far from the contact may be larger
+    may_coarsen_far_from_contact : whether elements at corners far from the contact may be larger
     """
 
     arc: tuple[float, float]
@@ -587,7 +601,7 @@ class _ContactExtent(NamedTuple):
     longest: float
     open_lengths: tuple[float, float]
     reaching_lengths: tuple[float, float]
-    coarsens: bool
+    may_coarsen_far_from_contact: bool
 
 
 def _extent_of_lining_contacts(
@@ -613,7 +627,7 @@ def _extent_of_lining_contacts(
     start, end = arc
     t = layers[0].thickness / radius
     contact_ends = [point for point in points if point.kind == Singularity.END]
-    positions = [point.at for point in contact_ends] or [start, end]
+    positions = [point.position for point in contact_ends] or [start, end]
     lengths = [point.length for point in contact_ends]
     smallest_column = SMALLEST_COLUMN * t
     longest = max(*lengths, smallest_column) if lengths else end - start
@@ -631,7 +645,7 @@ def _extent_of_lining_contacts(
         longest=longest,
         open_lengths=(positions[0] - start, end - positions[-1]),
         reaching_lengths=_shortest_contact_lengths_at_lining_ends(arc, t, level, contact_ends),
-        coarsens=not deep and (shoe.body is None or one_short),
+        may_coarsen_far_from_contact=not deep and (shoe.body is None or one_short),
     )
 
 
@@ -666,7 +680,10 @@ def _element_column_sizes_at_lining_ends(
     """
     start, end = contact.arc
     t, smallest = contact.thickness, contact.smallest_column
-    pressed_size = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
+    pressed_size = min(
+        level.lining_end_column_size * min(t, 0.5 * (end - start)),
+        level.face_layer_size * EDGE_ZONE,
+    )
     sizes = []
     both_ends = zip(contact.open_lengths, contact.reaching_lengths, corner_sizes, strict=True)
     for open_length, reaching_length, corner_size in both_ends:
@@ -675,10 +692,12 @@ def _element_column_sizes_at_lining_ends(
         is_open = open_length > 0 and math.isinf(reaching_length)
         gap_size = max(0.5 * open_length, smallest) if is_open else math.inf
         size_without_force = relative_element_size_far_from_contact(
-            level.back, open_length / contact.longest, coarsens=contact.coarsens
+            level.interface_layer_size,
+            open_length / contact.longest,
+            coarsens=contact.may_coarsen_far_from_contact,
         ) * min(t, open_length)
         without_contact = max(min(pressed_size, gap_size), size_without_force)
-        with_contact = max(level.edge * 0.5 * reaching_length, smallest)
+        with_contact = max(level.lining_end_column_size * 0.5 * reaching_length, smallest)
         sizes.append(min(without_contact, with_contact, corner_size))
     return sizes[0], sizes[1]
 
@@ -706,11 +725,11 @@ def _grading_points_along_lining(
     end_sizes : sizes of the columns at the lining's start and end [rad]
     """
     start, end = contact.arc
-    first = GradingPoint(start, end_sizes[0], level.ratio)
-    last = GradingPoint(end, end_sizes[1], level.ratio)
+    first = GradingPoint(start, end_sizes[0], level.column_size_ratio)
+    last = GradingPoint(end, end_sizes[1], level.column_size_ratio)
     inner = []
     for point in points:
-        distance = min(point.at - start, end - point.at)
+        distance = min(point.position - start, end - point.position)
         inner.append(grading_point_at_singular_point(point, level, contact.thickness, distance))
     grading_points = _grading_points_without_close_ones(first, last, inner)
     grip = shoe.interval_of_body_back_held_by_support(radius)
@@ -721,17 +740,23 @@ def _grading_points_along_lining(
     grip_size = _element_column_size_at_ends_of_grip(shoe, radius, level)
     kept = []
     for candidate in grading_points[1:-1]:
-        distance = min(abs(candidate.at - end_of_grip) for end_of_grip in grip)
-        if distance > max(candidate.size, grip_size):
+        distance = min(abs(candidate.position - end_of_grip) for end_of_grip in grip)
+        if distance > max(candidate.column_size, grip_size):
             kept.append(candidate)
     on_lining = [end_of_grip for end_of_grip in grip if start < end_of_grip < end]
-    grip_ends = [GradingPoint(end_of_grip, grip_size, level.ratio) for end_of_grip in on_lining]
+    grip_ends = [
+        GradingPoint(end_of_grip, grip_size, level.column_size_ratio) for end_of_grip in on_lining
+    ]
     return [grading_points[0], *sorted([*kept, *grip_ends]), grading_points[-1]]
 
 
 def _element_column_size_at_ends_of_grip(shoe: Shoe, radius: float, level: Level) -> float:
     """The size [rad] of the element columns at the ends of a grip that holds the shoe's back."""
-    return level.hinge * shoe_layers_with_their_thickness(shoe, radius)[-1].thickness / radius
+    return (
+        level.hinge_column_size
+        * shoe_layers_with_their_thickness(shoe, radius)[-1].thickness
+        / radius
+    )
 
 
 def _element_column_ends_before_and_behind_lining(
@@ -765,18 +790,18 @@ def _element_column_ends_before_and_behind_lining(
         return before, after
     left, right = end_sizes
     body = layers[-1].thickness / radius
-    size_at_hinge = level.hinge * body
-    largest = max(body, level.largest)
+    size_at_hinge = level.hinge_column_size * body
+    largest = max(body, level.largest_column)
     # A body that ends with the lining, up to round-off, has no columns beyond it.
     if start - near > 1e-9:
         sizes = element_sizes_growing_from_both_ends(
-            start - near, left, size_at_hinge, level.ratio, largest
+            start - near, left, size_at_hinge, level.column_size_ratio, largest
         )
         before = start - interval_ends_from_interval_sizes(sizes, 0.0, start - near)
     if far - end > 1e-9:
         size_at_load = min(size_at_hinge, far - end) if grades_loaded_end else far - end
         sizes = element_sizes_growing_from_both_ends(
-            far - end, right, size_at_load, level.ratio, largest
+            far - end, right, size_at_load, level.column_size_ratio, largest
         )
         after = end + interval_ends_from_interval_sizes(sizes, 0.0, far - end)
     return before, after
@@ -807,12 +832,16 @@ def grading_point_at_singular_point(
         fit into it
     """
     if point.kind == Singularity.OPEN_STEP:
-        return GradingPoint(point.at, 0.5 * point.length, level.ratio)
+        return GradingPoint(point.position, 0.5 * point.length, level.column_size_ratio)
     if point.kind == Singularity.STEP:
-        return GradingPoint(point.at, point.length * math.sqrt(level.end), level.ratio)
+        return GradingPoint(
+            point.position,
+            point.length * math.sqrt(level.contact_end_column_size),
+            level.column_size_ratio,
+        )
     if point.kind == Singularity.TIP:
         size = _element_column_size_at_pointed_gap_kink(level, thickness, point.length)
-        return GradingPoint(point.at, size, level.ratio)
+        return GradingPoint(point.position, size, level.column_size_ratio)
     # The size at an end of the contact or at a kink is rounded to a power of two, so that similar
     # brakes have equal meshes.
     size = _element_column_size_at_contact_end(level, thickness, point.length)
@@ -820,9 +849,11 @@ def grading_point_at_singular_point(
         size = min(size, 0.5 * distance)
     size = 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
     if point.kind == Singularity.KINK:
-        return GradingPoint(point.at, size, level.ratio)
-    ratio = level.opening if point.length <= thickness else level.ratio
-    return GradingPoint(round(2 * point.at / size) * size / 2, size, ratio)
+        return GradingPoint(point.position, size, level.column_size_ratio)
+    ratio = (
+        level.size_ratio_at_short_contacts if point.length <= thickness else level.column_size_ratio
+    )
+    return GradingPoint(round(2 * point.position / size) * size / 2, size, ratio)
 
 
 def _element_column_size_at_contact_end(level: Level, thickness: float, length: float) -> float:
@@ -831,7 +862,7 @@ def _element_column_size_at_contact_end(level: Level, thickness: float, length: 
     An open gap beside the contact that is shorter than this size is not resolved by the mesh.
     `thickness` is the thickness of the lining, and `length` the length of the contact, both in rad.
     """
-    return level.end * min(length, math.sqrt(thickness * length))
+    return level.contact_end_column_size * min(length, math.sqrt(thickness * length))
 
 
 def _element_column_size_at_pointed_gap_kink(
@@ -848,7 +879,9 @@ def _element_column_size_at_pointed_gap_kink(
     length : the length (N/c)^2 [rad], where N is the L2 norm of the pressure and c ln(1/x) the
         pressure at the distance x from the kink
     """
-    size = element_column_size_for_error_at_pointed_gap_kink(length, level.degree, level.end)
+    size = element_column_size_for_error_at_pointed_gap_kink(
+        length, level.degree, level.contact_end_column_size
+    )
     return 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
 
 
@@ -871,9 +904,9 @@ def _shortest_contact_lengths_at_lining_ends(
     at_start, at_end = [], []
     for point in contact_ends:
         column = _element_column_size_at_contact_end(level, thickness, point.length)
-        if point.at - start < column:
+        if point.position - start < column:
             at_start.append(point.length)
-        if end - point.at < column:
+        if end - point.position < column:
             at_end.append(point.length)
     return min(at_start, default=math.inf), min(at_end, default=math.inf)
 
@@ -892,13 +925,17 @@ def _grading_points_without_close_ones(
     kept = [start]
     for point in inner:
         last = kept[-1]
-        if end.at - point.at <= max(end.size, point.size):
+        if end.position - point.position <= max(end.column_size, point.column_size):
             break
-        smallest_distance = (max if len(kept) == 1 else min)(last.size, point.size)
-        if point.at - last.at > smallest_distance:
+        smallest_distance = (max if len(kept) == 1 else min)(last.column_size, point.column_size)
+        if point.position - last.position > smallest_distance:
             kept.append(point)
-        elif len(kept) > 1 and point.size < last.size:
-            kept[-1] = GradingPoint(last.at, point.size, max(last.ratio, point.ratio))
+        elif len(kept) > 1 and point.column_size < last.column_size:
+            kept[-1] = GradingPoint(
+                last.position,
+                point.column_size,
+                max(last.size_ratio_of_columns, point.size_ratio_of_columns),
+            )
     return [*kept, end]
 
 
@@ -914,8 +951,8 @@ def _positions_of_shoe_body_ends(shoe: Shoe, radius: float) -> tuple[float, floa
             make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy),
             radius + shoe.lining.thickness,
         )
-        angles = np.sort(axis.angle(shoe.frame.theta(np.array([start, end]))))
-        foot = axis.foot + back * np.sin(angles)
+        angles = np.sort(axis.angle(shoe.frame.surface_coordinates_of_phi(np.array([start, end]))))
+        foot = axis.x_of_perpendicular_foot + back * np.sin(angles)
         return start - float(foot[0]) / back, end + (axis.length - float(foot[1])) / back
     if shoe.body is None:
         return start, end
@@ -959,19 +996,21 @@ def _depths_and_parts_of_element_layers(
         if k > 0:
             thinner = min(t, layers[k - 1].thickness)
             size = relative_element_size_far_from_contact(
-                level.back, distances[k - 1], coarsens=coarsens
+                level.interface_layer_size, distances[k - 1], coarsens=coarsens
             )
             outer = size * thinner
         thinner = min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
         inner = (
-            relative_element_size_far_from_contact(level.back, distances[k], coarsens=coarsens)
+            relative_element_size_far_from_contact(
+                level.interface_layer_size, distances[k], coarsens=coarsens
+            )
             * thinner
         )
         # The hinge holds the end face of this layer, and the stress is singular at the corners of
         # this face.
         if layer.part == "shoe":
-            inner = level.hinge * t
-        sizes = element_sizes_growing_from_both_ends(t, outer, inner, level.through, t)
+            inner = level.hinge_column_size * t
+        sizes = element_sizes_growing_from_both_ends(t, outer, inner, level.layer_size_ratio, t)
         ends = interval_ends_from_interval_sizes(sizes, 0.0, t)[1:]
         depths.append(at + (ends / t if straight else ends))
         part += [layer.part] * len(sizes)

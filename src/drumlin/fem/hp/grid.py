@@ -173,7 +173,7 @@ class ColumnGrid:
         """The elasticity matrix times the width, for each element (elements, 3, 3) [N/m]."""
         matrices = np.zeros((self.element_dofs.shape[1], 3, 3))
         for name, elements in self.subdomains.items():
-            matrices[elements] = layers[name].stiffness
+            matrices[elements] = layers[name].elasticity_times_width
         return matrices
 
     def unit_vectors_along_layers_at_gauss_points(
@@ -192,7 +192,7 @@ class ColumnGrid:
         points = gauss_points_of_elements(xy, self.degree)
         directions = np.empty_like(points)
         for name, elements in self.subdomains.items():
-            of_layer = layers[name].directions(np.moveaxis(points[elements], 1, 0))
+            of_layer = layers[name].unit_vectors_along_layer(np.moveaxis(points[elements], 1, 0))
             directions[elements] = np.moveaxis(of_layer, 0, 1)
         return directions
 

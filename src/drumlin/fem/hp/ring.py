@@ -185,7 +185,7 @@ def divide_ring_into_hp_elements(
         if not covered:
             before, after = sizes[k - 1], sizes[(k + 1) % len(sizes)]
             pieces = element_sizes_growing_from_both_ends(
-                b - a, before, after, level.ratio, level.largest
+                b - a, before, after, level.column_size_ratio, level.largest_column
             )
         angles.append(interval_ends_from_interval_sizes(pieces, a, b)[1:])
         contact += [covered] * len(pieces)
@@ -193,7 +193,7 @@ def divide_ring_into_hp_elements(
     # The layers grow from the friction surface through the thickness.
     t = section.thickness
     layers = element_sizes_growing_from_both_ends(
-        t, min(level.back * t, singular_layer_size), t, level.through, t
+        t, min(level.interface_layer_size * t, singular_layer_size), t, level.layer_size_ratio, t
     )
     ends = origin + np.concatenate(angles)
     return RingDivision(
@@ -247,7 +247,7 @@ def _ends_of_ring_columns_under_lining(
         )
         # The length is rounded, so that equal linings have equal columns wherever they lie.
         pieces = element_sizes_growing_from_both_ends(
-            round(b - a, 12), left, right, level.ratio, level.largest
+            round(b - a, 12), left, right, level.column_size_ratio, level.largest_column
         )
         found.append(interval_ends_from_interval_sizes(pieces, a, b)[1:])
     return np.concatenate(found)
@@ -287,13 +287,13 @@ def condensed_ring_in_hp_elements(
     """
     # `reason_why_brake_is_not_modelled` refuses brakes without a section before, so that the
     # assertion holds.
-    ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
+    ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign_of_internal_shoe
     assert ring is not None and ring.section is not None
     ends = []
     for shoe, line in zip(brake.shoes, linings, strict=True):
         for phi in line.split_nodal_values_by_lining(line.phi):
             at_ends = phi[:: line.interpolation_degree_along_contact_line]
-            ends.append(np.sort(shoe.frame.theta(at_ends)))
+            ends.append(np.sort(shoe.frame.surface_coordinates_of_phi(at_ends)))
     widening = width_of_ring_columns_over_width_of_lining_columns(brake, ring.section)
     div = divide_ring_into_hp_elements(
         ring.section, radius, ends, level, singular_layer_size, widening
@@ -350,7 +350,7 @@ def _condense_ring_to_contact_nodes(
     layers = len(div.depths) - 1
     line = numbering_of_element_column_unknowns(
         div.degree, layers, contact=True, held=not free
-    ).line
+    ).number_of_side_unknowns
     n = 2 * len(div.contact_nodes)
     A = _assemble_stiffness_of_closed_ring(
         _ring_stiffness_under_and_between_linings(section, radius, sign, div, free=free),
@@ -467,7 +467,9 @@ def _stiffness_of_run(
     turns : (c,) angle from the middle of the first column to that of each column [rad]
     """
     held = loads is None
-    line = numbering_of_element_column_unknowns(p, len(K), contact=contact, held=held).line
+    line = numbering_of_element_column_unknowns(
+        p, len(K), contact=contact, held=held
+    ).number_of_side_unknowns
     made = condensed_arc_column_stiffness(K, p, contact=contact, held=held, loads=loads)
     if not held:
         # The unit loads on the rim have another direction in each column's own frame, so that no

@@ -168,7 +168,7 @@ def _function_from_depth_and_angle_to_beam_shoe_point(shoe: Shoe, radius: float)
     thickness = shoe.lining.thickness
     back, beam = radius + thickness, shoe.body.section.thickness
     s, e = shoe.arc
-    ends = axis.angle(shoe.frame.theta(np.array([s, e])))
+    ends = axis.angle(shoe.frame.surface_coordinates_of_phi(np.array([s, e])))
     start = float(np.min(ends))
 
     def beam_shoe_points_at_depth_and_angle(depth: Floats, phi: Floats) -> Floats:
@@ -180,8 +180,8 @@ def _function_from_depth_and_angle_to_beam_shoe_point(shoe: Shoe, radius: float)
         a = np.clip(phi, s, e) - s + start
         beyond = back * (np.minimum(phi - s, 0) + np.maximum(phi - e, 0))
         r = radius + thickness * np.minimum(depth, 1)
-        x = axis.foot + r * np.sin(a) + beyond
-        y = axis.distance - r * np.cos(a)
+        x = axis.x_of_perpendicular_foot + r * np.sin(a) + beyond
+        y = axis.distance_from_drum_centre - r * np.cos(a)
         in_block = y + np.minimum(depth - 1, 1) * (beam / 2 - y)
         y = np.where(depth > 1, in_block, y)
         in_beam = beam / 2 - (depth - 2) * beam
@@ -258,7 +258,9 @@ def _unit_vectors_along_shoe_layers(
     of the shoe ("lining", "shoe", ...) that each layer of elements belongs to.
     """
     points = np.moveaxis(gauss_points_of_elements(xy, p), 2, 1)  # (l, 2, c, q)
-    vectors = [layers[name].directions(own) for name, own in zip(part, points, strict=True)]
+    vectors = [
+        layers[name].unit_vectors_along_layer(own) for name, own in zip(part, points, strict=True)
+    ]
     return np.moveaxis(np.array(vectors), 1, 2)
 
 
@@ -314,7 +316,7 @@ def group_equal_element_columns_of_shoe(
     p = div.degree
     rows = [div.angles]
     if div.index_of_first_body_layer < div.number_of_element_layers:
-        rows += [div.before[::-1], div.after]
+        rows += [div.column_ends_before_lining[::-1], div.column_ends_behind_lining]
     if isinstance(shoe.body, Beam):
         along = np.concatenate([node_positions_in_each_element_of_row(ends, p) for ends in rows])
         return _ColumnKinds(along, None, np.arange(len(along)))
@@ -322,7 +324,7 @@ def group_equal_element_columns_of_shoe(
         np.concatenate([ends[1:] - ends[:-1] for ends in rows])
     )
     along = 0.5 * sizes[:, None] * gauss_lobatto_points(p)
-    A = angular_factors_of_column_stiffness(along, p, flat=shoe.flat, directed=directed)
+    A = angular_factors_of_column_stiffness(along, p, flat=shoe.is_on_plane, directed=directed)
     return _ColumnKinds(along, A, which)
 
 
@@ -364,7 +366,7 @@ def _condensed_hp_columns_of_shoe(
     # The columns inside a grip are fixed at their back, the edge farthest from the contact. All
     # other columns are free there.
     which = kinds.which
-    under, before = len(div.angles) - 1, len(div.before) - 1
+    under, before = len(div.angles) - 1, len(div.column_ends_before_lining) - 1
     ends = shoe.interval_of_body_back_held_by_support(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     body = div.index_of_first_body_layer
@@ -412,18 +414,20 @@ def _condensed_hp_columns_of_row(
         parts = _condensed_elements_of_straight_beam_shoe(whole, whole.kinds.along[kinds], layer)
         stiffness = condensed_element_column_stiffness(parts, unknowns)
     else:
-        radii = whole.radius - whole.shoe.sign * div.depths[layer:]
+        radii = whole.radius - whole.shoe.sign_of_internal_shoe * div.depths[layer:]
         parts = condensed_arc_element_stiffness(
             radii,
             whole.kinds.angular[:, kinds],
             whole.elasticity[layer:],
             div.degree,
-            whole.radius if whole.shoe.flat else None,
+            whole.radius if whole.shoe.is_on_plane else None,
         )
         stiffness = condensed_arc_column_stiffness(parts, div.degree, contact=contact, held=held)
     made = {}
     for kind, K in zip(kinds.tolist(), stiffness, strict=True):
-        made[kind] = ColumnSubstructure(K, unknowns.line, unknowns.line)
+        made[kind] = ColumnSubstructure(
+            K, unknowns.number_of_side_unknowns, unknowns.number_of_side_unknowns
+        )
     return [made[kind] for kind in row.tolist()]
 
 
@@ -468,7 +472,7 @@ def angles_of_displacement_axes(shoe: Shoe, phi: Floats) -> Floats:
     """
     if isinstance(shoe.body, Beam):
         return np.zeros_like(phi)
-    return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
+    return np.full_like(phi, -0.5 * np.pi) if shoe.is_on_plane else phi
 
 
 def rotation_angles_of_contact_nodes_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
@@ -623,7 +627,7 @@ def _hinge_face_modes_and_end_face_loads(
     """
     place = function_from_depth_and_angle_to_point(shoe, radius)
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
-    near, far = div.before[-1], div.after[-1]
+    near, far = div.column_ends_before_lining[-1], div.column_ends_behind_lining[-1]
     end = unit_actuation_loads_on_end_face(place(depths, far), depths, div.degree)
     return _EndFacesOfBody(
         rotate_axes_of_all_nodes_by_one_angle(

@@ -184,7 +184,7 @@ def _depths_and_angles_of_arc_mesh(
     body = (phi_1, phi_2)
     if isinstance(shoe.body, Bar):
         layers += [(name, plate.thickness) for name, plate in shoe.body.plates.items()]
-        ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
+        ends = shoe.frame.phi_of_surface_coordinates(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
         angles = _move_nearest_element_ends_to_angles(
             angles, shoe.interval_of_body_back_held_by_support(radius) or ()

@@ -66,9 +66,9 @@ def _reason_why_no_block_fits_behind_lining(
     # The lining's back is nearest to the beam at the foot of the beam's axis (the point of the axis
     # nearest to the drum's centre). If the lining does not reach the foot, it is nearest at an end.
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
-    x = axis.foot + back * np.sin(ends)
+    x = axis.x_of_perpendicular_foot + back * np.sin(ends)
     nearest = back * (1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max()))
-    room = axis.distance - section.thickness / 2 - nearest
+    room = axis.distance_from_drum_centre - section.thickness / 2 - nearest
     if room <= 0:
         return (
             f"its beam reaches {text_in_mm(-room)} into the lining; there is no room for the block"
@@ -97,10 +97,12 @@ def relative_depth_in_block_of_beam_shoe(shoe: Shoe, radius: float, points: Floa
     at = (
         shoe.frame.convert_vectors_from_shoe_to_brake_frame(np.moveaxis(points, 0, -1)) - axis.hinge
     )
-    x, y = at @ axis.along, at @ axis.towards
+    x, y = at @ axis.along, at @ axis.unit_normal_towards_drum_centre
     back = radius + shoe.lining.thickness
     beam_face = shoe.body.section.thickness / 2
-    lining_back = axis.distance - np.sqrt(back**2 - (x - axis.foot) ** 2)
+    lining_back = axis.distance_from_drum_centre - np.sqrt(
+        back**2 - (x - axis.x_of_perpendicular_foot) ** 2
+    )
     return np.asarray((lining_back - y) / (lining_back - beam_face))
 
 
@@ -132,7 +134,7 @@ class _BeamShape(NamedTuple):
     @property
     def distance_of_beam_face_from_centre(self) -> float:
         """Distance of the beam's face from the drum's centre [m]."""
-        return self.axis.distance - self.beam / 2
+        return self.axis.distance_from_drum_centre - self.beam / 2
 
     def beam_shoe_points_in_brake_frame(self, depth: Floats, s: Floats) -> Floats:
         """The points in the brake's frame [m] at given depths and positions s along the shoe.
@@ -143,11 +145,11 @@ class _BeamShape(NamedTuple):
         """
         r = self.radius + self.thickness * np.minimum(depth, 1)
         # In the axes of the beam, x runs along the beam and y towards the drum's centre.
-        in_lining = self.axis.foot + r * np.sin(s)
+        in_lining = self.axis.x_of_perpendicular_foot + r * np.sin(s)
         x = np.where(depth < 1, in_lining, self._distances_along_beam(s))
-        y = self.axis.distance - r * np.cos(s)
+        y = self.axis.distance_from_drum_centre - r * np.cos(s)
         # The block leads from the lining's back straight to the beam's face.
-        beam_face = self.axis.distance - self.distance_of_beam_face_from_centre
+        beam_face = self.axis.distance_from_drum_centre - self.distance_of_beam_face_from_centre
         in_block = y + np.minimum(depth - 1, 1) * (beam_face - y)
         y = np.where(depth > 1, in_block, y)
         in_beam = beam_face - (depth - 2) * self.beam
@@ -160,7 +162,7 @@ class _BeamShape(NamedTuple):
         See `beam_shoe_points_in_brake_frame` for s.
         """
         start, end = self.start, self.end
-        inside = self.axis.foot + self.back * np.sin(np.clip(s, start, end))
+        inside = self.axis.x_of_perpendicular_foot + self.back * np.sin(np.clip(s, start, end))
         beyond = np.minimum(s - start, 0) + np.maximum(s - end, 0)
         return np.asarray(inside + self.back * beyond)
 
@@ -186,7 +188,7 @@ def mesh_of_straight_beam_shoe(
     # `reason_why_beam_shoe_cannot_be_meshed` has refused beams without a section before this call.
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
-    angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
+    angles = np.sort(axis.angle(shoe.frame.surface_coordinates_of_phi(division.angles)))
     form = _geometry_of_straight_beam_shoe(shoe, shoe.body.section, axis, radius, angles)
     linear = shape in {skfem.MeshQuad1, skfem.MeshTri1}
     grid = _element_grid_of_beam_shoe(form, division, angles, linear=linear)
@@ -231,7 +233,7 @@ def _geometry_of_straight_beam_shoe(
     thickness = shoe.lining.thickness
     back = radius + thickness
     # Here `foot` has the distances from the hinge along the beam at both ends of the lining's back.
-    foot = axis.foot + back * np.sin(np.array([start, end]))
+    foot = axis.x_of_perpendicular_foot + back * np.sin(np.array([start, end]))
     low = start - foot[0] / back
     high = end + (axis.length - foot[1]) / back
     return _BeamShape(axis, radius, thickness, section.thickness, back, start, end, low, high)

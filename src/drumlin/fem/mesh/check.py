@@ -206,7 +206,7 @@ def _check_nodes_are_near_and_distinct(mesh: Any, shoe: Shoe, radius: float, fau
     if size > LARGEST_REACH * radius:
         where = (
             f"on a plane, its lining {text_in_mm(radius)} long"
-            if shoe.flat
+            if shoe.is_on_plane
             else f"in a drum of radius {text_in_mm(radius)}"
         )
         raise BadInput(
@@ -325,10 +325,10 @@ def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
     basis = nodal_basis_of_mesh(mesh)
     line = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
-    off, word = shoe.distances_from_friction_surface(line, radius), shoe.surface.word
+    off, word = shoe.distances_from_friction_surface(line, radius), shoe.surface.name
     most, deep = float(np.abs(off).max()), -float(off.min())
     if most > CONTACT_OFFSET * radius:
-        surface = "plane" if shoe.flat else f"drum's radius {text_in_mm(radius)}"
+        surface = "plane" if shoe.is_on_plane else f"drum's radius {text_in_mm(radius)}"
         raise BadInput(
             f"{fault}: the group contact lies up to {text_in_mm(most)} off the {surface}; "
             f"must be within {text_in_mm(CONTACT_OFFSET * radius)} of it "
@@ -397,13 +397,15 @@ def _check_contact_covers_lining(
     found = (float(phi.min()), float(phi.max())) if len(phi) else (arc[0], arc[0])
     if max(abs(a - b) for a, b in zip(found, arc, strict=True)) <= LARGEST_ARC_DIFFERENCE:
         return
-    text, frame = shoe.surface.place, shoe.frame
-    theta, wanted = (sorted(frame.theta(np.array(ends)).tolist()) for ends in (found, arc))
+    text, frame = shoe.surface.coordinate_as_text, shoe.frame
+    theta, wanted = (
+        sorted(frame.surface_coordinates_of_phi(np.array(ends)).tolist()) for ends in (found, arc)
+    )
     raise BadInput(
         f"{fault}: the group contact runs from {text(theta[0])} to {text(theta[1])}; "
-        f"must be the lining's {'length' if shoe.flat else 'arc'}, "
+        f"must be the lining's {'length' if shoe.is_on_plane else 'arc'}, "
         f"{text(wanted[0])} to {text(wanted[1])}, "
-        f"within {text(frame.unit * LARGEST_ARC_DIFFERENCE)} "
+        f"within {text(frame.surface_coordinate_per_phi * LARGEST_ARC_DIFFERENCE)} "
         f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
     )
 

@@ -176,7 +176,11 @@ def _contact_nodes_in_order_of_angle(
     normal = np.abs(_unit_normals_away_from_drum(xy, shoe))
     # On a drum the rounding errors of x and y both count: turning the coordinates into the shoe's
     # frame mixes them. On a plane only the coordinate square to the plane counts.
-    slack = np.hypot(*rounding[:, nodes]) if not shoe.flat else (normal * rounding[:, nodes]).sum(0)
+    slack = (
+        np.hypot(*rounding[:, nodes])
+        if not shoe.is_on_plane
+        else (normal * rounding[:, nodes]).sum(0)
+    )
     return _ContactNodes(
         nodes=nodes,
         middle=(np.arange(len(nodes)) >= len(corners))[order],
@@ -188,9 +192,9 @@ def _contact_nodes_in_order_of_angle(
 
 def _unit_normals_away_from_drum(xy: Floats, shoe: Shoe) -> Floats:
     """The unit vectors (2, n) at points (2, n) that point away from the drum or the plane."""
-    if shoe.flat:
+    if shoe.is_on_plane:
         return np.array([np.zeros(xy.shape[1]), np.ones(xy.shape[1])])
-    return -shoe.sign * xy / np.hypot(*xy)
+    return -shoe.sign_of_internal_shoe * xy / np.hypot(*xy)
 
 
 def _which_nodes_are_middles_of_straight_edges(
@@ -203,7 +207,7 @@ def _which_nodes_are_middles_of_straight_edges(
     """
     found = np.zeros(len(line.nodes), dtype=bool)
     at = np.flatnonzero(line.middle)
-    if shoe.flat or not len(at) or at[0] == 0 or at[-1] == len(found) - 1:
+    if shoe.is_on_plane or not len(at) or at[0] == 0 or at[-1] == len(found) - 1:
         return found
     xy = mesh.doflocs[:, line.nodes]
     height = _heights_of_arcs_over_edges(mesh, line, at, radius)
@@ -238,7 +242,7 @@ def _largest_offsets_on_edges_that_may_be_straight(
     """
     largest = np.zeros(len(line.nodes))
     at = np.flatnonzero(line.middle)
-    if shoe.flat or not len(at) or at[0] == 0 or at[-1] == len(line.nodes) - 1:
+    if shoe.is_on_plane or not len(at) or at[0] == 0 or at[-1] == len(line.nodes) - 1:
         return largest
     height = _heights_of_arcs_over_edges(mesh, line, at, radius)
     unseen = (height <= 2 * line.slack[at]) & (line.slack[at] > COORDINATE_ROUND_OFF * radius)
@@ -263,7 +267,7 @@ def _contact_offsets_without_rounding(
     # On a plane, rounding moves all nodes by whole multiples of the last digit. This is no random
     # scatter, so that these nodes are not moved onto a smooth line.
     smooth = ~np.isnan(shape) & (np.abs(shape - off) <= slack)
-    if not shoe.flat:
+    if not shoe.is_on_plane:
         found[smooth] = shape[smooth]
     return found
 

@@ -292,7 +292,11 @@ def nodal_basis_of_shoe_mesh(mesh: Any, degree: int, shoe: Shoe, radius: float) 
     """
     basis = nodal_basis_of_mesh(mesh, degree)
     # On a plane the sides of the mesh have the right shape already.
-    return basis if shoe.flat else _basis_with_contact_nodes_at_mesh_offsets(basis, shoe, radius)
+    return (
+        basis
+        if shoe.is_on_plane
+        else _basis_with_contact_nodes_at_mesh_offsets(basis, shoe, radius)
+    )
 
 
 def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
@@ -357,7 +361,7 @@ def _basis_with_contact_nodes_at_mesh_offsets(
     at = gauss_lobatto_points(basis.elem.degree)
     target = lagrange_shape_function_values(len(given) - 1, at).T @ given
     xy = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
-    outward = -shoe.sign * xy / np.hypot(*xy)
+    outward = -shoe.sign_of_internal_shoe * xy / np.hypot(*xy)
     moves = (target - shoe.distances_from_friction_surface(xy, radius)) * outward
     return basis.basis_with_moved_nodes(
         node_displacements_that_follow_moved_sides(basis, facets, moves)

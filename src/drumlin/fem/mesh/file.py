@@ -189,7 +189,7 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     points = points * unit
     if shoe.mesh_frame == "brake":
         points = shoe.convert_points_to_shoe_frame(points)
-    plane = convert_plane_cells_to_one_kind(content, points, fault, on_drum=not shoe.flat)
+    plane = convert_plane_cells_to_one_kind(content, points, fault, on_drum=not shoe.is_on_plane)
     # Nodes that were added lie between other nodes and have no rounding of their own. A middle
     # node that was added on a third-order side has the rounding errors of the side's nodes.
     slack = np.zeros((len(plane.points), 2))
@@ -207,7 +207,7 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     contact = move_contact_nodes_onto_drum_or_plane(mesh, nodal.doflocs, shoe, radius)
     if contact.mesh is not mesh:
         check_mesh_and_drop_unneeded_groups(
-            contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.word}"
+            contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.name}"
         )
     off = contact_offsets_in_order_of_angle(contact.mesh, shoe, radius)
     return ShoeMesh(contact.mesh, contact, mesh, off, content.notes + plane.notes)

@@ -106,7 +106,7 @@ def notes_on_mesh_file(shoe: Shoe, made: ShoeMesh, response: ShoeResponse) -> It
     if compression <= 0:
         return
     # Nodes that were moved farther than a small part of the compression are reported.
-    contact, surface = made.contact, shoe.surface.word
+    contact, surface = made.contact, shoe.surface.name
     moves = (
         (contact.rounded, contact.rounded_by, "nodes", "the rounding of the file's coordinates"),
         (contact.straight, contact.straight_by, "middle nodes", "sides that are straight"),

@@ -170,8 +170,8 @@ def couple_shoe_with_drum_or_plane(line: ContactLine, shoe: Shoe) -> Coupling:
     """The `Coupling` matrices between a shoe's contact line and the drum or the plane."""
     directions = (
         plane_normals_and_tangents
-        if shoe.flat
-        else function_that_returns_drum_normals_and_tangents(shoe.sign)
+        if shoe.is_on_plane
+        else function_that_returns_drum_normals_and_tangents(shoe.sign_of_internal_shoe)
     )
     return line.couple_lining_with_drum_or_plane(shoe.lining.width, directions)
 

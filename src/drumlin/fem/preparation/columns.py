@@ -199,7 +199,7 @@ def _refinement_level_for_loads_on_body(shoe: Shoe, radius: float, level: Level)
         for layer in shoe_layers_with_their_thickness(shoe, radius)
         if layer.part in BODY_PARTS
     )
-    return replace(level, largest=min(level.largest, body / radius))
+    return replace(level, largest_column=min(level.largest_column, body / radius))
 
 
 def _cached_or_newly_condensed_body(
@@ -274,7 +274,7 @@ def _hp_element_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other:
     """
     shoe = rule.shoe
     turn = other.arc[0] - shoe.arc[0]
-    points = [point._replace(at=point.at + turn) for point in rule.points]
+    points = [point._replace(position=point.position + turn) for point in rule.points]
     division = divide_shoe_into_hp_elements(
         other, radius, rule.level, points, grades_loaded_end=rule.tip, exponents=rule.powers
     )

@@ -295,7 +295,7 @@ def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: fl
     friction surface, and `radius` is the radius of the drum [m].
     """
     middle = sum(shoe.arc) / 2
-    unit = radius if shoe.flat else None
+    unit = radius if shoe.is_on_plane else None
     line = make_contact_line_of_lining(
         basis, facets, middle, unit, angle_of_edge_zone_left_out_of_peak_search(shoe, radius)
     )
@@ -423,14 +423,14 @@ def _largest_allowed_sides_at_singular_points(
     assert level is not None
     thickness = shoe.lining.thickness / radius
     corners = singular_corners_of_mesh(mesh)
-    angles, sides = [], [level.edge * shoe.lining.thickness] * len(corners)
+    angles, sides = [], [level.lining_end_column_size * shoe.lining.thickness] * len(corners)
     for point in itertools.chain.from_iterable(raised.points):
-        distance = min(point.at - start, end - point.at)
+        distance = min(point.position - start, end - point.position)
         graded = grading_point_at_singular_point(point, level, thickness, distance)
-        angles.append(graded.at)
-        sides.append(max(graded.size, SMALLEST_COLUMN * thickness) * radius)
+        angles.append(graded.position)
+        sides.append(max(graded.column_size, SMALLEST_COLUMN * thickness) * radius)
     phi = np.array(angles)
-    circle = [phi, 0 * phi] if shoe.flat else [np.cos(phi), np.sin(phi)]
+    circle = [phi, 0 * phi] if shoe.is_on_plane else [np.cos(phi), np.sin(phi)]
     on_surface = radius * np.array(circle)
     return FinestSides(np.hstack([mesh.p[:, corners], on_surface]), np.array(sides))
 

@@ -337,7 +337,7 @@ def _isotropic_stiffness_of_elements(
     """
     lame = np.zeros((2, basis.mesh.nelements))
     for name, members in basis.mesh.subdomains.items():
-        matrix = layers[name].stiffness
+        matrix = layers[name].elasticity_times_width
         lame[:, members] = np.array([matrix[0, 1], matrix[-1, -1]])[:, None]
     straight = np.zeros(0, dtype=np.int64)
     if hasattr(basis, "numbers_of_straight_triangles") and not precise:
@@ -492,7 +492,7 @@ def _orthotropic_part_of_element_stiffness(
     points : (2, e, q) quadrature points [m]
     """
     a, d, elements, _ = gradients.shape
-    along = layer.directions(points)
+    along = layer.unit_vectors_along_layer(points)
 
     def integrals_of_products_of_strains_in_direction(direction: Any) -> Any:
         """The integrals (e, d a, d a) over e elements of products of two normal strains.
@@ -504,7 +504,9 @@ def _orthotropic_part_of_element_stiffness(
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
 
-    _, _, by_along, by_through = isotropic_and_orthotropic_elastic_constants(layer.stiffness)
+    _, _, by_along, by_through = isotropic_and_orthotropic_elastic_constants(
+        layer.elasticity_times_width
+    )
     added = by_along * integrals_of_products_of_strains_in_direction(
         along
     ) + by_through * integrals_of_products_of_strains_in_direction(

@@ -31,7 +31,7 @@ def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     around: Floats | None = None
     behind: Floats | None = None
-    if shoe.flat:
+    if shoe.is_on_plane:
         around = behind = np.array([1.0, 0.0])
     elif isinstance(body, Beam):
         behind = shoe.frame.convert_vectors_to_shoe_frame(
@@ -71,7 +71,7 @@ def elasticity_times_width_of_layers(
     layers: Mapping[str, ElasticLayer], part: Sequence[str]
 ) -> Floats:
     """Elasticity matrices times width (l, 3, 3) [N/m] of the l layers whose names are `part`."""
-    return np.array([layers[name].stiffness for name in part])
+    return np.array([layers[name].elasticity_times_width for name in part])
 
 
 def unit_vectors_through_thickness_of_layers(along: Any) -> Any:

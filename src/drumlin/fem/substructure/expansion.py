@@ -40,10 +40,10 @@ def stress_times_width_of_free_strain(
     The result is (2, 2, ...) at points (2, ...) [m]. `strain` (2, ...) are the free strains along
     and through the layer at these points.
     """
-    along = layer.directions(points)
+    along = layer.unit_vectors_along_layer(points)
     through = unit_vectors_through_thickness_of_layers(along)
     free_strain = strain[0] * along[:, None] * along + strain[1] * through[:, None] * through
-    return stresses_from_displacement_gradients(free_strain, layer.stiffness, along)
+    return stresses_from_displacement_gradients(free_strain, layer.elasticity_times_width, along)
 
 
 def nodal_forces_of_thermal_expansion(

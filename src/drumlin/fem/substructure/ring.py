@@ -154,7 +154,9 @@ def mesh_of_drum_ring(ring: Section, radius: float, shoes: tuple[Shoe, ...], ele
         ring.thickness / 2,
         EDGE_SIZE,
     )
-    return quadratic_mesh_of_closed_ring(angles, depths, radius, shoes[0].sign, "drum")
+    return quadratic_mesh_of_closed_ring(
+        angles, depths, radius, shoes[0].sign_of_internal_shoe, "drum"
+    )
 
 
 def _angles_where_ring_elements_meet(
@@ -256,7 +258,7 @@ def condense_meshed_drum_ring_to_contact_nodes(
     K = stiffness_of_drum_ring_without_supports(basis, ring)
     arcs = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
-        angles = shoe.frame.theta(lining.phi)
+        angles = shoe.frame.surface_coordinates_of_phi(lining.phi)
         arcs.append((float(angles.min()), float(angles.max())))
     # Only nodes under the linings are contact nodes; all other nodes of the surface are eliminated.
     under = _ring_facets_under_arcs(mesh, arcs)
@@ -387,7 +389,10 @@ def _coupling_matrices_of_all_linings_and_ring(
         )
         edges = [linings[i].pieces.shape[1] for i in members]
         N, T = coupling_matrices_of_lining_and_ring(
-            joined, ring, np.repeat([shoes[i].lining.width for i in members], edges), shoes[0].sign
+            joined,
+            ring,
+            np.repeat([shoes[i].lining.width for i in members], edges),
+            shoes[0].sign_of_internal_shoe,
         )
         ends = np.cumsum([len(linings[i].nodes) for i in members])[:-1]
         parts = zip(np.split(N, ends), np.split(T, ends), strict=True)

@@ -655,9 +655,14 @@ def _write_contact_stiffness_of_mirrored_columns(
     # `place` has the number of the symmetric (or antisymmetric) unknown to which each displacement
     # of the contact nodes belongs. At each node and function of z the displacements x and y follow
     # one another.
-    place = functions.place.reshape(-1, 1, 2) * count + np.arange(count)[:, None]
+    place = (
+        functions.symmetric_unknown_numbers.reshape(-1, 1, 2) * count + np.arange(count)[:, None]
+    )
     place = line + place.ravel()
-    signs = [np.repeat(sign.reshape(-1, 1, 2), count, axis=1).ravel() for sign in functions.sign]
+    signs = [
+        np.repeat(sign.reshape(-1, 1, 2), count, axis=1).ravel()
+        for sign in functions.signs_in_symmetric_unknowns
+    ]
     middle = slice(line, line + len(place))
     by_contact = [
         half.take(place, axis=1) * sign[:, None] for half, sign in zip(halves, signs, strict=True)

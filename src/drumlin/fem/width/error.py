@@ -44,7 +44,11 @@ from drumlin.response.response import (
 )
 
 WIDTH_LEVEL = replace(
-    LEVEL_RULE.refinement_level_with_number(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0
+    LEVEL_RULE.refinement_level_with_number(0),
+    face_layer_size=1.0,
+    lining_end_column_size=1.0,
+    interface_layer_size=1.0,
+    hinge_column_size=1.0,
 )
 """Coarse level of hp elements on which the error of plane stress is estimated.
 
@@ -213,7 +217,10 @@ def relative_distance_of_plane_stress_from_width_solution(
     wide : the answer with widths; the distances are relative to its values
     """
     pairs = zip(plane.shoes, wide.shoes, strict=True)
-    shoes = [relative_distances_of_shoe_responses(brake.unit, *pair) for pair in pairs]
+    shoes = [
+        relative_distances_of_shoe_responses(brake.surface_coordinate_per_phi, *pair)
+        for pair in pairs
+    ]
     for shoe, answer in zip(shoes, plane.shoes, strict=True):
         if not all(map(math.isfinite, shoe.values())):
             name = answer.name

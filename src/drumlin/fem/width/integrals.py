@@ -173,7 +173,10 @@ def angular_factors_of_section_integrals(
 
     # In displacements of one symmetry, both nodes of a mirrored pair belong to one unknown. The
     # values due to the two nodes are combined to the value due to this unknown.
-    fold, across = functions.fold[symmetry], symmetry_matrix_of_forces_along_z(p, symmetry)
+    fold, across = (
+        functions.matrices_to_symmetric_forces[symmetry],
+        symmetry_matrix_of_forces_along_z(p, symmetry),
+    )
     A, B = len(fold), len(across)
     strain = (fold @ strain.reshape(count, 2, 2 * n, -1)).reshape(count, 2 * A, 3, -1)
     moved = (fold @ moved.reshape(count, 2 * n, -1)).reshape(count, A, -1)

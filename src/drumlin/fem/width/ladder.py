@@ -418,7 +418,7 @@ def _solved_level_with_errors_and_notes(
     """
     response = solved.response
     warnings = [f"warning: {warning}"] if warning else []
-    unknowns = max(body.unknowns for body in solved.scene.bodies)
+    unknowns = max(body.unknowns for body in solved.prepared_model.bodies)
     how = (
         f"degree {degree} across the width on a section of degree {level.degree}, "
         f"with {unknowns} unknowns a shoe"
@@ -430,7 +430,7 @@ def _solved_level_with_errors_and_notes(
         error=Errors.brake_errors_from_torque_and_shoe_errors(found.torque, found.shoes).brake,
         notes=(*response.notes, *warnings, how),
     )
-    return SolvedLevel(solved.scene, stated)
+    return SolvedLevel(solved.prepared_model, stated)
 
 
 def refine_cross_section_mesh_until_tolerance_is_met(
@@ -482,7 +482,7 @@ def refine_cross_section_mesh_until_tolerance_is_met(
         for step in steps:
             climbed.append(step)
             yield step
-            unknowns = max(body.unknowns for body in step.scene.bodies)
+            unknowns = max(body.unknowns for body in step.prepared_model.bodies)
             is_large = len(climbed) >= MOST_SECTION_LEVELS and unknowns > LARGEST_SECTION
             if levels and is_large and not must:
                 return
@@ -570,7 +570,7 @@ def hp_elements_to_compare_width_degrees(
     wide = solve_cross_section_mesh_with_width_degree(
         brake, LEVELS[0], WIDTH_DEGREE, plane, penalty=penalty, cache=cache
     )
-    return ComparedSection(wide.scene.divisions, {WIDTH_DEGREE: wide.response})
+    return ComparedSection(wide.prepared_model.divisions, {WIDTH_DEGREE: wide.response})
 
 
 def smallest_width_degree_within_tolerance(
@@ -667,7 +667,12 @@ def _relative_differences_from_better_response(
         peak = better.peak_pressure or shoe.peak_pressure or 1.0
         apart = abs(shoe.peak_pressure - better.peak_pressure) / peak
         shoes.append(
-            {**relative_distances_of_shoe_responses(brake.unit, shoe, better), "peak": apart}
+            {
+                **relative_distances_of_shoe_responses(
+                    brake.surface_coordinate_per_phi, shoe, better
+                ),
+                "peak": apart,
+            }
         )
     total = true.torque or response.torque or 1.0
     return SolidErrors(abs(response.torque - true.torque) / total, tuple(shoes))

@@ -175,11 +175,11 @@ def refinement_level_for_narrow_shoes(brake: Brake, level: Level) -> Level:
     the answer of plane stress: on the first level, 0.02 % of the double-shoe brake's torque would
     remain as a difference. With these layers the difference falls in proportion to the width.
     """
-    size = level.back
+    size = level.interface_layer_size
     for shoe in brake.shoes:
         half = max(half_widths_of_parts(shoe).values())
         size = min(size, half / shoe.lining.thickness)
-    return replace(level, back=size)
+    return replace(level, interface_layer_size=size)
 
 
 def prepare_model_with_widths_on_given_elements(
@@ -326,7 +326,9 @@ def number_of_displacement_unknowns_of_shoe(
     Displacements that are zero at supports are counted as well.
     """
     p, layers = division.degree, layers_with_width_functions(shoe, division, functions)
-    beyond = (len(division.before) + len(division.after) - 2) * p
+    beyond = (
+        len(division.column_ends_before_lining) + len(division.column_ends_behind_lining) - 2
+    ) * p
     # The columns beyond the ends of the lining have the layers of the body only.
     rows_of_nodes = [(0, division.contact_nodes), (division.index_of_first_body_layer, beyond)]
     count = 0

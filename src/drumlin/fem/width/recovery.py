@@ -239,7 +239,7 @@ class WidthUnknowns:
             div.index_of_first_body_layer,
             [self._element_columns_of_one_block(under, 0)],
         )
-        if beyond and len(div.before) > 1:
+        if beyond and len(div.column_ends_before_lining) > 1:
             # The nodes of this block go from the lining to the hinge, so that they are put into
             # reverse order.
             columns.insert(0, self._element_columns_of_one_block(beyond.pop(0)[:, ::-1], first))

@@ -238,8 +238,8 @@ def _function_that_makes_columns_and_kind_of_each_column(
     p = div.degree
     kinds_of_columns = group_equal_element_columns_of_shoe(shoe, div, directed=False)
     along = kinds_of_columns.along
-    plane = radius if shoe.flat else None
-    radii = radius - shoe.sign * div.depths
+    plane = radius if shoe.is_on_plane else None
+    radii = radius - shoe.sign_of_internal_shoe * div.depths
 
     def condense_columns_on_arc(
         kinds: Ints, first: int, stack: ColumnLayers
@@ -255,7 +255,7 @@ def _function_that_makes_columns_and_kind_of_each_column(
         parts: list[list[SectionIntegrals]] = []
         for symmetry in SYMMETRIES:
             angular = angular_factors_of_section_integrals(
-                along[kinds], p, symmetry, flat=shoe.flat
+                along[kinds], p, symmetry, flat=shoe.is_on_plane
             )
             parts.append(
                 [
@@ -329,7 +329,7 @@ def _condensed_element_columns_of_shoe(
         made = dict(zip(kinds.tolist(), columns, strict=True))
         return [made[kind] for kind in row.tolist()]
 
-    under, before = len(div.angles) - 1, len(div.before) - 1
+    under, before = len(div.angles) - 1, len(div.column_ends_before_lining) - 1
     # A grip on the back of a shoe holds the columns a to b - 1; without a grip a = b = 0.
     ends = shoe.interval_of_body_back_held_by_support(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
@@ -493,7 +493,7 @@ def _condense_hinged_shoe_with_width(
         shoe.pin_position_in_shoe_frame,
     )
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], p)
-    near, far = div.before[-1], div.after[-1]
+    near, far = div.column_ends_before_lining[-1], div.column_ends_behind_lining[-1]
     line = layers.unknowns_across_body_thickness(div)
     modes = rotate_axes_of_all_nodes_by_one_angle(
         rigid_body_displacements_of_nodes(place(depths, near), pin),

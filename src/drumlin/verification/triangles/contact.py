@@ -300,7 +300,7 @@ def _contact_matrices_of_shoe(
         pull[2 * np.arange(m) + c, np.arange(m)] -= one.normal[:, c]
     by_motion, tested = (
         displacements_in_rigid_body_motions(motions, one.xy.T).transpose(1, 0, 2).reshape(2 * m, -1)
-        for motions in (freedoms.motions, freedoms.tests)
+        for motions in (freedoms.motions, freedoms.test_modes)
     )
     return _ContactMatrices(
         A=-normal @ one.compliance @ pull,
@@ -434,5 +434,5 @@ def loaded_point_displacement_along_force(
     drum = forces_of_drum_on_lining_nodes(brake, shoe, one, found.force)
     elastic = float(one.loaded @ drum.ravel()) + one.elastic_actuation_work
     return elastic / shoe.actuation.force + float(
-        shoe.rigid_body_modes_of_support(sense).tip @ found.motions
+        shoe.rigid_body_modes_of_support(sense).actuation_point_travel @ found.motions
     )

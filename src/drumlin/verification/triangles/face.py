@@ -188,7 +188,7 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         body.K, nodes, np.repeat(_mask_of_fixed_nodes_of_shoe(body), 2), kept, loads
     )
     er = np.stack([np.cos(theta), np.sin(theta)], axis=1)
-    normal = shoe.sign * er
+    normal = shoe.sign_of_internal_shoe * er
     growth = (normal * compliance.loaded[:, 1].reshape(-1, 2)).sum(axis=1)
     return CondensedFace(
         theta=theta,

@@ -156,7 +156,7 @@ def triangle_stiffness_matrices(
     Unknown 2 i + c of a triangle is component c of the displacement of its node i.
     """
     values, slopes, weights = triangle_shape_functions_gradients_and_weights(degree)
-    matrices = np.array([layer.elastic.stiffness for layer in layers])
+    matrices = np.array([layer.elastic.elasticity_times_width for layer in layers])
     directed = which_elasticity_matrices_are_orthotropic(matrices)
     n = slopes.shape[0]
     found = np.empty((len(mesh.layer), 2 * n, 2 * n))
@@ -210,11 +210,11 @@ def _stiffness_matrices_of_orthotropic_triangles(
     points : (2, m, q) quadrature points [m]
     """
     m, n, _, q = G.shape
-    c, s = layer.directions(points)
+    c, s = layer.unit_vectors_along_layer(points)
     turn = np.array(
         [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
     )
-    D = np.einsum("ikmq,ij,jlmq->mqkl", turn, layer.stiffness, turn)
+    D = np.einsum("ikmq,ij,jlmq->mqkl", turn, layer.elasticity_times_width, turn)
     B = np.zeros((m, q, 3, n, 2))
     B[:, :, 0, :, 0] = B[:, :, 2, :, 1] = G[:, :, 0].transpose(0, 2, 1)
     B[:, :, 1, :, 1] = B[:, :, 2, :, 0] = G[:, :, 1].transpose(0, 2, 1)
@@ -248,8 +248,10 @@ def nodal_forces_of_heated_triangles(
         near, far = layer.free_strains[:, :, None, None].swapaxes(0, 1)
         strains = near + (far - near) * through
         strains = np.concatenate([strains, np.zeros_like(strains[:1])])
-        along, across, shear = np.einsum("ij,jmq->imq", layer.elastic.stiffness, strains)
-        c, s = layer.elastic.directions(points)
+        along, across, shear = np.einsum(
+            "ij,jmq->imq", layer.elastic.elasticity_times_width, strains
+        )
+        c, s = layer.elastic.unit_vectors_along_layer(points)
         # The stress is transformed from the directions of the layer into the components xx, yy and
         # xy.
         xx = c * c * along + s * s * across - 2 * c * s * shear

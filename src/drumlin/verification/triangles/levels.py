@@ -100,7 +100,7 @@ def indices_of_shoes_pressed_on_drum(brake: Brake) -> list[int]:
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 41)
         e = np.stack([np.cos(theta), np.sin(theta)], axis=1)
         arm = brake.size * e - shoe.pin.xy
-        closing = shoe.sign * (-arm[:, 1] * e[:, 0] + arm[:, 0] * e[:, 1])
+        closing = shoe.sign_of_internal_shoe * (-arm[:, 1] * e[:, 0] + arm[:, 0] * e[:, 1])
         if (closing * shoe.moment_of_all_loads_about_point(shoe.pin) > 0).any():
             found.append(i)
     return found

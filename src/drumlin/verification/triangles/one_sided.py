@@ -94,7 +94,7 @@ def equations_of_one_sided_support_openings(
         # The columns of `face.pushed` belong to the supports that push this shoe, in the order of
         # `own`.
         own = [
-            (j, side.push)
+            (j, side.unit_push)
             for j, support in enumerate(supports)
             for side in support.sides
             if side.shoe == i

@@ -131,7 +131,8 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
         grip = _angles_of_gripped_part_of_arc_shoe(shoe, R)
         if grip is None:
             held, loaded = sorted(
-                (body.start, body.end), key=lambda end: abs(float(shoe.frame.phi(np.array(end))))
+                (body.start, body.end),
+                key=lambda end: abs(float(shoe.frame.phi_of_surface_coordinates(np.array(end)))),
             )
         else:
             s += grip
@@ -200,7 +201,7 @@ def _angles_of_gripped_part_of_arc_shoe(shoe: Shoe, R: float) -> tuple[float, fl
     grip = shoe.interval_of_body_back_held_by_support(R)
     if grip is None:
         return None
-    first, last = sorted(shoe.frame.theta(np.array(grip)).tolist())
+    first, last = sorted(shoe.frame.surface_coordinates_of_phi(np.array(grip)).tolist())
     return first, last
 
 
@@ -219,7 +220,7 @@ def _function_from_coordinates_to_arc_shoe_points(
 
     def shoe_points_at_angles_and_layer_coordinates(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of the shoe at the angles s and the layer coordinates d."""
-        r = R - shoe.sign * np.interp(d, np.arange(len(depths)), depths)
+        r = R - shoe.sign_of_internal_shoe * np.interp(d, np.arange(len(depths)), depths)
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
     return shoe_points_at_angles_and_layer_coordinates
@@ -255,7 +256,11 @@ class _BeamShoeDimensions(NamedTuple):
     def smallest_block_thickness(self) -> float:
         """Smallest thickness [m] of the block between lining and beam."""
         nearest = min(math.cos(self.first), math.cos(self.last))
-        return self.axis.distance - self.distance_of_beam_face_from_axis - self.back * nearest
+        return (
+            self.axis.distance_from_drum_centre
+            - self.distance_of_beam_face_from_axis
+            - self.back * nearest
+        )
 
 
 def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
@@ -309,8 +314,8 @@ def _dimensions_of_beam_shoe(shoe: Shoe, R: float, section: Section) -> _BeamSho
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     first, last = np.sort(axis.angle(np.array([lining.start, lining.end]))).tolist()
     back = R + lining.thickness
-    low = first - (axis.foot + back * math.sin(first)) / back
-    high = last + (axis.length - axis.foot - back * math.sin(last)) / back
+    low = first - (axis.x_of_perpendicular_foot + back * math.sin(first)) / back
+    high = last + (axis.length - axis.x_of_perpendicular_foot - back * math.sin(last)) / back
     return _BeamShoeDimensions(
         axis, first, last, low, high, back, lining.thickness, section.thickness
     )
@@ -323,10 +328,10 @@ def _function_from_coordinates_to_beam_shoe_points(size: _BeamShoeDimensions, R:
     def beam_shoe_points_at_angles_and_layer_coordinates(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of lining (d < 1), block (d < 2) and beam, in the brake's frame."""
         inside = np.clip(s, size.first, size.last)
-        along = axis.foot + size.back * (np.sin(inside) + (s - inside))
+        along = axis.x_of_perpendicular_foot + size.back * (np.sin(inside) + (s - inside))
         r = R + size.lining * np.minimum(d, 1)
-        x = np.where(d < 1, axis.foot + r * np.sin(s), along)
-        y = axis.distance - r * np.cos(inside)
+        x = np.where(d < 1, axis.x_of_perpendicular_foot + r * np.sin(s), along)
+        y = axis.distance_from_drum_centre - r * np.cos(inside)
         y = y + np.clip(d - 1, 0, 1) * (size.distance_of_beam_face_from_axis - y)
         y = np.where(d >= 2, size.distance_of_beam_face_from_axis - (d - 2) * size.beam, y)
         return axis.convert_beam_coordinates_to_brake_points(x, y)

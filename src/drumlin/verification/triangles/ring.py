@@ -74,7 +74,9 @@ def mesh_drum_ring_and_refine_shoe_meshes_to_match(
     section = None if brake.ring is None else brake.ring.section
     if section is None:
         raise BadInput("its ring has no section to mesh")
-    if any(shoe.sign != brake.shoes[0].sign for shoe in brake.shoes):
+    if any(
+        shoe.sign_of_internal_shoe != brake.shoes[0].sign_of_internal_shoe for shoe in brake.shoes
+    ):
         raise BadInput("shoes inside and outside of one ring")
     linings = _positions_of_linings_on_one_turn_of_ring(brake, drafts)
     shape, mesh = _ring_outline_and_mesh_graded_to_linings(brake, section, drafts, linings, level)
@@ -167,7 +169,7 @@ def _ring_outline(brake: Brake, section: Section, ends: Floats) -> Outline:
     The layer begins and ends at the angles `ends` (2,) [rad], which are a whole turn apart: the
     ring is closed, and both angles are the same place.
     """
-    R, sign = brake.size, brake.shoes[0].sign
+    R, sign = brake.size, brake.shoes[0].sign_of_internal_shoe
 
     def ring_points_at_angles_and_relative_depths(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of the ring at the angles s and the fractions d of its thickness."""
