@@ -114,12 +114,15 @@ def test_beside_a_web_the_width_has_its_part_in_the_error():
     )
     # On one section the section's part of the error cancels.
     truth = solve_prepared_model(scene, brake, start=plane)
+    judged = []
     for width in errors_of_degrees_across_width(brake, plane, section, (2, 3)):
         true = relative_distance_of_plane_stress_from_width_solution(
             brake, width.solved.response, truth
         ).brake
         assert true["torque"] < width.error.torque
         assert true["pressure"] < width.error.largest_pressure_error < 6 * true["pressure"]
+        judged.append((width.degree, width.provisional))
+    assert judged == [(2, True), (2, False), (3, True), (3, False)]
 
 
 @pytest.mark.slow
@@ -347,6 +350,17 @@ def test_degrees_end_where_their_error_no_longer_falls():
     choice = cheapest_choice_within_tolerance(SECTIONS, widths, Tolerance(1e-2, 1e-2))
     assert used == [2, 3, 4, 5]
     assert choice.width.degree == 3
+
+
+def test_provisional_errors_may_end_the_degrees_but_do_not_count_as_a_fall():
+    widths = list(made_up_degrees([4e-2, 2e-2, 3e-2], used=[]))
+    provisional = widths[0]._replace(provisional=True)
+    for error, degree in ((1e-1, 3), (3e-3, 2)):
+        bound = provisional._replace(error=made_up_errors(error))
+        choice = cheapest_choice_within_tolerance(
+            SECTIONS, iter([bound, *widths]), Tolerance(1e-2, 1e-2)
+        )
+        assert choice.width.degree == degree
 
 
 def test_a_section_that_misses_the_tolerance_alone_ends_the_degrees():

@@ -281,12 +281,14 @@ class ComparedSection(NamedTuple):
 class WidthError(NamedTuple):
     """A degree across the width, the error due to this degree, and the solved model with it.
 
-    The model has the hp elements on which degrees are compared.
+    The model has the hp elements on which degrees are compared. A `provisional` error is an upper
+    bound that needs the next degree only; it is larger than the error that follows it.
     """
 
     degree: int
     error: SolidErrors
     solved: SolvedLevel
+    provisional: bool = False
 
     @property
     def unknowns(self) -> int:
@@ -463,6 +465,8 @@ def cheapest_choice_within_tolerance(
             is_small = section is sections[0] or choice.unknowns <= most_unknowns
             if is_small and choice.error.is_within_error_tolerance(tolerance):
                 return choice
+        if width.provisional:
+            continue
         falls = best is None or (
             width.error.largest_pressure_error < LEAST_FALL * best.error.largest_pressure_error
         )
@@ -722,7 +726,8 @@ def errors_of_degrees_across_width(
 ) -> Iterator[WidthError]:
     """Yield the errors due to degrees across the width, one degree after the other.
 
-    The errors end before a degree whose error needs an answer that the brake does not have.
+    If parts have several widths, a provisional error comes before the error of each degree. The
+    errors end before a degree whose error needs an answer that the brake does not have.
 
     Parameters
     ----------
@@ -751,20 +756,37 @@ def errors_of_degrees_across_width(
             known[degree] = SolvedLevel(scene, response)
         return known[degree]
 
+    several = has_shoe_with_parts_of_different_widths(brake)
     for degree in degrees:
         try:
+            solved = solve_with_degree_across_width(degree)
+            if several:
+                following = solve_with_degree_across_width(degree + 1).response
+                bound = largest_relative_differences(brake, solved.response, [following])
+                error = bound.errors_times_factors(error_factors_of_distance(degree, 1))
+                yield WidthError(degree, error, solved, provisional=True)
             ahead = range(degree + 1, degree + LOOKED_AHEAD + 1)
             further = [solve_with_degree_across_width(each).response for each in ahead]
-            solved = solve_with_degree_across_width(degree)
         except NoAnswer:
             # With a higher degree the brake may have too many contact nodes, or no equilibrium.
             if degree == degrees[0]:
                 raise
             return
         largest = largest_relative_differences(brake, solved.response, further)
-        falls = error_divided_by_distance_to_next_degrees(degree)
-        factors = ErrorFactors(falls * SOLID_FACTORS.pressure, falls * SOLID_FACTORS.force)
-        yield WidthError(degree, largest.errors_times_factors(factors), solved)
+        error = largest.errors_times_factors(error_factors_of_distance(degree, LOOKED_AHEAD))
+        yield WidthError(degree, error, solved)
+
+
+def error_factors_of_distance(degree: int, ahead: int) -> ErrorFactors:
+    """The stated errors of a degree across the width, divided by its distance from higher degrees.
+
+    The `ahead` next degrees are compared. The error by a single next degree has safety factors of
+    at least 1, as its distance may be small by accident.
+    """
+    ratio = error_divided_by_distance_to_next_degrees(degree, ahead)
+    least = 1.0 if ahead == 1 else 0.0
+    pressure, force = (max(each, least) for each in (SOLID_FACTORS.pressure, SOLID_FACTORS.force))
+    return ErrorFactors(ratio * pressure, ratio * force)
 
 
 def largest_relative_differences(
@@ -778,14 +800,14 @@ def largest_relative_differences(
     return SolidErrors(max(each.torque for each in moved), tuple(shoes))
 
 
-def error_divided_by_distance_to_next_degrees(degree: int) -> float:
+def error_divided_by_distance_to_next_degrees(degree: int, ahead: int = LOOKED_AHEAD) -> float:
     """The error of a degree across the width, divided by its distance from higher degrees.
 
-    The distance is the larger of the distances between the answer with `degree` and the answers
-    with the LOOKED_AHEAD next higher degrees. The error is assumed to fall as the degree to the
-    power -SLOWEST_FALL.
+    The distance is the largest of the distances between the answer with `degree` and the answers
+    with the `ahead` next higher degrees. The error is assumed to fall as the degree to the power
+    -SLOWEST_FALL.
     """
-    left = (degree / (degree + LOOKED_AHEAD)) ** SLOWEST_FALL
+    left = (degree / (degree + ahead)) ** SLOWEST_FALL
     return 1 / (1 - left)
 
 
