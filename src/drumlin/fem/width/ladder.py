@@ -10,14 +10,25 @@ due to the degree across the width.
   one width, the degree is 0, plane stress. Else the degree is SECTION_DEGREE, and the error is
   multiplied by the safety factors `section_pressure` and `section_force`. The error of a coarser
   level is the distance of its answer from the answer of the last level, plus the stated error of
-  the last answer. The coarsest level whose error is within the share is chosen.
-- The width's error may be as large as the rest of the tolerance. Degrees are compared on the same
-  hp elements: coarse ones, on which degrees cost little, or the first level of a solve if a shoe
-  has parts of several widths. There the distances of the answer with the degree q from the answers
-  with the degrees q + 1 and q + 2 are computed. The next degree alone would not show the error,
-  since the errors of even and of odd degrees fall at different rates. The larger distance is
-  extrapolated to an infinite degree. The smallest degree whose error is within the rest of the
-  tolerance is chosen.
+  the last answer.
+- For the width's error degrees are compared on the same hp elements: coarse ones, on which degrees
+  cost little, or the first level of a solve if a shoe has parts of several widths. There the
+  distances of the answer with the degree q from the answers with the degrees q + 1 and q + 2 are
+  computed. The next degree alone would not show the error, since the errors of even and of odd
+  degrees fall at different rates. The larger distance is extrapolated to an infinite degree.
+
+The degrees are tried from low to high, and for each degree all solved levels from coarse to fine,
+until the sum of both errors meets the tolerance. A coarse level with an error above SECTION_SHARE
+of the tolerance can thus go with a degree whose error is small, and the answer that was compared is
+often the answer that is returned. Higher degrees are not tried once the error of p no longer falls,
+or if the elements alone miss the tolerance.
+
+If parts have several widths, the half width has several pieces, and every degree adds functions of
+all displacements on all pieces but the first one. The distance from the degree q + 1, extrapolated
+to an infinite degree, is then an upper bound of the error with safety factors of at least 1. Where
+the bound meets the tolerance, the answer with the degree q + 2 is not needed. This answer takes
+half of the time of a T-section to 1 %. The bound is 1.2 times the true error of p of degree 2, or
+more, on all of ten random brakes on which this was judged ("free" 1000 has the smallest ratio).
 
 The width's error e falls as a power of the degree where a side of the shoe is free or a part
 overhangs another part. From e(q) = C q^-k follows e(q) = d / (1 - (q/(q + 2))^k) with the distance
@@ -36,6 +47,18 @@ divided anew with small elements at the ends of the contact of the model with wi
 ends no longer move. On one random brake ("free" 2000 of `drumlin_studies.solid_error`) the
 pressures of the first two levels differ by 0.23 %. They differ by 3.7 % if the small elements lie
 at the ends of the contact in plane stress.
+
+Far beside a web the contact may reach farther along the arc than under the web, with hardly any
+pressure. So there are small elements at the ends of the contact in the mid-plane, too. On "built"
+3104, with an overhang of 9.8 lining thicknesses, the pressures of the first two levels then differ
+by 0.4 % with the degrees 1, 2 and 3. Without these elements they differ by 1.6, 4.9 and 4.3 %.
+
+Some brakes do not reach 1 %. Their lining lifts off beside the web along a curve that crosses the
+elements of the face. Between any two degrees, and between any two levels, p then differs by 0.3 to
+0.5 % ("built" 510004 and "free" 510017), spread over the whole contact. The difference does not
+become smaller with columns of at most a twelfth of the contact. It becomes smaller with more pieces
+across the overhang: with degree 3 on quarters of the overhang the error of p is 0.24 %, and 0.61 %
+with the break of `functions.BESIDE_WEB`, but such a shoe has 1.6 times the unknowns.
 """
 
 import math
