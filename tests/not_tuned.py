@@ -90,6 +90,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_SECTION_LEVELS": "bound of the work of one solve; the errors that remain are stated",
         "LARGEST_SECTION": "bound of the work of one solve; the errors that remain are stated",
         "LARGEST_SOLID": MEMORY,
+        "LARGEST_FIRST_PIECE": "half: most of a lining has all functions of each degree",
         "NEXT_DEGREE_FACTORS": "covers the brakes of an experiment that takes too long for a test",
         "LEAST_FALL": "bound of the work of one solve; the errors that remain are stated",
         "MOST_DEGREE": "bound of the work of one solve; the errors that remain are stated",
