@@ -250,12 +250,12 @@ def _do_singular_points_repeat_earlier_pass(
 ) -> bool:
     """Whether the singular points agree with the points of an earlier pass on the level."""
     return any(
-        not _has_any_lining_new_singular_points(brake, earlier, points)
+        not has_any_lining_new_singular_points(brake, earlier, points)
         for earlier in points_of_passes
     )
 
 
-def _has_any_lining_new_singular_points(
+def has_any_lining_new_singular_points(
     brake: Brake, before: PointsByShape, now: PointsByShape
 ) -> bool:
     """Whether the pressure has singular points where the elements on which it was solved are large.

@@ -15,6 +15,7 @@ these nodes it would open more of them.
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +29,10 @@ from drumlin.fem.hp.corner import logarithmic_pressures_at_pointed_gap_kinks
 from drumlin.fem.hp.division import SMALLEST_COLUMN, UNRESOLVED_LENGTH, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import indices_of_first_shoes_of_equal_shape as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.response.resultants import polynomial_values_at_gauss_points
+from drumlin.response.resultants import (
+    contact_arcs_from_nodal_pressures,
+    polynomial_values_at_gauss_points,
+)
 
 NEGLIGIBLE_KINKS = 0.1
 """Error of the pressure p that all neglected kinks of a gap together may cause.
@@ -123,7 +127,7 @@ def _singular_points_of_lining(
     points += _singular_points_at_kinks_of_gap(shoe, answer, arcs, scale_factor, level_error)
     # The ends of each contact arc are singular points. Their angles are rounded, and moved into the
     # lining if rounding has put them outside.
-    for arc_start, arc_end in arcs:
+    for arc_start, arc_end in [*arcs, *_contact_arcs_in_mid_plane(shoe, answer)]:
         start, end = _ends_of_lining_with_contact(shoe, arc_start, arc_end)
         length = arc_end - arc_start
         first = min(max(_rounded_angle_of_contact_end(arc_start, length), start), end)
@@ -134,6 +138,20 @@ def _singular_points_of_lining(
         at = _rounded_angle_of_contact_end(opening.phi, opening.width)
         points.append(SingularPoint(at, opening.width, Singularity.END))
     return points
+
+
+def _contact_arcs_in_mid_plane(shoe: Shoe, answer: ShoeResponse) -> list[list[float]]:
+    """The start and end phi [rad] of each contact in the mid-plane of a shoe with a width.
+
+    Where a lining overhangs its web, the contact beside the web may reach farther along the arc
+    than the contact under the web, with far smaller pressures. The list is empty for a response
+    without pressures over the width.
+    """
+    if answer.surface is None:
+        return []
+    middle = answer.surface.pressure[:, len(answer.surface.z) // 2]
+    arcs = contact_arcs_from_nodal_pressures(answer.theta, middle, answer.order)
+    return contact_arcs_merged_over_narrow_gaps(shoe, replace(answer, contact_arcs=arcs))
 
 
 def _ends_of_lining_with_contact(shoe: Shoe, first: float, last: float) -> tuple[float, float]:

@@ -10,14 +10,22 @@ due to the degree across the width.
   one width, the degree is 0, plane stress. Else the degree is SECTION_DEGREE, and the error is
   multiplied by the safety factors `section_pressure` and `section_force`. The error of a coarser
   level is the distance of its answer from the answer of the last level, plus the stated error of
-  the last answer. The coarsest level whose error is within the share is chosen.
-- The width's error may be as large as the rest of the tolerance. Degrees are compared on the same
-  hp elements: coarse ones, on which degrees cost little, or the first level of a solve if a shoe
-  has parts of several widths. There the distances of the answer with the degree q from the answers
-  with the degrees q + 1 and q + 2 are computed. The next degree alone would not show the error,
-  since the errors of even and of odd degrees fall at different rates. The larger distance is
-  extrapolated to an infinite degree. The smallest degree whose error is within the rest of the
-  tolerance is chosen.
+  the last answer.
+- For the width's error degrees are compared on the same hp elements: coarse ones, on which degrees
+  cost little, or the first level of a solve if a shoe has parts of several widths. There the
+  distances of the answer with the degree q from the answers with the degrees q + 1 and q + 2 are
+  computed. The next degree alone would not show the error, since the errors of even and of odd
+  degrees fall at different rates. The larger distance is extrapolated to an infinite degree.
+
+The degrees are tried from low to high, and for each degree all solved levels from coarse to fine,
+until the sum of both errors meets the tolerance. A coarse level with an error above SECTION_SHARE
+of the tolerance can thus go with a degree whose error is small, and the answer that was compared is
+often the answer that is returned. Higher degrees are not tried once the error of p no longer falls,
+or if the elements alone miss the tolerance.
+
+Where most of a lining overhangs its web, the distance of the lowest degree from the next one alone,
+extrapolated to an infinite degree, gives a provisional error with the safety factors
+NEXT_DEGREE_FACTORS. Where this error meets the tolerance, the second higher degree is not needed.
 
 The width's error e falls as a power of the degree where a side of the shoe is free or a part
 overhangs another part. From e(q) = C q^-k follows e(q) = d / (1 - (q/(q + 2))^k) with the distance
@@ -36,8 +44,21 @@ divided anew with small elements at the ends of the contact of the model with wi
 ends no longer move. On one random brake ("free" 2000 of `drumlin_studies.solid_error`) the
 pressures of the first two levels differ by 0.23 %. They differ by 3.7 % if the small elements lie
 at the ends of the contact in plane stress.
+
+Far beside a web the contact may reach farther along the arc than under the web, with hardly any
+pressure. So there are small elements at the ends of the contact in the mid-plane, too. On "built"
+3104, with an overhang of 9.8 lining thicknesses, the pressures of the first two levels then differ
+by 0.4 % with the degrees 1, 2 and 3. Without these elements they differ by 1.6, 4.9 and 4.3 %.
+
+Some brakes do not reach 1 %. Their lining lifts off beside the web along a curve that crosses the
+elements of the face. Between any two degrees, and between any two levels, p then differs by 0.3 to
+0.5 % ("built" 510004 and "free" 510017), spread over the whole contact. The difference does not
+become smaller with columns of at most a twelfth of the contact. It becomes smaller with more pieces
+across the overhang: with degree 3 on quarters of the overhang the error of p is 0.24 %, and 0.61 %
+with the break of `functions.BESIDE_WEB`, but such a shoe has 1.6 times the unknowns.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -46,15 +67,17 @@ from typing import NamedTuple
 
 from drumlin.base.errors import NoAnswer
 from drumlin.base.texts import error_text_in_percent
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors, read_safety_factors
 from drumlin.fem.error_control.levels import (
     LEVELS,
     ResponseFunction,
     SolvedLevel,
+    has_any_lining_new_singular_points,
     solve_brake_on_finer_and_finer_mesh_levels,
 )
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp.division import Level, ShoeDivision
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
@@ -64,7 +87,10 @@ from drumlin.fem.width.error import (
     plane_stress_solution_on_coarse_hp_elements,
     relative_distances_of_shoe_responses,
 )
-from drumlin.fem.width.functions import has_parts_of_different_widths
+from drumlin.fem.width.functions import (
+    has_parts_of_different_widths,
+    piece_ends_across_half_width_of_shoe,
+)
 from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
     MakeFunctions,
@@ -118,17 +144,26 @@ MOST_DEGREE = 5
 If the tolerance must be met, LARGEST_STATED_DEGREE is the limit. With degree 7 the brake "built"
 3201 of `drumlin_studies.solid_error` takes 2 GB on the first level.
 """
+LARGEST_SOLID = 90_000
+"""Largest number of unknowns of a shoe with parts of several widths, if a tolerance may be missed.
+
+A solve with 80 000 unknowns takes 0.9 GB, and a solve with 105 000 unknowns takes 1.5 GB ("built"
+510003 and "free" 510000 of `drumlin_studies.solid_error`). If the tolerance must be met, there is
+no limit.
+"""
+LEAST_FALL = 0.8
+"""Error of p with a degree across the width, relative to the smallest error with a lower degree,
+below which the error counts as falling.
+
+With larger values the degree is raised although the error hardly falls, until memory runs out. With
+smaller values solves end before the tolerance is reached. By the power SLOWEST_FALL the ratio is
+0.67 from degree 2 to degree 3. Where a lining lifts off beside a web, the ends of the contact move
+from node to node of the face, and change p by 0.3 to 0.5 % whatever the degree.
+"""
 SECTION_SHARE = 0.5
 """Fraction of the tolerance for the error of the section's hp elements.
 
 The error due to the degree across the width may take the rest of the tolerance.
-"""
-LEAST_WIDTH_SHARE = 0.2
-"""Smallest fraction of the tolerance to which the error of the width is brought.
-
-An error of the section above SECTION_SHARE is made up for by a higher degree, as long as the
-section leaves this fraction to the width. With a smaller fraction degrees are raised in vain where
-the error of the width falls slowly.
 """
 LOOKED_AHEAD = 2
 """Number of higher degrees across the width whose answers give the error of a degree.
@@ -179,6 +214,26 @@ class ErrorFactors(NamedTuple):
     force: float
 
 
+NEXT_DEGREE_FACTORS = ErrorFactors(pressure=1.5, force=1.5)
+"""Safety factors of an error by the distance from the next degree across the width alone.
+
+They are relative to this distance, extrapolated to an infinite degree with the power SLOWEST_FALL.
+On 17 random brakes with at most LARGEST_FIRST_PIECE of the lining in the first piece (of "free"
+1000 to 1019, and nine "free" and "built" from 510000) the ratio of the true error of degree 2 to
+the extrapolated distance is at most 0.68. The factors are twice as large as these brakes need.
+"""
+LARGEST_FIRST_PIECE = 0.5
+"""Part of the lining's width in the first piece up to which the next degree alone gives an error.
+
+The first piece lies about the mid-plane. On it an even degree adds functions of u_x and u_y only,
+and an odd degree adds functions of u_z only, so that one distance may be small by accident. On the
+other pieces every degree adds functions of all displacements. The ratio of the true error of p to
+the extrapolated distance is 0.85 where the first piece has two thirds of the lining ("free" 1000),
+1.75 and 2.03 where it has 87 and 95 % ("free" 1016 and 1007), and more than 2.3 where it has all of
+it ("free" 510023). The value one half is a judgement: most of the lining then has all functions.
+"""
+
+
 class SolidErrors(NamedTuple):
     """Relative errors of a brake's `torque`, and relative errors of each of its shoes.
 
@@ -191,7 +246,11 @@ class SolidErrors(NamedTuple):
     @property
     def largest_pressure_error(self) -> float:
         """The largest error of a shoe's pressure, which is averaged over the width."""
-        return max(shoe["pressure"] for shoe in self.shoes)
+        return self.largest_error_by_name("pressure")
+
+    def largest_error_by_name(self, name: str) -> float:
+        """The error of the brake's torque for the name "torque", else the largest of its shoes."""
+        return self.torque if name == "torque" else max(shoe[name] for shoe in self.shoes)
 
     @property
     def smallest_tolerance_that_errors_meet(self) -> Tolerance:
@@ -225,22 +284,18 @@ class SectionError(NamedTuple):
     """A level of the section's hp elements, and the error that these elements make.
 
     The error due to the degree across the width is not contained.
+
+    Attributes
+    ----------
+    level : the level
+    error : the relative errors
+    size : unknowns of a shoe on the level, relative to its unknowns on the first level with the
+        same functions across the width
     """
 
     level: Level
     error: SolidErrors
-
-
-class ComparedSection(NamedTuple):
-    """The hp elements of a brake's shoes on which degrees across the width are compared.
-
-    `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
-    shoe of each shape. `answers` are the answers that are already computed on these elements, by
-    the degree across the width.
-    """
-
-    divisions: Mapping[int, ShoeDivision]
-    answers: Mapping[int, Response]
+    size: float = 1.0
 
 
 class LevelClimb(NamedTuple):
@@ -253,15 +308,57 @@ class LevelClimb(NamedTuple):
     response: Response
 
 
-class DegreeError(NamedTuple):
-    """A degree across the width, the error due to this degree, and the answer with it.
+class ComparedSection(NamedTuple):
+    """The hp elements of a brake's shoes on which degrees across the width are compared.
 
-    The answer is found on the hp elements on which degrees are compared.
+    `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
+    shoe of each shape. `level` is the level of these elements, and None for coarse elements. The
+    models that are already solved on the elements are `solved`, by their degree across the width.
+    """
+
+    divisions: Mapping[int, ShoeDivision]
+    level: Level | None
+    solved: Mapping[int, SolvedLevel]
+
+
+class WidthError(NamedTuple):
+    """A degree across the width, the error due to this degree, and the solved model with it.
+
+    The model has the hp elements on which degrees are compared. A `provisional` error needs the
+    answer with the next degree only, and has larger safety factors.
     """
 
     degree: int
     error: SolidErrors
-    response: Response
+    solved: SolvedLevel
+    provisional: bool = False
+
+    @property
+    def unknowns(self) -> int:
+        """The largest number of unknowns of a shoe."""
+        return largest_number_of_unknowns(self.solved)
+
+
+def largest_number_of_unknowns(solved: SolvedLevel) -> int:
+    """The largest number of unknowns of a shoe in a solved model."""
+    return max(body.unknowns for body in solved.prepared_model.bodies)
+
+
+class SolidChoice(NamedTuple):
+    """Hp elements of the section and a degree across the width, with the sum of their errors."""
+
+    section: SectionError
+    width: WidthError
+
+    @property
+    def error(self) -> SolidErrors:
+        """The errors due to the section's elements plus the errors due to the degree."""
+        return self.section.error.sum_of_these_and_other_errors(self.width.error)
+
+    @property
+    def unknowns(self) -> float:
+        """About how many unknowns a shoe has, if degrees are compared on the first level."""
+        return self.section.size * self.width.unknowns
 
 
 def solve_brake_with_widths_to_tolerance(
@@ -310,56 +407,144 @@ def solve_brake_with_widths_and_keep_model(
     BadInput
         if the model of the width does not apply to the brake
     """
-    share = Tolerance(SECTION_SHARE * tolerance.pressure, SECTION_SHARE * tolerance.torque)
     cache = cache or Cache()
-    answer = partial(solve_prepared_model, penalty=penalty)
-    climb = refine_cross_section_mesh_until_tolerance_is_met(brake, share, answer, cache)
-    plane, factors = climb.response, ErrorFactors(1.0, 1.0)
-    largest_degree = LARGEST_STATED_DEGREE
-    if has_shoe_with_parts_of_different_widths(brake):
-        factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
-        asked = Tolerance(share.pressure / factors.pressure, share.torque / factors.force)
-        climb = refine_cross_section_mesh_until_tolerance_is_met(
-            brake, asked, answer, cache, LEVELS[: MOST_SECTION_LEVELS + 1], plane, must=must
-        )
-        if not must:
-            largest_degree = MOST_DEGREE
-    section = coarsest_cross_section_mesh_within_tolerance(brake, climb, share, factors)
-    compared = hp_elements_to_compare_width_degrees(brake, plane, penalty=penalty, cache=cache)
-    left = Tolerance(
-        _tolerance_left_for_width(tolerance.pressure, section.error.largest_pressure_error),
-        _tolerance_left_for_width(tolerance.torque, section.error.torque),
+    sections = _cross_section_meshes_with_errors(
+        brake, tolerance, must=must, penalty=penalty, cache=cache
     )
+    compared = hp_elements_to_compare_width_degrees(
+        brake, sections.plane, penalty=penalty, cache=cache
+    )
+    several = has_shoe_with_parts_of_different_widths(brake)
+    largest_degree = MOST_DEGREE if several and not must else LARGEST_STATED_DEGREE
     degrees = range(WIDTH_DEGREE, largest_degree + 1) if across is None else (across,)
-    width = smallest_width_degree_within_tolerance(
-        brake, plane, compared, left, degrees, penalty=penalty, cache=cache
+    errors = errors_of_degrees_across_width(
+        brake, sections.plane, compared, degrees, penalty=penalty, cache=cache
     )
-    if not width.error.is_within_error_tolerance(left):
-        # The hp elements need not be more exact than the degree across the width allows.
-        section = coarsest_cross_section_mesh_within_tolerance(
-            brake, climb, width.error.smallest_tolerance_that_errors_meet, factors
-        )
-    found = section.error.sum_of_these_and_other_errors(width.error)
+    is_limited = several and not must and across is None
+    choice = cheapest_choice_within_tolerance(
+        sections.errors, errors, tolerance, LARGEST_SOLID if is_limited else math.inf
+    )
     warning = ""
-    if not found.is_within_error_tolerance(tolerance):
-        warning = _message_on_unreached_error_tolerance(tolerance, found, width.degree)
+    if not choice.error.is_within_error_tolerance(tolerance):
+        warning = _message_on_unreached_error_tolerance(tolerance, choice)
         if must:
             raise NoAnswer(warning)
-    solved = solve_cross_section_mesh_with_width_degree(
-        brake, section.level, width.degree, width.response, penalty=penalty, cache=cache
-    )
-    return _solved_level_with_errors_and_notes(solved, section.level, width.degree, found, warning)
+    solved = choice.width.solved
+    if not _is_choice_solved(brake, choice, compared):
+        solved = solve_cross_section_mesh_with_width_degree(
+            brake,
+            choice.section.level,
+            choice.width.degree,
+            solved.response,
+            penalty=penalty,
+            cache=cache,
+        )
+    return _solved_level_with_errors_and_notes(solved, choice, warning)
 
 
-def _tolerance_left_for_width(tolerance: float, section_error: float) -> float:
-    """The relative error that the degree across the width may make, beside the section's error.
+class SectionErrors(NamedTuple):
+    """The solved levels of the section's hp elements from coarse to fine, with their errors.
 
-    It is the rest of the tolerance. If the section leaves less than LEAST_WIDTH_SHARE of the
-    tolerance, higher degrees would be tried for an error that is hardly reachable. The width then
-    keeps its share of a solve within the tolerance, and the tolerance is mostly missed.
+    `plane` is the answer of plane stress on its last level.
     """
-    rest = tolerance - section_error
-    return rest if rest >= LEAST_WIDTH_SHARE * tolerance else (1 - SECTION_SHARE) * tolerance
+
+    errors: list[SectionError]
+    plane: Response
+
+
+def _cross_section_meshes_with_errors(
+    brake: Brake, tolerance: Tolerance, *, must: bool, penalty: float, cache: Cache
+) -> SectionErrors:
+    """The levels of the section's hp elements that a solve to a tolerance needs, with their errors.
+
+    The last level has an error of at most SECTION_SHARE of the tolerance, unless it is the finest
+    one that is allowed. The parameters are those of `solve_brake_with_widths_and_keep_model`.
+    """
+    share = Tolerance(SECTION_SHARE * tolerance.pressure, SECTION_SHARE * tolerance.torque)
+    answer = partial(solve_prepared_model, penalty=penalty)
+    if not has_shoe_with_parts_of_different_widths(brake):
+        climb = refine_cross_section_mesh_until_tolerance_is_met(brake, share, answer, cache)
+        return SectionErrors(
+            errors_of_solved_cross_section_meshes(brake, climb, ErrorFactors(1.0, 1.0)),
+            climb.response,
+        )
+    # Plane stress only has to show where the first elements of the shoes with widths are small.
+    first = solve_brake_on_finer_and_finer_mesh_levels(brake, answer, cache, LEVELS[:1])
+    plane = next(iter(first)).response
+    factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
+    asked = Tolerance(share.pressure / factors.pressure, share.torque / factors.force)
+    climb = refine_cross_section_mesh_until_tolerance_is_met(
+        brake, asked, answer, cache, LEVELS[: MOST_SECTION_LEVELS + 1], plane, must=must
+    )
+    return SectionErrors(errors_of_solved_cross_section_meshes(brake, climb, factors), plane)
+
+
+def cheapest_choice_within_tolerance(
+    sections: Sequence[SectionError],
+    widths: Iterator[WidthError],
+    tolerance: Tolerance,
+    most_unknowns: float = math.inf,
+) -> SolidChoice:
+    """The smallest degree, and the coarsest elements for it, whose errors meet a tolerance.
+
+    If none meet it, the choice has the degree with the smallest error of p, and the coarsest
+    elements whose error is not larger, or else the finest elements.
+
+    Parameters
+    ----------
+    sections : levels of the section's hp elements with their errors, from coarse to fine
+    widths : errors due to the degree across the width, from low to high degrees. No more degrees
+        are taken after LOOKED_AHEAD degrees in a row whose error of p does not fall.
+    tolerance : relative errors that are allowed
+    most_unknowns : largest number of unknowns of a shoe on any level but the first
+    """
+    finest = sections[-1].error
+    can_sections_meet_tolerance = finest.is_within_error_tolerance(tolerance)
+    best: WidthError | None = None
+    degrees_without_fall = 0
+    for width in widths:
+        for section in sections:
+            choice = SolidChoice(section, width)
+            is_small = section is sections[0] or choice.unknowns <= most_unknowns
+            if is_small and choice.error.is_within_error_tolerance(tolerance):
+                return choice
+        if width.provisional:
+            continue
+        falls = best is None or (
+            width.error.largest_pressure_error < LEAST_FALL * best.error.largest_pressure_error
+        )
+        degrees_without_fall = 0 if falls else degrees_without_fall + 1
+        best = width if falls or best is None else best
+        # If the elements alone miss the tolerance, the degree need not be better than they are.
+        enough = finest.smallest_tolerance_that_errors_meet
+        is_enough = not can_sections_meet_tolerance and best.error.is_within_error_tolerance(enough)
+        if is_enough or degrees_without_fall == LOOKED_AHEAD:
+            break
+    assert best is not None
+    enough = best.error.smallest_tolerance_that_errors_meet
+    last = sections[0]
+    for section in sections:
+        if SolidChoice(section, best).unknowns <= most_unknowns:
+            last = section
+        if last.error.is_within_error_tolerance(enough):
+            break
+    return SolidChoice(last, best)
+
+
+def _is_choice_solved(brake: Brake, choice: SolidChoice, compared: ComparedSection) -> bool:
+    """Whether the model on which the chosen degree was compared is the model to be solved.
+
+    It must have the chosen level of elements, and small elements at the ends of its own contact.
+    The parameter `compared` has the elements on which degrees were compared.
+    """
+    if compared.level != choice.section.level:
+        return False
+    first = next(iter(compared.solved.values())).response
+    before, now = (
+        singular_points_of_each_shoe_shape(brake, response)
+        for response in (first, choice.width.solved.response)
+    )
+    return not has_any_lining_new_singular_points(brake, before, now)
 
 
 def solve_cross_section_mesh_with_width_degree(
@@ -404,24 +589,22 @@ def solve_cross_section_mesh_with_width_degree(
 
 
 def _solved_level_with_errors_and_notes(
-    solved: SolvedLevel, level: Level, degree: int, found: SolidErrors, warning: str
+    solved: SolvedLevel, choice: SolidChoice, warning: str
 ) -> SolvedLevel:
     """Add to a solved level's answer its errors, a note on the degrees, and a warning if any.
 
     Parameters
     ----------
     solved : the answer with widths, and its prepared model
-    level : level of the section's hp elements
-    degree : degree across the width
-    found : stated errors of the answer
+    choice : the level of the section's elements, the degree across the width, and their errors
     warning : text which says that the tolerance is not reached; empty if it is reached
     """
-    response = solved.response
+    response, found = solved.response, choice.error
     warnings = [f"warning: {warning}"] if warning else []
-    unknowns = max(body.unknowns for body in solved.prepared_model.bodies)
+    unknowns = largest_number_of_unknowns(solved)
     how = (
-        f"degree {degree} across the width on a section of degree {level.degree}, "
-        f"with {unknowns} unknowns a shoe"
+        f"degree {choice.width.degree} across the width "
+        f"on a section of degree {choice.section.level.degree}, with {unknowns} unknowns a shoe"
     )
     shoes = zip(response.shoes, found.shoes, strict=True)
     stated = replace(
@@ -482,8 +665,8 @@ def refine_cross_section_mesh_until_tolerance_is_met(
         for step in steps:
             climbed.append(step)
             yield step
-            unknowns = max(body.unknowns for body in step.prepared_model.bodies)
-            is_large = len(climbed) >= MOST_SECTION_LEVELS and unknowns > LARGEST_SECTION
+            is_large = largest_number_of_unknowns(step) > LARGEST_SECTION
+            is_large = is_large and len(climbed) >= MOST_SECTION_LEVELS
             if levels and is_large and not must:
                 return
 
@@ -493,19 +676,15 @@ def refine_cross_section_mesh_until_tolerance_is_met(
     return LevelClimb(climbed, last.response)
 
 
-def coarsest_cross_section_mesh_within_tolerance(
-    brake: Brake,
-    climb: LevelClimb,
-    tolerance: Tolerance,
-    factors: ErrorFactors,
-) -> SectionError:
-    """The coarsest solved level whose error is within a tolerance, or else the last level.
+def errors_of_solved_cross_section_meshes(
+    brake: Brake, climb: LevelClimb, factors: ErrorFactors
+) -> list[SectionError]:
+    """The solved levels of the section's hp elements with their errors, from coarse to fine.
 
     Parameters
     ----------
     brake : the brake
     climb : the solved levels, from coarse to fine, and the answer of the last level
-    tolerance : relative errors that the section's hp elements may make
     factors : safety factors by which the errors are multiplied
     """
     last = climb.response
@@ -517,9 +696,10 @@ def coarsest_cross_section_mesh_within_tolerance(
     for step in climb.levels:
         moved = _relative_differences_from_better_response(brake, step.response, last)
         error = moved.sum_of_these_and_other_errors(stated).errors_times_factors(factors)
-        sections.append(SectionError(by_degree[step.response.shoes[0].order], error))
-    within = (each for each in sections if each.error.is_within_error_tolerance(tolerance))
-    return next(within, sections[-1])
+        size = largest_number_of_unknowns(step) / largest_number_of_unknowns(climb.levels[0])
+        level = by_degree[step.response.shoes[0].order]
+        sections.append(SectionError(level, error, size))
+    return sections
 
 
 def has_shoe_with_parts_of_different_widths(brake: Brake) -> bool:
@@ -527,15 +707,19 @@ def has_shoe_with_parts_of_different_widths(brake: Brake) -> bool:
     return any(has_parts_of_different_widths(shoe) for shoe in brake.shoes)
 
 
-def _message_on_unreached_error_tolerance(
-    tolerance: Tolerance, error: SolidErrors, degree: int
-) -> str:
-    """The text which says that the finest elements and highest degree miss a tolerance."""
-    pressure = error.largest_pressure_error
+def _message_on_unreached_error_tolerance(tolerance: Tolerance, choice: SolidChoice) -> str:
+    """The text which says that the finest elements and highest degree miss a tolerance.
+
+    It says which of both has the larger error of p.
+    """
+    error, parts = choice.error, (choice.section.error, choice.width.error)
+    section, width = (part.largest_pressure_error for part in parts)
+    larger = "elements of the section" if section > width else "degree across the width"
     return (
-        f"tolerance {tolerance.pressure:g} not reached with degree {degree} across the width: "
-        f"estimated error of p {error_text_in_percent(pressure)}, "
-        f"of the torque {error_text_in_percent(error.torque)}"
+        f"tolerance {tolerance.pressure:g} not reached "
+        f"with degree {choice.width.degree} across the width: "
+        f"estimated error of p {error_text_in_percent(error.largest_pressure_error)}, "
+        f"of the torque {error_text_in_percent(error.torque)}, most of it due to the {larger}"
     )
 
 
@@ -566,26 +750,28 @@ def hp_elements_to_compare_width_degrees(
         coarse = plane_stress_solution_on_coarse_hp_elements(
             brake, plane, penalty=penalty, cache=cache
         )
-        return ComparedSection(coarse.divisions, {})
+        return ComparedSection(coarse.divisions, None, {})
     wide = solve_cross_section_mesh_with_width_degree(
         brake, LEVELS[0], WIDTH_DEGREE, plane, penalty=penalty, cache=cache
     )
-    return ComparedSection(wide.prepared_model.divisions, {WIDTH_DEGREE: wide.response})
+    divisions = wide.prepared_model.divisions
+    return ComparedSection(divisions, LEVELS[0], {WIDTH_DEGREE: wide})
 
 
-def smallest_width_degree_within_tolerance(
+def errors_of_degrees_across_width(
     brake: Brake,
     plane: Response,
     section: ComparedSection,
-    tolerance: Tolerance,
     degrees: Sequence[int] = range(WIDTH_DEGREE, LARGEST_STATED_DEGREE + 1),
     *,
     penalty: float = PENALTY,
     cache: Cache | None = None,
-) -> DegreeError:
-    """The smallest degree across the width whose error meets a tolerance, with error and answer.
+) -> Iterator[WidthError]:
+    """Yield the errors due to degrees across the width, one degree after the other.
 
-    If no degree meets the tolerance, the last degree whose error can be estimated is returned.
+    Where most of each lining overhangs its web, a provisional error comes before the error of the
+    degree WIDTH_DEGREE. The errors end before a degree whose error needs an answer that the brake
+    does not have.
 
     Parameters
     ----------
@@ -593,68 +779,85 @@ def smallest_width_degree_within_tolerance(
     plane : answer of plane stress
     section : hp elements of the shoes on which degrees are compared, see
         `hp_elements_to_compare_width_degrees`
-    tolerance : relative errors that the degree across the width may make
-    degrees : degrees that are tried, in this order
+    degrees : the degrees, in this order
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
-    """
-    answers = dict(section.answers)
 
-    def solve_with_degree_across_width(degree: int) -> Response:
-        """The answer of the brake with a degree across the width, on the given hp elements."""
-        if degree not in answers:
+    Raises
+    ------
+    NoAnswer
+        if the error of the first degree cannot be estimated
+    """
+    known = dict(section.solved)
+
+    def solve_with_degree_across_width(degree: int) -> SolvedLevel:
+        """The solved model with a degree across the width, on the given hp elements."""
+        if degree not in known:
             scene = prepare_model_with_widths_on_given_elements(
                 brake, section.divisions, degree, cache=cache
             )
-            answers[degree] = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
-        return answers[degree]
+            response = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
+            known[degree] = SolvedLevel(scene, response)
+        return known[degree]
 
-    found: DegreeError | None = None
+    overhangs = all(map(_has_narrow_first_piece, brake.shoes))
     for degree in degrees:
         try:
+            solved = solve_with_degree_across_width(degree)
+            if overhangs and degree == WIDTH_DEGREE:
+                following = solve_with_degree_across_width(degree + 1).response
+                moved = largest_relative_differences(brake, solved.response, [following])
+                error = moved.errors_times_factors(error_factors_of_distance(degree, 1))
+                yield WidthError(degree, error, solved, provisional=True)
             ahead = range(degree + 1, degree + LOOKED_AHEAD + 1)
-            further = [solve_with_degree_across_width(each) for each in ahead]
-            response = solve_with_degree_across_width(degree)
+            further = [solve_with_degree_across_width(each).response for each in ahead]
         except NoAnswer:
             # With a higher degree the brake may have too many contact nodes, or no equilibrium.
-            if found is None:
+            if degree == degrees[0]:
                 raise
-            break
-        found = _error_of_degree_across_width(brake, degree, response, further)
-        if found.error.is_within_error_tolerance(tolerance):
-            break
-    assert found is not None
-    return found
+            return
+        largest = largest_relative_differences(brake, solved.response, further)
+        error = largest.errors_times_factors(error_factors_of_distance(degree, LOOKED_AHEAD))
+        yield WidthError(degree, error, solved)
 
 
-def _error_of_degree_across_width(
-    brake: Brake, degree: int, response: Response, further: list[Response]
-) -> DegreeError:
-    """The error due to a degree across the width, from answers with this and with higher degrees.
+def _has_narrow_first_piece(shoe: Shoe) -> bool:
+    """Whether at most LARGEST_FIRST_PIECE of a lining lies in the first piece across the width."""
+    first = piece_ends_across_half_width_of_shoe(shoe)[1]
+    return first <= LARGEST_FIRST_PIECE * shoe.lining.width / 2
 
-    `response` is the answer with the degree, and `further` are answers with higher degrees.
+
+def error_factors_of_distance(degree: int, ahead: int) -> ErrorFactors:
+    """The stated errors of a degree across the width, divided by its distance from higher degrees.
+
+    The `ahead` next degrees are compared.
     """
-    moved = [
-        _relative_differences_from_better_response(brake, response, other) for other in further
-    ]
+    ratio = error_divided_by_distance_to_next_degrees(degree, ahead)
+    factors = NEXT_DEGREE_FACTORS
+    if ahead == LOOKED_AHEAD:
+        factors = ErrorFactors(SOLID_FACTORS.pressure, SOLID_FACTORS.force)
+    return ErrorFactors(ratio * factors.pressure, ratio * factors.force)
+
+
+def largest_relative_differences(
+    brake: Brake, response: Response, others: Sequence[Response]
+) -> SolidErrors:
+    """The largest relative distances of a response from several other responses, by quantity."""
+    moved = [_relative_differences_from_better_response(brake, response, each) for each in others]
     shoes = []
     for own in zip(*(each.shoes for each in moved), strict=True):
         shoes.append({name: max(each[name] for each in own) for name in QUANTITIES})
-    largest = SolidErrors(max(each.torque for each in moved), tuple(shoes))
-    falls = error_divided_by_distance_to_next_degrees(degree)
-    factors = ErrorFactors(falls * SOLID_FACTORS.pressure, falls * SOLID_FACTORS.force)
-    error = largest.errors_times_factors(factors)
-    return DegreeError(degree, error, response)
+    return SolidErrors(max(each.torque for each in moved), tuple(shoes))
 
 
-def error_divided_by_distance_to_next_degrees(degree: int) -> float:
+def error_divided_by_distance_to_next_degrees(degree: int, ahead: int = LOOKED_AHEAD) -> float:
     """The error of a degree across the width, divided by its distance from higher degrees.
 
-    The distance is the larger of the distances between the answer with `degree` and the answers
-    with the LOOKED_AHEAD next higher degrees. The error is assumed to fall as the degree to the
-    power -SLOWEST_FALL.
+    The distance is the largest of the distances between the answer with `degree` and the answers
+    with the `ahead` next higher degrees. The error is assumed to fall as the degree to the power
+    -SLOWEST_FALL.
     """
-    left = (degree / (degree + LOOKED_AHEAD)) ** SLOWEST_FALL
+    left = (degree / (degree + ahead)) ** SLOWEST_FALL
     return 1 / (1 - left)
 
 
