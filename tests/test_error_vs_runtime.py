@@ -70,7 +70,7 @@ def outcome(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "solve_brake_for_reference_values", once)
         # No test here asks for the times closely.
-        patch.setattr(work_precision, "TIMED_REPEATS", 3)
+        patch.setattr(work_precision, "LEAST_REPEATS_OF_TIMING", 3)
         for cases in (1, 6):
             with Stopping(path, cases) as journal, pytest.raises(Stopped):
                 module.study(short=True, journal=journal)

@@ -21,9 +21,9 @@ from browsing import PROGRAM, browser, play, served
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
 from drumlin.base.round_numbers import largest_round_number_not_above_value
-from drumlin.brake import read_any, read_brake, vary
+from drumlin.brake import read_brake, read_drum_or_plane_brake, vary
 from drumlin.brake.friction import FrictionTable
-from drumlin.explore.answers import WIDTH_EXPLORE_LEVEL, Explorer
+from drumlin.explore.answers import WIDTH_EXPLORE_LEVEL, SliderSolver
 from drumlin.explore.knobs import (
     brake_at_slider_setting,
     link_query_of_slider_setting,
@@ -50,7 +50,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def explorer():
-    return Explorer(read_brake(STUDY / "brake.toml"))
+    return SliderSolver(read_brake(STUDY / "brake.toml"))
 
 
 def knob(explorer, name):
@@ -97,7 +97,7 @@ def test_shoes_with_their_widths_are_a_choice_of_the_page(explorer):
 
 def test_without_contraction_the_choice_changes_nothing(explorer):
     bare = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
-    own = Explorer(vary(explorer.brake, bare))
+    own = SliderSolver(vary(explorer.brake, bare))
     scene = make_prepared_model(own.brake, WIDTH_EXPLORE_LEVEL)
     wide, _ = at_setting(own, WIDE)
     assert wide.found is not None
@@ -108,7 +108,7 @@ def test_without_contraction_the_choice_changes_nothing(explorer):
 def test_the_page_wears_in_plane_stress_only_and_refuses_several_widths(explorer):
     answer, _ = at_setting(explorer, WIDE | {"wear": "2"})
     assert answer.failure == "wear: the page wears linings in plane stress only"
-    several = Explorer(drumlin.example("duplex"))
+    several = SliderSolver(drumlin.example("duplex"))
     _, refused = at_setting(several, WIDE)
     assert refused == ("link: model = 'solid': left out; allowed: fem",)
     assert "with their widths" not in http_reply_to_requested_address(several, "/", "x").text
@@ -220,7 +220,7 @@ def test_a_lining_is_not_worn_beyond_its_thickness():
         read_brake(STUDY / "brake.toml"),
         {"shoe.lining.thickness": "0.2 mm", "shoe.lining.material.E": 3e6},
     )
-    explorer = Explorer(thin)
+    explorer = SliderSolver(thin)
     most = knob(explorer, "wear").high
     answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, wear=most))
     assert answer.fem_response is None
@@ -238,7 +238,7 @@ def test_what_is_kept_changes_no_answer(explorer):
     for setting in [*path, *reversed(path)]:
         assert (
             explorer.fem_and_law_answer_at_slider_setting(setting).found.torque
-            == Explorer(brake).fem_and_law_answer_at_slider_setting(setting).fem_response.torque
+            == SliderSolver(brake).fem_and_law_answer_at_slider_setting(setting).fem_response.torque
         )
 
 
@@ -274,8 +274,8 @@ def test_self_locking_is_said_and_its_distance(explorer):
     limit = min(explorer.cached_self_locking_friction_of_shoe_groups(answer.brake).values())
     # The limit comes from the condensed matrices on 80 elements.
     assert limit == pytest.approx(1.1812, rel=1e-3)
-    assert answer.law_locking == pytest.approx(0.8231, rel=1e-3)
-    locked = Explorer(vary(explorer.brake, {"friction": 0.9}))
+    assert answer.locking_friction_by_law == pytest.approx(0.8231, rel=1e-3)
+    locked = SliderSolver(vary(explorer.brake, {"friction": 0.9}))
     beyond = locked.fem_and_law_answer_at_slider_setting(turned(locked, friction=1.3))
     assert "self-locking" in beyond.failure
     assert "self-locking" in beyond.law_failure
@@ -312,8 +312,8 @@ def test_a_picture_shows_the_pressure_it_is_of(explorer):
 
 def test_a_brake_on_a_plane_is_explored_too():
     path = ROOT / "studies/brakes/rail_clamp.toml"
-    brake = read_any(path)
-    explorer = Explorer(brake)
+    brake = read_drum_or_plane_brake(path)
+    explorer = SliderSolver(brake)
     names = set(picked(explorer.knobs, "name"))
     assert {"friction", "force", "shift", "turn", "clearance", "lining"} <= names and not {
         "wear",
@@ -354,7 +354,7 @@ def test_a_brake_on_a_plane_is_explored_too():
     for address in ("/", "/picture", "/locking", "/brake.toml?friction=0.2"):
         assert http_reply_to_requested_address(explorer, address, "b").status == 200
     assert (
-        read_any(
+        read_drum_or_plane_brake(
             path, http_reply_to_requested_address(explorer, "/brake.toml?friction=0.2", "b").text
         ).friction
         == 0.2
@@ -457,7 +457,7 @@ def test_no_address_breaks_the_page(explorer, junk, query):
 
 
 def test_a_title_with_tags_stays_a_text():
-    explorer = Explorer(vary(read_brake(STUDY / "brake.toml"), {"title": "<b>x</b>"}))
+    explorer = SliderSolver(vary(read_brake(STUDY / "brake.toml"), {"title": "<b>x</b>"}))
     assert "<b>x</b>" not in http_reply_to_requested_address(explorer, "/", "b").text
 
 
@@ -466,7 +466,7 @@ def test_the_saved_file_is_the_brake_that_is_solved(explorer, tmp_path):
         explorer, "/brake.toml?friction=0.4&wear=2&turn=5", "mine"
     )
     assert saved.file_name == "mine_explored.toml"
-    brake = read_any(tmp_path / "b.toml", saved.text)
+    brake = read_drum_or_plane_brake(tmp_path / "b.toml", saved.text)
     answer = explorer.fem_and_law_answer_at_slider_setting(
         turned(explorer, friction=0.4, wear=2.0, turn=5.0)
     )
@@ -493,7 +493,7 @@ def test_a_changed_shape_is_drawn_and_the_shape_of_the_file_is_not_sent_again(ex
 
 def test_a_setting_without_answer_saves_nothing(explorer):
     locked = http_reply_to_requested_address(
-        Explorer(vary(explorer.brake, {"friction": 0.9})), "/brake.toml?friction=1.5", "b"
+        SliderSolver(vary(explorer.brake, {"friction": 0.9})), "/brake.toml?friction=1.5", "b"
     )
     assert locked.status == 422
     assert "self-locking" in locked.text
@@ -511,9 +511,9 @@ def test_every_example_can_be_explored(path):
     brake = read_brake(path)
     if isinstance(brake.friction_as_written, FrictionTable):
         with pytest.raises(BadInput, match=r"friction\.pressure"):
-            Explorer(brake)
+            SliderSolver(brake)
         return
-    explorer = Explorer(brake)
+    explorer = SliderSolver(brake)
     answer = explorer.fem_and_law_answer_at_slider_setting(
         slider_setting_at_brake_file_values(brake)
     )
@@ -523,7 +523,7 @@ def test_every_example_can_be_explored(path):
 
 @pytest.mark.parametrize("brake", [cam_brake(body=0.01), servo(body=0.01)], ids=["cam", "servo"])
 def test_shoes_that_share_a_force_are_explored_by_it(brake):
-    explorer = Explorer(brake)
+    explorer = SliderSolver(brake)
     answer = explorer.fem_and_law_answer_at_slider_setting(
         slider_setting_at_brake_file_values(brake)
     )

@@ -13,7 +13,7 @@ import pytest
 from conftest import ROOT, partly
 from drumlin import solve
 from drumlin.base.errors import BadInput
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.cli import process
 from drumlin.fem.mesh import vtu
 from drumlin.fem.mesh.inp import read_mesh_from_inp_text
@@ -152,7 +152,7 @@ def test_a_sound_mesh_is_answered_and_that_of_an_impossible_one_is_a_fault(suffi
 
 
 def test_an_answer_that_cannot_be_true_is_found(monkeypatch):
-    brake = read_any(ROOT / "studies" / f"{BRAKE}.toml")
+    brake = read_drum_or_plane_brake(ROOT / "studies" / f"{BRAKE}.toml")
     answer = solve(brake, "fem", elements=6)
     assert soundness.explain_wrong_response(brake, answer) == ""
 
@@ -240,7 +240,7 @@ def test_command_lines_that_used_to_fall(case):
 def test_a_small_vtu_that_unpacks_to_much_is_refused_before(monkeypatch):
     data = valid_mesh_files_by_suffix()[".vtu"]
     vtu.check_decompressed_vtu_size_fits_memory(data)
-    monkeypatch.setattr(vtu, "MOST_UNPACKED", 1000)
+    monkeypatch.setattr(vtu, "LARGEST_UNPACKED_VTU_SIZE", 1000)
     with pytest.raises(ValueError, match="unpacks to more than 1000 bytes"):
         vtu.check_decompressed_vtu_size_fits_memory(data)
     with pytest.raises(ValueError, match="unpacks"):

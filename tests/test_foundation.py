@@ -91,7 +91,7 @@ def test_a_cantilever_and_a_beam_of_two_stiffnesses():
     for sections in (40, 80):
         p = divide_shoe_into_stations_and_sectors(upright(), upright().shoes[0], sections, **PAPER)
         w = np.maximum(p.x[-1] - p.x, 0) @ (
-            np.where(p.x == 0, 0.5 * p.x[1], p.step) / p.EI * p.loaded
+            np.where(p.x == 0, 0.5 * p.x[1], p.station_weights) / p.EI * p.loaded
         )
         exact = 1e5 * 4.6**3 / (3 * 5e8)
         errors.append(abs(w / exact - 1))
@@ -197,7 +197,7 @@ def test_a_stiff_beam_on_a_rigid_drum_turns_as_a_rigid_body(spin):
 def test_second_order_where_the_contact_set_is_fixed(lift, spin):
     brake = soft(spin=spin, **{"drum.ring": {"bending_stiffness": 5e8}, "shoe.lining.end": 0.6})
     lift = (
-        tuple(name for name in foundation.LIFTS if name not in {"thick-ring", "wedge"})
+        tuple(name for name in foundation.INCLUDABLE_EFFECTS if name not in {"thick-ring", "wedge"})
         if lift
         else ()
     )
@@ -382,7 +382,7 @@ def test_three_hundred_and_sixty_sections_take_some_twenty_milliseconds():
 def test_each_lift_changes_what_it_names_and_nothing_else():
     brake = vary(POST, {"drum.ring.bending_stiffness": 2e7})
     plain = foundation.solve_brake_by_foundation_model(brake)
-    for name in foundation.LIFTS:
+    for name in foundation.INCLUDABLE_EFFECTS:
         response = foundation.solve_brake_by_foundation_model(brake, lift=[name])
         assert abs(response.torque / plain.torque - 1) > 1e-4, name
         said = " ".join(plain.left_out), " ".join(response.left_out)

@@ -12,7 +12,7 @@ from pytest import approx
 
 from drumlin import BadInput, Brake, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part, vary
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.laws import LAWS, rigid, solve_brake_by_its_rigid_shoe_law
 from drumlin.laws.hinged import angles_and_radii_of_hinged_shoe
 from drumlin.laws.shapes import ratio_of_equivalent_friction
@@ -494,7 +494,7 @@ def test_every_brake_has_the_rigid_law_under_exactly_one_name(root: Any) -> None
     for brake in (
         cam_brake(0.3, 1),
         brake_of(abutted(0.3, 1, 0.1)),
-        read_any(root / "studies/laws/pad.toml"),
+        read_drum_or_plane_brake(root / "studies/laws/pad.toml"),
     ):
         assert len(names & set(picked(applicable_models(brake), "name"))) == 1
     one = vary(cam_brake(0.3, 1), {"actuation": None, "shoe.actuation.force": F})

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 import drumlin
 from conftest import ROOT
 from drumlin.base.errors import BadInput
-from drumlin.brake import read_any, read_brake, vary
+from drumlin.brake import read_brake, read_drum_or_plane_brake, vary
 from drumlin.brake.components import Beam
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.file import make_drum_brake_from_data
@@ -176,7 +176,7 @@ def test_an_evenly_hot_free_ring_grows_as_a_rigid_drum():
 def thin_lining_on_rigid_shoe():
     """A hot brake with thin linings on rigid shoes."""
     return vary(
-        read_any(ROOT / "studies" / "laws" / "double_shoe_external.toml"),
+        read_drum_or_plane_brake(ROOT / "studies" / "laws" / "double_shoe_external.toml"),
         {
             "shoe.lining.thickness": 1e-4,
             "shoe.body": None,
@@ -327,7 +327,7 @@ def test_the_bond_of_a_thin_hot_lining_is_pressed_along(level):
 @pytest.mark.parametrize("file", ["studies/heat/brake.toml", "studies/brakes/simplex_abutted.toml"])
 def test_the_second_solver_has_the_same_hot_brake(file):
     """Triangles integrate B^T D eps_0 over layers that know only their two faces' strains."""
-    brake = read_any(ROOT / file)
+    brake = read_drum_or_plane_brake(ROOT / file)
     if brake != HOT:
         brake = vary(
             brake,
@@ -414,7 +414,7 @@ def test_what_takes_no_heated_shoes_says_so(ask, words):
 
 
 def test_a_cam_on_heated_shoes_is_refused():
-    brake = vary(read_any(ROOT / "studies" / "brakes" / "s_cam.toml"), LINING)
+    brake = vary(read_drum_or_plane_brake(ROOT / "studies" / "brakes" / "s_cam.toml"), LINING)
     with pytest.raises(BadInput, match="cam on heated shoes"):
         drumlin.solve(brake)
 

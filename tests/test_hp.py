@@ -26,7 +26,7 @@ from drumlin.fem.analysis.holding import (
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_brake_to_tolerance
-from drumlin.fem.error_control.estimate import FACTORS, estimate_errors_from_two_mesh_levels
+from drumlin.fem.error_control.estimate import SAFETY_FACTORS, estimate_errors_from_two_mesh_levels
 from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp import division
@@ -61,16 +61,16 @@ from drumlin.fem.hp.shoe import (
     node_coordinates_of_layers_and_columns,
 )
 from drumlin.fem.model import (
-    PENALTY,
+    DEFAULT_PENALTY_FACTOR,
     solve_full_system_of_group_by_refinement,
     solve_prepared_model,
 )
-from drumlin.fem.preparation.bodies import load_column_factors_and_pin_moment_per_newton
+from drumlin.fem.preparation.bodies import actuation_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.fem.substructure.body import (
-    FRAME,
+    NUMBER_OF_FRAME_DISPLACEMENTS,
     condense_body_to_contact_and_hinge_face,
     rigid_body_displacements_of_nodes,
 )
@@ -366,7 +366,7 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
             brake, solve_prepared_model, levels=LEVELS[: level + 1]
         )
     )[-1]
-    (group, *_) = divide_pressed_shoes_into_groups(made, brake, PENALTY)
+    (group, *_) = divide_pressed_shoes_into_groups(made, brake, DEFAULT_PENALTY_FACTOR)
     group, found = group.solve_contact_and_abutment_friction(None)
     refined = solve_full_system_of_group_by_refinement(group, found.active)
     p, error = (
@@ -386,7 +386,7 @@ def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
     assert body.condensed.L_cc @ body.condensed.L_fc.T == pytest.approx(
         -(body.condensed.L_cc @ body.condensed.L_cc.T) @ motion, rel=1e-6, abs=1e-6 * 3e8
     )
-    assert motion.shape == (len(body.rotation_mode), FRAME)
+    assert motion.shape == (len(body.rotation_mode), NUMBER_OF_FRAME_DISPLACEMENTS)
     assert body.rotation_mode == pytest.approx(motion[:, 2])
 
 
@@ -618,8 +618,8 @@ def test_most_short_contacts_are_known_by_default_on_the_third_level():
         return np.array(found)
 
     found = steps_of_p()
-    assert np.count_nonzero(FACTORS.pressure * found < 1.5e-3) >= 5
-    assert np.count_nonzero(FACTORS.pressure * found < DEFAULT_TOLERANCE.pressure) >= 6
+    assert np.count_nonzero(SAFETY_FACTORS.pressure * found < 1.5e-3) >= 5
+    assert np.count_nonzero(SAFETY_FACTORS.pressure * found < DEFAULT_TOLERANCE.pressure) >= 6
 
 
 def test_a_short_contact_is_graded_faster():
@@ -901,8 +901,8 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     u = body.condensed.nodal_displacements_in_one_case(
         nodal,
-        np.zeros(FRAME),
-        shoe.actuation.force * load_column_factors_and_pin_moment_per_newton(body, shoe)[0],
+        np.zeros(NUMBER_OF_FRAME_DISPLACEMENTS),
+        shoe.actuation.force * actuation_factors_and_pin_moment_per_newton(body, shoe)[0],
     )
     forces = body.basis.stiffness(elastic_layers_of_shoe(shoe)) @ u.T.ravel()
     n = 2 * len(body.line.nodes)

@@ -14,7 +14,7 @@ import drumlin
 from conftest import ROOT, partly
 from drumlin import Brake, vary
 from drumlin.base.errors import DrumlinError
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.cli.commands import app
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
@@ -364,7 +364,7 @@ REFUSALS = [
 
 
 def cell(name: str, use: str, folder: Path) -> None:
-    brake = read_any(FILES[name])
+    brake = read_drum_or_plane_brake(FILES[name])
     refusal = next((one for one in REFUSALS if use in one.uses and one.where(brake)), None)
     at = Posed(brake, FILES[name], folder)
     if refusal is None:
@@ -391,7 +391,7 @@ def test_every_kind_in_every_slow_use(name: str, use: str, tmp_path: Path) -> No
 def test_a_pad_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Its words and units: a braking force, slides in mm, a mesh where the shoe stands."""
     file = FILES["rail_clamp"]
-    at = Posed(read_any(file), file, tmp_path)
+    at = Posed(read_drum_or_plane_brake(file), file, tmp_path)
     at.command("sensitivity", "--elements", "10")
     at.command("hold", "--elements", "10", "--steps", "2", "--rotation", "0.2 mm")
     at.command("wear", "--elements", "10", "--distance", "0.1", "--torque", "5 kN")

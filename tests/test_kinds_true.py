@@ -9,7 +9,7 @@ import pytest
 import drumlin
 from drumlin.brake.brake import Brake
 from drumlin.verification import triangles
-from drumlin_studies.random_kinds import HOLDING_KINDS, draw_random_brake_of_support_kind
+from drumlin_studies.random_kinds import DRAW_BY_SUPPORT_KIND, draw_random_brake_of_support_kind
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
     Truth,
@@ -21,7 +21,7 @@ from drumlin_studies.stated_true import (
 )
 from picking import picked
 
-ON_DRUM = [kind for kind in HOLDING_KINDS if not kind.startswith("pad")]
+ON_DRUM = [kind for kind in DRAW_BY_SUPPORT_KIND if not kind.startswith("pad")]
 QUICK = triangles.TRIANGLE_LEVELS[:1]
 
 

@@ -13,7 +13,7 @@ from pytest import approx
 
 from drumlin import Brake, NoAnswer, Response
 from drumlin.brake.file import make_drum_brake_from_data, vary
-from drumlin.laws import LAWS, Layout, self_locking_friction_of_hinged_shoe
+from drumlin.laws import LAWS, ShoeAnglesAndRadii, self_locking_friction_of_hinged_shoe
 from drumlin.laws.shapes import (
     pivot_radius_for_cosine_pressure,
     ratio_of_equivalent_friction,
@@ -493,7 +493,7 @@ def test_layouts_broadcast() -> None:
     mu = np.linspace(0.05, 0.5, 7)[:, None]
     phi_2 = np.radians([60.0, 90.0, 130.0])
     for law in LAWS.values():
-        grid = law.torque(100.0, mu, Layout(0.1, phi_2, 0.15, 0.125, 1))
+        grid = law.torque(100.0, mu, ShoeAnglesAndRadii(0.1, phi_2, 0.15, 0.125, 1))
         assert grid.shape == (7, 3)
         brake = brake_with_one_hinged_shoe(
             R=0.15, a=0.125, arc=(0.1, phi_2[1]), moment=100.0, mu=mu[3, 0], spin=-1

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from pytest import approx
 
 from drumlin import Brake, NoAnswer, vary
-from drumlin.laws import LAWS, Layout, pivoted
-from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout
+from drumlin.laws import LAWS, ShoeAnglesAndRadii, pivoted
+from drumlin.laws.flat import FLAT_SHORT_SHOE_LAW, LINEAR_PRESSURE_LAW, FlatShoeLengths
 from drumlin.laws.hinged import angles_and_radii_of_hinged_shoe
 from drumlin.laws.shapes import pivot_radius_for_cosine_pressure
 from drumlin.laws.simscape import DoubleShoe
@@ -46,9 +46,9 @@ def arcs(draw: st.DrawFn) -> tuple[float, float]:
 
 
 @st.composite
-def layouts(draw: st.DrawFn) -> Layout:
+def layouts(draw: st.DrawFn) -> ShoeAnglesAndRadii:
     """A random shoe, described by the data that the rigid-shoe laws need."""
-    return Layout(
+    return ShoeAnglesAndRadii(
         *draw(arcs()), R=draw(st.floats(0.05, 2.0)), a=draw(st.floats(0.05, 3.0)), dD=draw(SIGNS)
     )
 
@@ -154,7 +154,7 @@ def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None
 @many
 @given(layouts(), LAW_NAMES, st.floats(0.05, 0.6))
 def test_sensitivity_is_the_derivative_of_the_mechanical_advantage(
-    arc: Layout, name: str, mu: float
+    arc: ShoeAnglesAndRadii, name: str, mu: float
 ) -> None:
     law, h = LAWS[name], 1e-5
     assume(mu < 0.9 * law.self_locking_friction(arc))
@@ -210,7 +210,7 @@ def test_every_law_becomes_the_short_shoe_as_the_arc_shrinks(
     """The difference in the brake factor eta is proportional to the square of the arc."""
     errors = {}
     for half in (0.02, 0.01):
-        arc = Layout(middle - half, middle + half, R, a, dD)
+        arc = ShoeAnglesAndRadii(middle - half, middle + half, R, a, dD)
         short = LAWS["short"]
         assume(mu < 0.7 * short.self_locking_friction(arc))
         eta = float(short.torque_over_actuation_moment(mu, arc))
@@ -292,7 +292,7 @@ def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictio
     slight = MODELS[name].solve(vary(brake, {"friction": mu})).shoes[0]
     integral = np.trapezoid(free.pressure, free.theta) * brake.shoes[0].lining.width * brake.size**2
     M_N = LAWS[name].scaled_normal_and_friction_moments_about_hinge(
-        Layout(*brake.shoes[0].arc, brake.size, brake.shoes[0].hinge.radius, 1)
+        ShoeAnglesAndRadii(*brake.shoes[0].arc, brake.size, brake.shoes[0].hinge.radius, 1)
     )
     assume(abs(M_N[1] / M_N[0]) < 100)
     assert slight.torque / mu == approx(integral, rel=1e-3)
@@ -300,7 +300,7 @@ def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictio
 
 @many
 @given(layouts(), LAW_NAMES)
-def test_torque_grows_without_bound_towards_locking(arc: Layout, name: str) -> None:
+def test_torque_grows_without_bound_towards_locking(arc: ShoeAnglesAndRadii, name: str) -> None:
     """The torque grows as 1/(mu_lock - mu) towards locking; at mu_lock and beyond there is none.
 
     T (mu_lock - mu)/mu stays constant.
@@ -497,9 +497,9 @@ def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
     balance = relative_imbalance_of_shoe(brake, 0, shoe)
     assert balance.force < 1e-12
     assert balance.moment < 1e-11
-    law = {"linear": LINEAR, "short": FLAT_SHORT}[name]
+    law = {"linear": LINEAR_PRESSURE_LAW, "short": FLAT_SHORT_SHOE_LAW}[name]
     s = (1 if sliding == "+x" else -1) * hand
-    strip = FlatLayout(x_min, x_min + length, h, s)
+    strip = FlatShoeLengths(x_min, x_min + length, h, s)
     (merit,) = MODELS[name].solve(brake).merits
     assert merit.braking_force == approx(float(law.braking_force(70.0, mu, strip)), rel=1e-9)
     assume(0.05 < mu < 0.9 * law.self_locking_friction(strip))
@@ -514,9 +514,11 @@ def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
 def test_long_flat_shoe_becomes_the_short_one() -> None:
     errors = []
     for length in (0.02, 0.01):
-        strip = FlatLayout(0.2 - length / 2, 0.2 + length / 2, 0.06, 1)
+        strip = FlatShoeLengths(0.2 - length / 2, 0.2 + length / 2, 0.06, 1)
         errors.append(
-            LINEAR.braking_force(1.0, 0.4, strip) / FLAT_SHORT.braking_force(1.0, 0.4, strip) - 1
+            LINEAR_PRESSURE_LAW.braking_force(1.0, 0.4, strip)
+            / FLAT_SHORT_SHOE_LAW.braking_force(1.0, 0.4, strip)
+            - 1
         )
     assert errors[0] / errors[1] == approx(4, rel=1e-2)
 
@@ -542,15 +544,15 @@ def test_a_hundred_thousand_torques_of_every_law_in_a_tenth_of_a_second_each() -
     mu = rng.uniform(0.05, 0.5, 10**5)
     phi_1 = rng.uniform(0.0, 1.0, 10**5)
     phi_2 = phi_1 + rng.uniform(0.5, 2.0, 10**5)
-    arc = Layout(phi_1, phi_2, 0.15, 0.125, 1)
-    plane = FlatLayout(0.1 + phi_1, 0.1 + phi_2, 0.06, -1)
+    arc = ShoeAnglesAndRadii(phi_1, phi_2, 0.15, 0.125, 1)
+    plane = FlatShoeLengths(0.1 + phi_1, 0.1 + phi_2, 0.06, -1)
     x, y = 0.16 * np.cos(arc.middle), 0.16 * np.sin(arc.middle)
     block = DoubleShoe()
     calls = {
         **{name: lambda law=law: law.torque(100.0, mu, arc) for name, law in LAWS.items()},
         "pivoted": lambda: pivoted.torque_of_pivoted_shoe(100.0, mu, arc, x, y),
-        "linear": lambda: LINEAR.braking_force(100.0, mu, plane),
-        "flat short": lambda: FLAT_SHORT.braking_force(100.0, mu, plane),
+        "linear": lambda: LINEAR_PRESSURE_LAW.braking_force(100.0, mu, plane),
+        "flat short": lambda: FLAT_SHORT_SHOE_LAW.braking_force(100.0, mu, plane),
         "simscape": lambda: block.torque(1e3 * mu, phi_1 - 0.5),
     }
     assert len(calls) == 9

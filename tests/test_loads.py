@@ -7,16 +7,16 @@ from drumlin.brake.file import read_brake
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp import body as body_path
 from drumlin.fem.hp import shoe as shoe_path
-from drumlin.fem.hp.shoe import LoadedEnd, unit_actuation_loads_on_end_face
+from drumlin.fem.hp.shoe import UnitLoadsOnLoadedEndFace, unit_actuation_loads_on_end_face
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.bodies import load_column_factors_and_pin_moment_per_newton
+from drumlin.fem.preparation.bodies import actuation_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import condense_body_to_contact_and_hinge_face
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
+from drumlin.fem.substructure.loads import ACTUATION_LOAD_NAME, ColumnsOfUnitLoads
 
 FURTHER = "further force"
-TWO = LoadColumns(((ACTUATION, 3), (FURTHER, 1)))
+TWO = ColumnsOfUnitLoads(((ACTUATION_LOAD_NAME, 3), (FURTHER, 1)))
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def with_further_force(xy, depths, p):
     force = np.zeros((len(end.forces), 1))
     force[1] = 1.0
     moment = np.array([[0.0], [1.0], [xy[0, 0] - end.centre[0]]])
-    return LoadedEnd(
+    return UnitLoadsOnLoadedEndFace(
         np.hstack([end.forces, force]), TWO, end.centre, np.hstack([end.moments, moment])
     )
 
@@ -50,10 +50,14 @@ def test_factors_name_the_loads_that_act():
         0.0,
         2.0,
     ]
-    factors = TWO.column_factors_of_all_loads({ACTUATION: np.array([1.0, 2.0, 3.0])})
-    assert TWO.column_factors_of_one_named_load(ACTUATION, factors).tolist() == [1.0, 2.0, 3.0]
+    factors = TWO.column_factors_of_all_loads({ACTUATION_LOAD_NAME: np.array([1.0, 2.0, 3.0])})
+    assert TWO.column_factors_of_one_named_load(ACTUATION_LOAD_NAME, factors).tolist() == [
+        1.0,
+        2.0,
+        3.0,
+    ]
     assert TWO.column_factors_of_one_named_load(FURTHER, factors).tolist() == [0.0]
-    assert LoadColumns().column_factors_of_all_loads({}).shape == (0,)
+    assert ColumnsOfUnitLoads().column_factors_of_all_loads({}).shape == (0,)
     with pytest.raises(KeyError):
         TWO.column_factors_of_all_loads({"heat": np.array([1.0])})
 
@@ -64,7 +68,7 @@ def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, 
     assert body.closure_by_load.shape == (len(body.line.nodes), 4)
     assert body.load_motion_by_load.shape == (4, 4)
     _, ties, loads, _ = body.condensed.assemble_equations_of_whole_body()
-    named = {ACTUATION: loads[:, :3], FURTHER: loads[:, 3:]}
+    named = {ACTUATION_LOAD_NAME: loads[:, :3], FURTHER: loads[:, 3:]}
     other = condense_body_to_contact_and_hinge_face(
         body.basis.stiffness(elastic_layers_of_shoe(shoe)), ties, named, 2 * len(body.line.nodes)
     )
@@ -84,7 +88,7 @@ def test_the_frame_bears_a_further_force(brake, further):
 
 def test_a_load_that_does_not_act_changes_no_answer(brake, further, monkeypatch):
     scene = make_prepared_model(brake, LEVELS[1])
-    factors, _ = load_column_factors_and_pin_moment_per_newton(scene.bodies[0], brake.shoes[0])
+    factors, _ = actuation_factors_and_pin_moment_per_newton(scene.bodies[0], brake.shoes[0])
     assert factors.shape == (4,) and factors[3] == 0.0
     found = solve_prepared_model(scene, brake)
     monkeypatch.undo()

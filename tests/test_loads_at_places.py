@@ -21,7 +21,7 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import sparse_stiffness_of_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.loads import FORCES_ON_MASS, FURTHER_FORCES
+from drumlin.fem.substructure.loads import FURTHER_FORCE_LOAD_NAME, MASS_LOAD_NAME
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS, solve_brake_on_one_triangle_mesh
 from further_loads import BODY, FORCE, R, brake_with, two_shoes
 from held_shoes import KINDS
@@ -62,7 +62,7 @@ def test_a_rotating_ring_has_the_displacements_of_the_closed_form(level: Any) ->
         brake={"shoe_speed": 1.0},
     )
     shoe, body = brake.shoes[0], prepared_body(brake, level)
-    load = unit_loads_at_points_and_mass(body.basis, shoe, R)[FORCES_ON_MASS][:, 2]
+    load = unit_loads_at_points_and_mass(body.basis, shoe, R)[MASS_LOAD_NAME][:, 2]
     K = sparse_stiffness_of_body(body.basis, elastic_layers_of_shoe(shoe))
     x, y = body.basis.doflocs
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
@@ -109,7 +109,7 @@ def test_a_force_bends_a_curved_cantilever_where_it_acts(level: Any) -> None:
         ],
     )
     body, shoe = prepared_body(brake, level, 64), brake.shoes[0]
-    columns = body.condensed.columns.column_slice_of_each_load[FURTHER_FORCES]
+    columns = body.condensed.columns.column_slice_of_each_load[FURTHER_FORCE_LOAD_NAME]
     along = shoe.frame.convert_vectors_to_shoe_frame(np.array([math.cos(at), math.sin(at)]))
     found = along @ body.load_motion_by_load[columns, columns] @ along
     angle, radius = at + 1.1, R - 0.001 - thickness / 2
@@ -152,7 +152,7 @@ def test_mass_lies_in_the_volume_of_a_section_of_two_widths() -> None:
         brake={"gravity": {"direction": 0.0}},
     )
     shoe, body = brake.shoes[0], prepared_body(brake, None, 32)
-    load = unit_loads_at_points_and_mass(body.basis, shoe, R)[FORCES_ON_MASS]
+    load = unit_loads_at_points_and_mass(body.basis, shoe, R)[MASS_LOAD_NAME]
     # Weight square to the line through both centres would have a couple if the centres differed.
     line, weight = shoe.frame.convert_vectors_to_shoe_frame(np.eye(2))
     along = load[:, :2].reshape(-1, 2, 2) @ weight @ line

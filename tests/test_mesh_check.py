@@ -12,7 +12,7 @@ from drumlin.brake.writing import brake_file_text
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.report.mesh_check import (
-    GROUP_COLORS,
+    MESH_GROUP_COLORS,
     draw_checked_meshes,
     mean_lining_compression_under_actuation_force,
     read_meshes_of_brake,
@@ -48,7 +48,7 @@ def test_the_picture_shows_groups_and_the_contact_line(standing_off):
         elif isinstance(part, LineCollection):
             drawn[tuple(part.get_edgecolor()[0])] = len(part.get_paths())
     named = {**mesh.subdomains, **mesh.boundaries}
-    assert drawn == {to_rgba(GROUP_COLORS[name]): len(of) for name, of in named.items()}
+    assert drawn == {to_rgba(MESH_GROUP_COLORS[name]): len(of) for name, of in named.items()}
     # The contact line stands 20 um off the drum, over the arc of the lining.
     (curve,) = (line for line in offsets.get_lines() if "in the file" in line.get_label())
     assert curve.get_ydata() == pytest.approx(20, rel=1e-6)

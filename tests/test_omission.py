@@ -30,7 +30,7 @@ from drumlin_studies.omission_table import (
     table_rows_for_each_part_omitted_from_brake,
 )
 from drumlin_studies.reduced import (
-    HALF_PLANE_WAVE,
+    HALF_PLANE_LIMIT_OF_RING_WAVE_NUMBER,
     make_function_that_prepares_surrogates,
     radial_ring_compliances_under_two_tractions_by_mode,
 )
@@ -94,7 +94,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     A, B = np.linalg.solve(np.array([stress(R), outer]), [-1.0, 0.0])
     assert radial[0] == pytest.approx(A * R + B / R, rel=1e-6)
     # Higher waves are those of a half-plane.
-    below = int(HALF_PLANE_WAVE * R / t)
+    below = int(HALF_PLANE_LIMIT_OF_RING_WAVE_NUMBER * R / t)
     assert radial[below] == pytest.approx(2 * R / (E * below), rel=5e-3)
     assert shear[below] == pytest.approx((1 - nu) * R / (E * below), rel=2e-2)
     assert radial[250] == pytest.approx(2 * R / (E * 250), rel=1e-12)

@@ -16,7 +16,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.elasticity import ElasticLayer, plane_stress_elasticity_matrix
 from drumlin.brake.fields import Material, Orthotropic
 from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part, vary
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.brake.schema import json_schema_of_brake_file
 from drumlin.brake.writing import brake_file_text
 from drumlin.comparison import compare
@@ -46,7 +46,7 @@ from drumlin.models import (
 from drumlin.peers import calculix, getfem, install_hint_if_missing
 from drumlin_studies.consistency_slopes import (
     ALLOWED_SLOPE_DIFFERENCE,
-    DivisionForSlopes,
+    MeshKindForSlopes,
     all_torque_sensitivities_printed_for_brake,
     largest_relative_difference_from_central_differences,
 )
@@ -60,9 +60,9 @@ from drumlin_studies.two_bodies import scikit_fem_basis_of_mesh
 from picking import having, picked
 from shared_parts import of_shoes
 
-MAIN = read_any(STUDY / "brake.toml")
-FLEXIBLE = read_any(STUDY / "flexible.toml")
-POST = read_any(ROOT / "studies/post_brake/brake.toml")
+MAIN = read_drum_or_plane_brake(STUDY / "brake.toml")
+FLEXIBLE = read_drum_or_plane_brake(STUDY / "flexible.toml")
+POST = read_drum_or_plane_brake(ROOT / "studies/post_brake/brake.toml")
 LINING = {"E_along": 9e8, "E_through": 3e8, "G_along_through": 2.1e8, "nu_along_through": 0.35}
 """Of a moulded lining: three times as stiff along as through."""
 ACROSS = {
@@ -241,9 +241,9 @@ def test_an_isotropic_material_has_the_same_in_all_directions():
 SAME = {
     "arcs": MAIN,
     "posts on a ring": POST,
-    "cam": read_any(ROOT / "studies/brakes/s_cam.toml"),
-    "pads": read_any(ROOT / "studies/brakes/rail_clamp.toml"),
-    "T-sections": read_any(ROOT / "studies/plane_stress/brake.toml"),
+    "cam": read_drum_or_plane_brake(ROOT / "studies/brakes/s_cam.toml"),
+    "pads": read_drum_or_plane_brake(ROOT / "studies/brakes/rail_clamp.toml"),
+    "T-sections": read_drum_or_plane_brake(ROOT / "studies/plane_stress/brake.toml"),
 }
 
 
@@ -478,7 +478,7 @@ def test_all_moduli_and_forces_by_one_factor_leave_the_shape_of_the_pressure(see
 @pytest.mark.parametrize("model", LAWS)
 def test_closed_form_laws_refuse_directions_in_a_line_and_take_isotropic_materials(model):
     brake = next(
-        read_any(ROOT / "studies" / name)
+        read_drum_or_plane_brake(ROOT / "studies" / name)
         for name in (
             "double_shoe/brake.toml",
             "laws/pivoted_block.toml",
@@ -487,7 +487,7 @@ def test_closed_form_laws_refuse_directions_in_a_line_and_take_isotropic_materia
             "laws/short_block.toml",
             "laws/pad.toml",
         )
-        if MODELS[model].why_not(read_any(ROOT / "studies" / name)) is None
+        if MODELS[model].why_not(read_drum_or_plane_brake(ROOT / "studies" / name)) is None
     )
     directed = vary(brake, {"shoe[0].lining.material": LINING})
     name = brake.shoes[0].name
@@ -508,7 +508,7 @@ def test_foundation_solid_and_width_refuse_directions_in_a_line():
     ):
         model_with_name_that_applies_to_brake("foundation", backing)
     rim = {"thickness": 0.02, "width": 0.05, "material": LINING}
-    ring = vary(read_any(ROOT / "studies/laws/block.toml"), {"drum.ring": rim})
+    ring = vary(read_drum_or_plane_brake(ROOT / "studies/laws/block.toml"), {"drum.ring": rim})
     assert (
         MODELS["short"].why_not(ring)
         == f"drum.ring.material is orthotropic; a closed-form law takes {only}"
@@ -538,7 +538,7 @@ def test_slopes_are_those_of_differences(name, elements):
     One factor scales all moduli of a part; a straight beam's directions turn with its points.
     """
     brake = orthotropic(FLEXIBLE if name == "arcs" else vary(POST, {"drum.ring": None}), 3)
-    divided = DivisionForSlopes(elements, Cache())
+    divided = MeshKindForSlopes(elements, Cache())
     base, found = (
         divided.solve_brake_for_torque(brake),
         divided.compute_derivatives_of_brake_torque(brake),
@@ -670,7 +670,7 @@ def test_getfem_agrees(name):
 
 
 def test_a_pad_on_a_plane_has_straight_layers():
-    clamp = orthotropic(read_any(ROOT / "studies/brakes/rail_clamp.toml"), 2)
+    clamp = orthotropic(read_drum_or_plane_brake(ROOT / "studies/brakes/rail_clamp.toml"), 2)
     scenes = (
         make_prepared_model(clamp, LEVELS[2]),
         prepared_model_with_finest_elements(clamp, elements=60),

@@ -9,7 +9,7 @@ import pytest
 
 import drumlin
 from drumlin import BadInput, vary
-from drumlin.brake import read_any
+from drumlin.brake import read_drum_or_plane_brake
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.laws.rigid import solve_brake_by_rigid_shoe_law
@@ -22,7 +22,7 @@ INCH, POUND = 0.0254, 4.4482216152605
 
 def example(name: str) -> Any:
     """The brake of a file in studies/forces."""
-    return read_any(ROOT / "studies" / "forces" / f"{name}.toml")
+    return read_drum_or_plane_brake(ROOT / "studies" / "forces" / f"{name}.toml")
 
 
 # Patterns

@@ -13,7 +13,7 @@ from conftest import ROOT, partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import make_validated_brake_part, vary
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
@@ -239,7 +239,7 @@ def test_pads_are_worn_on_guides_along_the_normal_of_the_plane() -> None:
     The braking force is mu times the part of the force along the normal.
     """
     file = ROOT / "studies" / "brakes" / "rail_clamp.toml"
-    brake = read_any(file)
+    brake = read_drum_or_plane_brake(file)
     done = command_line.drumlin("wear", file, "--guided", "--elements", 20, "--distance", 0.1)
     assert done.returncode == 0
     down = sum(-shoe.actuation.force_vector[1] for shoe in brake.shoes)

@@ -20,8 +20,8 @@ def t_brake(root):
 def test_a_brake_has_the_value_that_it_is_given(t_brake, variation):
     assert len(variation.values) > 4
     for value in variation.values:
-        changed = variation.changed(t_brake, value)
-        assert variation.value(changed) == pytest.approx(value)
+        brake_with_value = variation.brake_with_value(t_brake, value)
+        assert variation.value(brake_with_value) == pytest.approx(value)
 
 
 def test_without_contraction_plane_stress_of_one_width_has_no_error(flexible):

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import drumlin
-from drumlin.brake import read_any
+from drumlin.brake import read_drum_or_plane_brake
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.laws.rigid import solve_brake_by_rigid_shoe_law
@@ -31,7 +31,7 @@ CYLINDER, FOOT, PIN = 0.095, 0.112, 0.118
 
 def example(name: str, **changes: Any) -> Brake:
     """An example of `drumlin init`, with other values of some keys."""
-    return vary(read_any(paths_of_example_brakes()[name]), changes)
+    return vary(read_drum_or_plane_brake(paths_of_example_brakes()[name]), changes)
 
 
 def rigid_limit(brake: Brake) -> Response:

@@ -12,13 +12,13 @@ from matplotlib.text import Text
 
 from conftest import ROOT
 from drumlin.brake.file import read_brake, vary
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.door import fields, solve
 from drumlin.models import MODELS
 from drumlin.report import figures
 from drumlin.report.field_picture import (
     FORCE_SHAFT_WIDTH,
-    SAMPLE_SPACING,
+    LARGEST_CELL_SAMPLE_SPACING,
     _draw_arrows,
     _figure_that_shows_all_points,
     _friction_surface_of_brake,
@@ -27,8 +27,8 @@ from drumlin.report.field_picture import (
     paint_values_of_cells,
 )
 from drumlin.report.plane_picture import (
-    DRAWN_REGION,
-    PLANE_WINDOW,
+    PLANE_PICTURE_PIXELS,
+    WINDOW_RANGES_OF_DRAWN_BODIES,
     centre_and_half_height_of_window,
 )
 from drumlin.report.solid_picture import _figure_around_pixels
@@ -279,7 +279,7 @@ def test_numbers_at_ticks(value, text):
     ],
 )
 def test_a_picture_of_stresses_is_legible_and_shows_the_pressure_of_the_response(name):
-    brake = read_any(ROOT / "studies" / f"{name}.toml")
+    brake = read_drum_or_plane_brake(ROOT / "studies" / f"{name}.toml")
     response = solve(brake, elements=8)
     bodies = fields(brake, elements=8)
     figure = draw_stress_in_shoes_and_ring(brake, response, bodies)
@@ -367,9 +367,9 @@ def test_bodies_of_any_shape_fill_the_region_of_a_plane_picture(size):
     low = np.array([-7.0, 2.0])
     bounds = np.stack([low, low + size], axis=1)
     centre, half = centre_and_half_height_of_window(bounds)
-    window = 2 * half * np.array([PLANE_WINDOW[0] / PLANE_WINDOW[1], 1.0])
+    window = 2 * half * np.array([PLANE_PICTURE_PIXELS[0] / PLANE_PICTURE_PIXELS[1], 1.0])
     relative = 0.5 + (bounds - centre[:, None]) / window[:, None]
-    region = np.array(DRAWN_REGION)
+    region = np.array(WINDOW_RANGES_OF_DRAWN_BODIES)
     assert (relative[:, 0] >= region[:, 0] - 1e-9).all()
     assert (relative[:, 1] <= region[:, 1] + 1e-9).all()
     np.testing.assert_allclose(relative.mean(axis=1), region.mean(axis=1))
@@ -401,7 +401,7 @@ def test_cells_are_painted_whole_with_values_between_those_of_their_nodes(corner
     # A sample lies within half a pixel of the middle of its pixel in both directions.
     difference = np.abs(painted[filled] - middle @ slope)
     assert difference.max() <= 0.5 * np.abs(slope).sum() + 1e-9
-    assert SAMPLE_SPACING < 1
+    assert LARGEST_CELL_SAMPLE_SPACING < 1
 
 
 def test_worn_linings_and_laws_have_their_figures_in_a_column(brake):

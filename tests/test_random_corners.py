@@ -8,7 +8,7 @@ import drumlin
 from conftest import partly
 from drumlin_studies.random_corners import (
     CORNER_KINDS,
-    SHORT_CONTACT,
+    RANGE_OF_SHORT_CONTACT_LENGTH,
     draw_random_brake_pressing_with_corner_or_kink,
     is_kink_towards_drum_in_contact,
     is_lining_corner_in_contact,
@@ -39,4 +39,4 @@ def test_a_seed_gives_a_brake_that_presses_as_its_kind_says(number):
 
 
 def test_short_contacts_are_in_the_zones_that_other_brakes_leave_out():
-    assert SHORT_CONTACT[1] <= 4 * math.radians(0.2)
+    assert RANGE_OF_SHORT_CONTACT_LENGTH[1] <= 4 * math.radians(0.2)

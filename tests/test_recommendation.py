@@ -1,7 +1,7 @@
 """The method recommended for a target error, from rows made by hand."""
 
 from drumlin_studies.recommendation import (
-    AIMS,
+    AIMED_PEER_TIME_OVER_DRUMLIN_TIME,
     TARGETS,
     compare_times_with_peer_programs,
     recommended_methods_by_brake_and_target,
@@ -129,7 +129,9 @@ def test_peers_are_held_against_the_fastest_way_to_each_error():
         rows, {"one": {"pressure_error": 1e-6}}
     )
     assert brake == "one" and picked(times, ("peer", "target")) == [
-        (p, x) for p in AIMS for x in AIMS[p]
+        (p, x)
+        for p in AIMED_PEER_TIME_OVER_DRUMLIN_TIME
+        for x in AIMED_PEER_TIME_OVER_DRUMLIN_TIME[p]
     ]
     ratios = {
         (one.peer, one.target): one.best["ratio"] / one.own["ratio"] for one in times if one.best

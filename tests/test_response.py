@@ -19,8 +19,8 @@ from drumlin.response.balance import (
     resultant_of_contact_on_shoe,
 )
 from drumlin.response.response import (
-    Balance,
-    Deformation,
+    BeamAndRingDeflections,
+    ForceAndMomentImbalance,
     PressureOverWidth,
     Response,
     ShoeResponse,
@@ -301,17 +301,17 @@ def test_an_elastic_lining_by_growing_angles(brake):
 
 def test_forces_and_moments_are_balanced_relative_to_the_largest(brake):
     forces = [np.array([3.0, 0]), np.array([0, 4.0]), np.array([-3.0, -3.0])]
-    assert relative_magnitudes_of_force_and_moment_sums(forces, [2.0, -1.5]) == Balance(
-        pytest.approx(1 / math.sqrt(18)), pytest.approx(0.25)
-    )
+    assert relative_magnitudes_of_force_and_moment_sums(
+        forces, [2.0, -1.5]
+    ) == ForceAndMomentImbalance(pytest.approx(1 / math.sqrt(18)), pytest.approx(0.25))
     assert (
         relative_magnitudes_of_force_and_moment_sums([np.zeros(2)], [0.0])
         == relative_magnitudes_of_force_and_moment_sums([], [])
-        == Balance(0.0, 0.0)
+        == ForceAndMomentImbalance(0.0, 0.0)
     )
-    assert largest_imbalance_among_shoes([Balance(1.0, 4.0), Balance(3.0, 2.0)]) == Balance(
-        3.0, 4.0
-    )
+    assert largest_imbalance_among_shoes(
+        [ForceAndMomentImbalance(1.0, 4.0), ForceAndMomentImbalance(3.0, 2.0)]
+    ) == ForceAndMomentImbalance(3.0, 4.0)
 
 
 def test_a_shoe_is_balanced_by_the_integrals_of_its_pressure_or_by_what_is_lumped(brake):
@@ -341,7 +341,9 @@ def test_a_shoe_is_balanced_by_the_integrals_of_its_pressure_or_by_what_is_lumpe
     assert balance.moment == pytest.approx(abs(sum(about)) / max(map(abs, about)))
     lumped = Resultant(np.array([5.0, 0]), np.array([0, 7.0]), 9.0)
     assert resultant_of_contact_on_shoe(brake, 0, replace(shoe, lumped=lumped)) is lumped
-    assert relative_imbalance_of_shoe(brake, 0, replace(shoe, contact_arcs=())) == Balance(0.0, 0.0)
+    assert relative_imbalance_of_shoe(
+        brake, 0, replace(shoe, contact_arcs=())
+    ) == ForceAndMomentImbalance(0.0, 0.0)
 
 
 def test_a_shoe_apart_and_responses_as_plain_data(brake):
@@ -358,7 +360,7 @@ def test_a_shoe_apart_and_responses_as_plain_data(brake):
         [0, 0]
     )
 
-    bent = Deformation(*(np.array([float(i)]) for i in range(4)))
+    bent = BeamAndRingDeflections(*(np.array([float(i)]) for i in range(4)))
     shoe = replace(
         shoe_of(np.array([0.0, 1, 2]), np.array([1.0, 2, 3])),
         deformation=bent,
@@ -380,7 +382,7 @@ def test_a_shoe_apart_and_responses_as_plain_data(brake):
     response = Response(
         "fem",
         (shoe, away),
-        Balance(1e-9, 2e-9),
+        ForceAndMomentImbalance(1e-9, 2e-9),
         bearing_load=np.array([1.0, 2]),
         error={"torque": 1e-3},
     )

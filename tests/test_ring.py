@@ -202,7 +202,7 @@ def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
 def solved_without_widening(brake, monkeypatch):
     """The answer on a ring whose columns are those of the linings."""
     with monkeypatch.context() as patch:
-        patch.setattr(hp_ring, "width_of_ring_columns_over_width_of_lining_columns", lambda *_: 1.0)
+        patch.setattr(hp_ring, "largest_ratio_of_ring_to_lining_column_widths", lambda *_: 1.0)
         return solve(brake)
 
 

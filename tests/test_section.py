@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import drumlin
 from drumlin import BadInput, Brake
-from drumlin.brake import read_any, vary
+from drumlin.brake import read_drum_or_plane_brake, vary
 from drumlin.brake.components import ASSUMED_STEEL, Section, stiffnesses_of_bonded_plates
 from drumlin.brake.fields import Material
 from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part
@@ -233,7 +233,7 @@ def test_files_of_both_read_as_they_were_written(tmp_path: Any) -> None:
         layered("pivot", old=False),
         vary(arc(**WEB), {"shoe.body.bending_stiffness": 3e3}),
     ):
-        assert read_any(tmp_path / "b.toml", brake_file_text(brake)) == brake
+        assert read_drum_or_plane_brake(tmp_path / "b.toml", brake_file_text(brake)) == brake
     only = arc(thickness=0.03, bending_stiffness=3e3)
     assert 'bending_stiffness = "3000.0 N m^2"' in brake_file_text(only)
     assert only.shoes[0].body.plates["shoe"].material == ASSUMED_STEEL  # type: ignore[union-attr]

@@ -11,7 +11,7 @@ from drumlin import NoAnswer, vary
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.bodies import load_column_factors_and_pin_moment_per_newton
+from drumlin.fem.preparation.bodies import actuation_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import sparse_stiffness_of_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -50,9 +50,9 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
         found = group.solve_contact_for_given_abutment_friction()
         own = group.contact_effects_of_each_actuation_force(group.brake.friction)[0]
         tip = group.largest_actuation_force * (
-            own.tip_travel_by_pressure @ found.p
-            + own.tip_travel_by_force
-            + own.tip_travel_by_modes @ found.y
+            own.load_point_travel_by_pressure @ found.p
+            + own.load_point_travel_by_force
+            + own.load_point_travel_by_modes @ found.y
         )
         tips.append(tip)
         shoe = solve_prepared_model(scene, alone).shoes[i]
@@ -101,9 +101,9 @@ def test_the_tip_moves_as_the_energy_says() -> None:
         group.contact_effects_of_each_actuation_force(group.brake.friction)[0],
     )
     tip = (
-        own.tip_travel_by_pressure @ found.p
-        + own.tip_travel_by_force
-        + own.tip_travel_by_modes @ found.y
+        own.load_point_travel_by_pressure @ found.p
+        + own.load_point_travel_by_force
+        + own.load_point_travel_by_modes @ found.y
     )
     body, part = group.substructures_of_shoes[0], group.contact_node_slices_of_shoes[0]
     nodal = -body.coupling.N.T @ found.p[part]
@@ -121,7 +121,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
 
 
 def _load(group: Any) -> Any:
-    return load_column_factors_and_pin_moment_per_newton(
+    return actuation_factors_and_pin_moment_per_newton(
         group.substructures_of_shoes[0], group.shoes[0]
     )[0]
 

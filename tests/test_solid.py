@@ -18,7 +18,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.width import prepare
-from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE
+from drumlin.fem.width.ladder import LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR
 from drumlin.fem.width.prepare import (
     prepare_model_with_shoe_widths,
     refinement_level_for_narrow_shoes,
@@ -254,7 +254,7 @@ def test_a_sweep_of_solid_shoes_condenses_no_division_twice(root, flexible, monk
     ("options", "said"),
     [
         ({"across": 0}, "model.solid: across = 0"),
-        ({"across": LARGEST_STATED_DEGREE + 1}, "model.solid: across = 8"),
+        ({"across": LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR + 1}, "model.solid: across = 8"),
         (
             {"elements": 12},
             "model.solid: unknown key 'elements'; allowed: penalty, across, tolerance",

@@ -24,7 +24,7 @@ from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.width.face import WidthFace
+from drumlin.fem.width.face import ContactFaceWithWidth
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
@@ -260,7 +260,7 @@ def test_the_division_of_the_section_is_that_of_plane_stress(flexible):
     flat = prepared_model_for_analysis(flexible)
     solid = prepared_model_for_analysis(flexible, "solid")
     for one, true in zip(solid.bodies, flat.bodies, strict=True):
-        assert isinstance(one.line, WidthFace)
+        assert isinstance(one.line, ContactFaceWithWidth)
         assert one.line.line.xy == pytest.approx(true.line.xy)
         assert one.line.functions.degree == ANALYSIS_DEGREE
 

@@ -10,7 +10,7 @@ from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
 from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
-from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
@@ -145,7 +145,7 @@ def test_a_refusal_is_asked_for_once_more_where_another_division_may_answer(brak
         list(solve_brake_on_finer_and_finer_mesh_levels(brake, refuse))
     assert raised.value is refusal
     assert len(nodes) == 2
-    even = ELEMENTS * LEVELS[0].degree
+    even = DEFAULT_ELEMENTS_ALONG_LINING * LEVELS[0].degree
     assert nodes[0] < even
     assert (nodes[1] > even) == evened
 

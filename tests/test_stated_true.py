@@ -16,8 +16,8 @@ from drumlin.fem.error_control.adapt import (
     solve_brake_to_tolerance,
 )
 from drumlin.fem.error_control.estimate import (
-    FACTORS,
-    SOFTER,
+    SAFETY_FACTOR_OF_PENALTY_ERROR,
+    SAFETY_FACTORS,
     Errors,
     estimate_errors_from_two_mesh_levels,
     sum_of_penalty_and_round_off_errors,
@@ -28,15 +28,19 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.response.norms import relative_distance_of_pressures
-from drumlin.response.response import NO_CHANGE, ShoeChange, reference_force_of_reaction_errors
+from drumlin.response.response import (
+    ZERO_SHOE_CHANGES,
+    RelativeShoeChanges,
+    reference_force_of_reaction_errors,
+)
 from drumlin.response.resultants import integral_of_piecewise_polynomial, planar_cross_product
 from drumlin.verification.triangles import TriangleLevel, solve_brake_on_sequence_of_triangle_meshes
 from drumlin_studies import stated_true
 from drumlin_studies.calibration import draw_random_calibration_brake_and_name_of_kind
-from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
+from drumlin_studies.random_brake import DRAW_BY_SHAPE_KIND, draw_random_brake
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
-    RELEVANT,
+    SMALLEST_RELEVANT_TRUE_ERROR,
     Truth,
     estimate_distance_of_last_value_from_limit,
     row_of_stated_and_true_errors,
@@ -58,7 +62,7 @@ def truth(brake):
     return Truth(last, MappingProxyType(true_errors_of_response(brake, before, last)), 0.0)
 
 
-@pytest.mark.parametrize("kind", partly(SHAPE_KINDS, {"linings on ring", "post on ring"}))
+@pytest.mark.parametrize("kind", partly(DRAW_BY_SHAPE_KIND, {"linings on ring", "post on ring"}))
 def test_a_brake_of_each_kind_is_drawn_again_by_its_seed(kind):
     brake = draw_random_brake(5, kind)
     assert brake == draw_random_brake(5, kind)
@@ -70,7 +74,7 @@ def test_a_brake_of_each_kind_is_drawn_again_by_its_seed(kind):
 
 def test_the_kinds_follow_each_other_by_seed():
     assert [draw_random_brake(seed).title for seed in range(3)] == [
-        f"random {kind} {i}" for i, kind in enumerate(SHAPE_KINDS)
+        f"random {kind} {i}" for i, kind in enumerate(DRAW_BY_SHAPE_KIND)
     ][:3]
 
 
@@ -109,7 +113,15 @@ def test_the_relevant_median_leaves_out_errors_that_nobody_asks_for():
             for what, value in (("stated", 4e-6), ("true", value), ("unsure", 0.0))
         }
 
-    rows = [judged(true) for true in (2 * RELEVANT, RELEVANT, 0.01 * RELEVANT, 0.01 * RELEVANT)]
+    rows = [
+        judged(true)
+        for true in (
+            2 * SMALLEST_RELEVANT_TRUE_ERROR,
+            SMALLEST_RELEVANT_TRUE_ERROR,
+            0.01 * SMALLEST_RELEVANT_TRUE_ERROR,
+            0.01 * SMALLEST_RELEVANT_TRUE_ERROR,
+        )
+    ]
     torque = keyed(summary_rows_of_stated_errors(rows), "quantity")["torque"]
     assert torque["median_relevant"] == pytest.approx(3.0)
     assert torque["median"] == pytest.approx(202.0)
@@ -167,7 +179,7 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
     response = solve(brake, elements=10)
 
     def with_torque(part, **more):
-        beside = {"softness": NO_CHANGE, "lost": NO_CHANGE} | more
+        beside = {"softness": ZERO_SHOE_CHANGES, "lost": ZERO_SHOE_CHANGES} | more
         shoes = (replace(shoe, torque=shoe.torque * part, **beside) for shoe in response.shoes)
         return replace(response, shoes=tuple(shoes))
 
@@ -176,14 +188,14 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
             brake, with_torque(1.001), with_torque(1.0, **more)
         ).brake
 
-    step = FACTORS.force * 1e-3
+    step = SAFETY_FACTORS.force * 1e-3
     assert stated()["torque"] == pytest.approx(step)
     assert stated()["pressure"] == 0.0
-    yielding = stated(softness=ShoeChange(1.0, 1e-3, 1.0))
-    assert yielding["torque"] == pytest.approx(step + SOFTER * 1e-3)
+    yielding = stated(softness=RelativeShoeChanges(1.0, 1e-3, 1.0))
+    assert yielding["torque"] == pytest.approx(step + SAFETY_FACTOR_OF_PENALTY_ERROR * 1e-3)
     # This part of the answer does not differ at all.
     assert yielding["pressure"] == 0.0
-    rounded = stated(lost=ShoeChange(1.0, 1e-3, 1.0))
+    rounded = stated(lost=RelativeShoeChanges(1.0, 1e-3, 1.0))
     assert rounded["torque"] == pytest.approx(step + 1e-3)
 
 
@@ -220,7 +232,7 @@ def test_forces_that_agree_by_chance_are_as_uncertain_as_the_columns_of_the_pres
             for k in set(column)
         ]
         least = (
-            FACTORS.cancelled
+            SAFETY_FACTORS.cancelled
             * math.hypot(*off)
             / integral_of_piecewise_polynomial(b.theta, b.pressure, b.order)
         )
@@ -261,7 +273,7 @@ def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(br
         own = estimate_errors_from_two_mesh_levels(brake, before, level).shoes[0]
         p = relative_distance_of_pressures(before.shoes[0], middle)
         assert p > 1e-6
-        assert own["peak"] == pytest.approx(FACTORS.peak * math.sqrt(p * near), rel=0.1)
+        assert own["peak"] == pytest.approx(SAFETY_FACTORS.peak * math.sqrt(p * near), rel=0.1)
 
 
 def test_the_shortest_contact_of_a_shoe_counts(brake):
@@ -280,7 +292,7 @@ def test_the_shortest_contact_of_a_shoe_counts(brake):
         ).response.error
 
     assert error(found)["torque"] == pytest.approx(
-        FACTORS.force * 1e-3 * one.torque / found.torque, rel=1e-3
+        SAFETY_FACTORS.force * 1e-3 * one.torque / found.torque, rel=1e-3
     )
     assert error(found)["pressure"] < 1e-3
     assert error(replace(found, shoes=(replace(one, contact_arcs=arcs), other)))["pressure"] >= 1
@@ -302,7 +314,7 @@ def test_errors_of_two_shoes_torques_do_not_cancel(brake):
     for series in ([before, last], [last, before]):
         assert estimate_errors_from_two_mesh_levels(brake, *series).brake[
             "torque"
-        ] == pytest.approx(FACTORS.force * 10.0 / last.torque, rel=1e-4)
+        ] == pytest.approx(SAFETY_FACTORS.force * 10.0 / last.torque, rel=1e-4)
 
 
 @pytest.mark.slow
@@ -335,7 +347,7 @@ def test_the_penalty_changes_torque_and_pressure_as_a_response_says(brake, index
     assert relative_distance_of_pressures(soft, firm) == pytest.approx(
         soft.softness.pressure, rel=0.05
     )
-    assert soft.softness.torque > 1e-9 and firm.softness == NO_CHANGE
+    assert soft.softness.torque > 1e-9 and firm.softness == ZERO_SHOE_CHANGES
 
 
 @pytest.mark.parametrize("penalty", [30.0, 1.0, 0.1, 1e-3])
@@ -355,7 +367,10 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
         true = relative_distance_of_pressures(a, b), abs(a.torque / b.torque - 1), reaction
         if penalty == 30:
             np.testing.assert_allclose(a.softness[:3], true, rtol=0.1)
-        assert true[0] < SOFTER * a.softness.pressure and true[2] < SOFTER * a.softness.reaction
+        assert (
+            true[0] < SAFETY_FACTOR_OF_PENALTY_ERROR * a.softness.pressure
+            and true[2] < SAFETY_FACTOR_OF_PENALTY_ERROR * a.softness.reaction
+        )
 
 
 def test_what_a_soft_contact_changes_of_a_post_is_stated_too():
@@ -417,7 +432,9 @@ def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
 
     def losing(brake, respond):
         for made, found in solve_brake_on_finer_and_finer_mesh_levels(brake, respond):
-            shoes = tuple(replace(shoe, lost=ShoeChange(1e-4, 2e-4, 3e-4)) for shoe in found.shoes)
+            shoes = tuple(
+                replace(shoe, lost=RelativeShoeChanges(1e-4, 2e-4, 3e-4)) for shoe in found.shoes
+            )
             yield SolvedLevel(made, replace(found, shoes=shoes))
 
     sure = solve_fine_reference_by_hp_elements(brake, 1e-2).unsure
@@ -541,7 +558,7 @@ def test_a_shoe_that_loses_its_contact_moves_the_torque_by_all_of_it(brake, leve
     lifted = replace(other, torque=0.0, pressure=0.0 * other.pressure, contact_arcs=())
     stated = estimate_errors_from_two_mesh_levels(brake, level, replace(level, shoes=(one, lifted)))
     assert stated.brake["torque"] == pytest.approx(
-        FACTORS.force * other.torque / one.torque, rel=1e-9
+        SAFETY_FACTORS.force * other.torque / one.torque, rel=1e-9
     )
 
 
@@ -601,7 +618,7 @@ def test_a_reaction_that_two_levels_share_by_accident_is_not_stated_as_sure():
     )
     stated = estimate_errors_from_two_mesh_levels(hinged, before, last)
     by_step = estimate_errors_from_two_mesh_levels(
-        hinged, before, last, FACTORS._replace(cancelled=0.0)
+        hinged, before, last, SAFETY_FACTORS._replace(cancelled=0.0)
     )
     assert by_step.brake["reaction"] < 0.5 * off
     assert stated.brake["reaction"] > off - truth.unsure["reaction"]

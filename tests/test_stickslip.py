@@ -19,8 +19,8 @@ from drumlin.contact.stick_slip import (
     FORWARD,
     OPEN,
     STICK,
-    FrictionalProblem,
     SlipHistory,
+    StickSlipProblem,
 )
 from drumlin.fem.analysis.at_rest import make_stick_slip_problem_and_slip_per_drum_rotation
 from drumlin.fem.analysis.holding import (
@@ -56,7 +56,7 @@ def spring(push, shift, stiffness=100.0, penalty=0.0):
     The load is -push.
     """
     one, none = np.ones((1, 1)), np.zeros((1, 1))
-    return FrictionalProblem(
+    return StickSlipProblem(
         A_wp=one / stiffness,
         A_wt=none,
         A_sp=none,
@@ -383,7 +383,7 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
         rng = np.random.default_rng(seed)
         root = rng.normal(size=(2 * n, 2 * n))
         A = root @ root.T + 0.05 * np.eye(2 * n)
-        problem = FrictionalProblem(
+        problem = StickSlipProblem(
             A_wp=A[:n, :n],
             A_wt=A[:n, n:],
             A_sp=-A[n:, :n],

@@ -20,7 +20,7 @@ from drumlin_studies.sharpness import (
 )
 from drumlin_studies.stated_true import JUDGED_QUANTITIES
 from drumlin_studies.stored_truth import (
-    FINER,
+    HP_MESHES_OF_STORED_TRUTH,
     STORED_BRAKES,
     read_stored_fine_solution,
     solve_stored_brake_on_far_finer_meshes,
@@ -214,7 +214,7 @@ def test_finer_hp_elements_agree_with_triangles_where_both_have_an_answer():
     from drumlin_studies.stored_truth import solve_brake_by_finer_hp_meshes
 
     stored = read_stored_fine_solution(FOLDER / "hinge.json")
-    assert stored.by == "triangles" and len(FINER) == 3
+    assert stored.by == "triangles" and len(HP_MESHES_OF_STORED_TRUTH) == 3
     brake = stored.brake
     finer = solve_brake_by_finer_hp_meshes(brake)
     for quantity, off in true_errors_of_response(brake, finer.shoes, stored.true.shoes).items():

@@ -90,7 +90,7 @@ def swept(result):
 
 
 def test_worn_in_the_pressure_is_even_across_the_width_and_the_laws_along_the_arc(result):
-    for uneven, law in zip(result.worn.uneven, result.worn.from_law, strict=True):
+    for uneven, law in zip(result.worn.uneven, result.worn.distance_from_sine_law, strict=True):
         assert uneven[0] > 0.15 and uneven[-1] < 2e-3
         assert law[0] > 0.5 and law[-1] < 0.1
         healed = [np.array(uneven) / uneven[0], np.array(law) / law[0]]

@@ -10,12 +10,12 @@ import pytest
 import drumlin.brake
 from drumlin.brake.brake import Brake
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.brake.surface import DRUM, PLANE
 
 ROOT = Path(__file__).resolve().parents[1]
-PAD = read_any(ROOT / "studies" / "brakes" / "rail_clamp.toml")
-BLOCK = read_any(ROOT / "studies" / "laws" / "block.toml")
+PAD = read_drum_or_plane_brake(ROOT / "studies" / "brakes" / "rail_clamp.toml")
+BLOCK = read_drum_or_plane_brake(ROOT / "studies" / "laws" / "block.toml")
 CLASSES = {"Brake", "DrumBrake", "FlatBrake", "DrumShoe", "FlatShoe"}
 
 
@@ -56,7 +56,7 @@ def test_a_length_along_the_surface_is_phi_in_sizes_and_q_in_scale_factors(brake
         np.testing.assert_allclose(
             shoe.frame.surface_coordinates_of_phi(phi), q, rtol=1e-13, atol=1e-15
         )
-        lengths = np.abs(np.diff(q)) * brake.scale_factor
+        lengths = np.abs(np.diff(q)) * brake.length_per_surface_coordinate
         np.testing.assert_allclose(np.abs(np.diff(phi)) * brake.size, lengths, rtol=1e-12)
         on_it = shoe.points_at_depth_and_coordinate_phi(np.zeros(5), phi, brake.size)
         np.testing.assert_allclose(

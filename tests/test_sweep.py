@@ -380,7 +380,7 @@ def test_sweep_that_lacks_cases_says_so_and_keeps_its_journal(tmp_path, monkeypa
 
     def answer_short_of_memory(case, cache=None):
         answer = solve_case(case, cache)
-        return answer._replace(lasting=case.changes["friction"] != 0.3)
+        return answer._replace(is_kept_in_journal=case.changes["friction"] != 0.3)
 
     made = sweep({"friction": [0.2, 0.3, 0.4]})
     lines = []

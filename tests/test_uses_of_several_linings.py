@@ -11,7 +11,7 @@ import drumlin
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.brake.writing import brake_file_text
-from drumlin.explore.answers import Explorer
+from drumlin.explore.answers import SliderSolver
 from drumlin.explore.knobs import brake_at_slider_setting, slider_setting_at_brake_file_values
 from drumlin.explore.page import http_reply_to_requested_address
 from drumlin.explore.picture import drawing_lines_of_brake
@@ -94,7 +94,7 @@ def test_worn_volume_is_conserved_and_every_lining_wears() -> None:
     assert [surface.lining for surface in surfaces] == [0, 1, 2]
     # The volume of each lining, from its own depths, is k times the integral of its force.
     volumes = [
-        float(run.setup.interfaces[0].area[s.local] @ run.states[-1].depth[s.part])
+        float(run.setup.interfaces[0].area[s.slice_in_interface] @ run.states[-1].depth[s.part])
         for s in surfaces
     ]
     assert min(volumes) > 0
@@ -217,7 +217,7 @@ def test_reference_values_of_several_linings_agree_with_triangles(tmp_path: Path
     )
     known = compute_reference_values(APART, brake_file_text(APART), "", trio)
     (shoe,) = known.shoes
-    assert shoe.torque.relative < 1e-5 and shoe.distance < 2e-3
+    assert shoe.torque.relative_uncertainty < 1e-5 and shoe.distance < 2e-3
     assert shoe.slots == APART.shoes[0].lining.slots
     path = tmp_path / "reference.json"
     write_reference_file(reference_values_as_json_data(known), path)
@@ -237,7 +237,7 @@ def test_reference_values_of_several_linings_agree_with_triangles(tmp_path: Path
 
 
 def test_the_explorer_turns_the_knobs_of_all_linings() -> None:
-    explorer = Explorer(brake_with([lining(-56, -5, clearance="0.02 mm"), lining(5, 56)]))
+    explorer = SliderSolver(brake_with([lining(-56, -5, clearance="0.02 mm"), lining(5, 56)]))
     setting = slider_setting_at_brake_file_values(explorer.brake)
     moved = {"clearance": 0.01, "misfit": 0.05, "wear": 0.3}
     answer = explorer.fem_and_law_answer_at_slider_setting(replace(setting, values=moved))

@@ -53,7 +53,9 @@ def test_written_pressures_tell_those_of_the_nodes(degree):
 def test_the_peak_is_the_largest_pressure_away_from_the_ends(solved):
     brake, _, response = solved
     face, shoe = pressure_on_face_of_lining(brake, response, 0), response.shoes[0]
-    zone = length_of_edge_zone_left_out_of_peak_search(brake.shoes[0], brake.scale_factor)
+    zone = length_of_edge_zone_left_out_of_peak_search(
+        brake.shoes[0], brake.length_per_surface_coordinate
+    )
     theta = np.linspace(shoe.theta[0] + zone, shoe.theta[-1] - zone, 4001)
     dense = np.array(
         [replace(shoe, pressure=column).pressure_at(theta) for column in face.pressure.T]

@@ -24,7 +24,7 @@ from drumlin.fem.width.functions import (
     matrix_from_node_values_to_function_factors,
 )
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
-from drumlin.fem.width.recovery import WidthUnknowns
+from drumlin.fem.width.recovery import EliminatedWidthUnknowns
 from drumlin.response.response import length_of_edge_zone_left_out_of_peak_search
 from wide_shoes import HELD
 
@@ -47,7 +47,9 @@ def pressed_nodes_away_from_ends(brake, index, fields, answer):
         middle = 0.5 * (answer.theta[0] + answer.theta[-1])
         theta = np.arctan2(fields.points[:, 1], fields.points[:, 0])
         theta = middle + (theta - middle + np.pi) % (2 * np.pi) - np.pi
-    zone = 2 * length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor)
+    zone = 2 * length_of_edge_zone_left_out_of_peak_search(
+        shoe, brake.length_per_surface_coordinate
+    )
     inside = np.zeros(len(theta), dtype=bool)
     for start, end in answer.contact_arcs:
         low, high = max(start, answer.theta[0] + zone), min(end, answer.theta[-1] - zone)
@@ -89,7 +91,7 @@ def test_the_stress_of_known_strains_is_exact(name):
     shoe = brake.shoes[0]
     functions = functions_across_width_of_shoe(shoe, 3)
     division = divide_shoe_into_hp_elements(shoe, brake.size, LEVELS[0])
-    unknowns = WidthUnknowns(shoe, brake.size, division, functions)
+    unknowns = EliminatedWidthUnknowns(shoe, brake.size, division, functions)
     slope, across, bend = np.array([[3e-3, 1e-3], [-2e-3, 1e-3]]), 5e-4, 0.2
     even = np.zeros((unknowns.grid.N, len(functions.even_functions_across_width), 2))
     odd = np.zeros((unknowns.grid.N, len(functions.odd_functions_across_width)))

@@ -13,9 +13,9 @@ from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe_into
 from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.hp.shoe import node_positions_in_each_element_of_row
 from drumlin.fem.width.columns import (
-    BackEdge,
+    BackEdgeCondition,
     column_layers_of_shoe,
-    condense_columns_of_any_shape,
+    condense_element_columns_of_any_shape,
     indices_of_unknowns_along_node_row,
 )
 from drumlin.fem.width.functions import WidthFunctions, integrals_of_function_products_over_width
@@ -33,14 +33,16 @@ def test_a_ring_under_outer_pressure_moves_as_lame_says(q):
     E, nu, pressure, a, b, half, p = 2.0, 0.3, 0.7, 0.6, 1.0, 0.5, 6
     lame = LameConstants(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)))
     functions = WidthFunctions((0.0, half), q)
-    stack = column_layers_of_shoe(functions, (half, half), p, contact=True, back=BackEdge.FREE)
+    stack = column_layers_of_shoe(
+        functions, (half, half), p, contact=True, back=BackEdgeCondition.FREE
+    )
     phi = 0.3 * node_positions_in_each_element_of_row(np.array([-1.0, 1.0]), p)[0]
     r = node_positions_in_each_element_of_row(np.array([b, 0.8, a]), p)
     xy = np.array([r[:, :, None] * np.cos(phi), r[:, :, None] * np.sin(phi)])
     xy = xy.reshape(2, 2, -1)[:, :, reference_element_of_degree(p).order]
     parts = [cross_section_integrals_of_any_shape(xy[:, k][None], lame, p) for k in range(2)]
     widths = [integrals_of_function_products_over_width(functions, half)] * 2
-    (column,) = condense_columns_of_any_shape(parts, widths, stack)
+    (column,) = condense_element_columns_of_any_shape(parts, widths, stack)
 
     size = -pressure * b**2 / (b**2 - a**2)
     radii = np.append(r[:, :-1].ravel(), a)

@@ -132,9 +132,9 @@ def test_integrals_over_one_piece_are_those_by_hand():
     # Int e o' = [2, 0; Int N_2, Int N_2 N_3'],  Int N_2 N_3' = two three 8/15 - ... by parts.
     by_parts = two * three * float(Fraction(2, 1) * (Fraction(3, 5) - Fraction(4, 3) + 1))
     np.testing.assert_allclose(
-        found.even_odd_slopes, [[2, 0], [-4 / 3 * two, by_parts]], atol=1e-14
+        found.even_times_odd_slopes, [[2, 0], [-4 / 3 * two, by_parts]], atol=1e-14
     )
-    assert found.even_slopes_odd[1, 0] == pytest.approx(two * 4 / 3)
+    assert found.even_slopes_times_odd[1, 0] == pytest.approx(two * 4 / 3)
 
 
 def test_integrals_over_pieces_are_those_of_a_fine_sum():
@@ -144,7 +144,7 @@ def test_integrals_over_pieces_are_those_of_a_fine_sum():
     o, _ = functions.function_values_and_slopes(functions.odd_functions_across_width, z)
     found = integrals_of_function_products_over_width(functions, 3.0)
     np.testing.assert_allclose(found.even, 2e-5 * e @ e.T, atol=1e-7)
-    np.testing.assert_allclose(found.even_slopes_odd, 2e-5 * slopes @ o.T, atol=1e-4)
+    np.testing.assert_allclose(found.even_slopes_times_odd, 2e-5 * slopes @ o.T, atol=1e-4)
 
 
 def test_breaks_are_at_the_sides_of_the_parts(brake, flexible):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.width.correction import REMAINING_SHARE
+from drumlin.fem.width.correction import REMAINING_ERROR_OVER_WIDTH_CORRECTION
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.width_error import (
-    LEAST_JUDGED,
+    LEAST_JUDGED_PLANE_STRESS_ERROR,
     WidthErrorRow,
     plane_stress_errors_or_reason,
     table_lines_of_error_ratios,
@@ -81,8 +81,8 @@ def test_what_remains_after_the_correction_is_within_its_share_on_other_brakes()
         if isinstance(found, WidthErrorRow)
     ]
     shares = []
-    for name, stated in REMAINING_SHARE.items():
-        own = [found for found in rows if found.true[name] > LEAST_JUDGED]
+    for name, stated in REMAINING_ERROR_OVER_WIDTH_CORRECTION.items():
+        own = [found for found in rows if found.true[name] > LEAST_JUDGED_PLANE_STRESS_ERROR]
         shares += [
             found.error_share_remaining_after_width_correction(name) / stated for found in own
         ]

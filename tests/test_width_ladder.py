@@ -15,15 +15,15 @@ from drumlin.fem import solid
 from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
-from drumlin.fem.model import PENALTY, solve_prepared_model
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
 from drumlin.fem.width import ladder
 from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.ladder import (
-    SOLID_FACTORS,
-    ErrorFactors,
+    SAFETY_FACTORS_OF_SOLID_ERRORS,
+    PressureAndForceErrorFactors,
     SectionError,
     SolidErrors,
     WidthError,
@@ -40,8 +40,8 @@ from drumlin.fem.width.prepare import (
     prepare_model_with_widths_on_given_elements,
 )
 from drumlin_studies.solid_error import (
-    DRAWN,
-    GIVEN_UP,
+    DRAW_BY_SOLID_BRAKE_KIND,
+    FIRST_WORDS_OF_TIMEOUT_REASON,
     JUDGED_ERRORS,
     SolidErrorRow,
     functions_across_width_graded_to_sides,
@@ -53,7 +53,7 @@ from drumlin_studies.solid_error import (
     row_of_stated_and_true_errors_of_random_solid_brake,
     table_lines_of_brakes_within_tolerance,
     table_lines_of_stated_over_true_quantiles,
-    table_lines_of_stated_plane_stress_errors,
+    table_lines_that_judge_stated_plane_stress_errors,
 )
 from sections import t_section
 
@@ -95,7 +95,7 @@ def test_a_finer_tolerance_takes_a_finer_section_or_a_higher_degree(brake):
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), [("T", 0), ("built", 3100), ("free", 3207)])
 def test_with_several_widths_stated_errors_are_above_the_true_ones(brake, kind, seed):
-    drawn = t_section(brake) if kind == "T" else DRAWN[kind](seed)
+    drawn = t_section(brake) if kind == "T" else DRAW_BY_SOLID_BRAKE_KIND[kind](seed)
     found = solve_brake_with_widths_to_tolerance(drawn, Tolerance(2e-2, 2e-2), must=False)
     truth = response_with_width_functions_graded_to_sides(drawn, LEVELS[1])
     for name, error in relative_distance_of_plane_stress_from_width_solution(
@@ -106,7 +106,7 @@ def test_with_several_widths_stated_errors_are_above_the_true_ones(brake, kind, 
 
 @pytest.mark.slow
 def test_beside_a_web_the_width_has_its_part_in_the_error():
-    brake = DRAWN["free"](2000)
+    brake = DRAW_BY_SOLID_BRAKE_KIND["free"](2000)
     plane = solve(brake)
     section = hp_elements_to_compare_width_degrees(brake, plane)
     scene = prepare_model_with_widths_on_given_elements(
@@ -156,7 +156,7 @@ def test_the_command_line_takes_a_tolerance_for_solid_shoes(root, truth, tmp_pat
 
 @pytest.mark.slow
 def test_divisions_follow_the_contact_that_the_width_has_found():
-    brake = DRAWN["free"](2000)
+    brake = DRAW_BY_SOLID_BRAKE_KIND["free"](2000)
     plane = solve(brake)
     first, second = (
         solve_cross_section_mesh_with_width_degree(brake, level, 2, plane).response
@@ -169,12 +169,15 @@ def test_divisions_follow_the_contact_that_the_width_has_found():
 
 @pytest.mark.slow
 def test_the_error_of_the_section_beside_a_web_covers_that_of_a_higher_degree():
-    brake, loose = DRAWN["built"](3111), Tolerance(0.1, 0.1)
-    plane, answer = solve(brake), partial(solve_prepared_model, penalty=PENALTY)
+    brake, loose = DRAW_BY_SOLID_BRAKE_KIND["built"](3111), Tolerance(0.1, 0.1)
+    plane, answer = solve(brake), partial(solve_prepared_model, penalty=DEFAULT_PENALTY_FACTOR)
     climb = refine_cross_section_mesh_until_tolerance_is_met(
         brake, loose, answer, Cache(), LEVELS[:2], plane
     )
-    factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
+    factors = PressureAndForceErrorFactors(
+        SAFETY_FACTORS_OF_SOLID_ERRORS.section_pressure,
+        SAFETY_FACTORS_OF_SOLID_ERRORS.section_force,
+    )
     section = errors_of_solved_cross_section_meshes(brake, climb, factors)[0]
     first, second = (
         solve_cross_section_mesh_with_width_degree(brake, level, 3, plane).response
@@ -224,7 +227,7 @@ def test_the_table_of_solid_errors_counts_the_too_small_ones():
 def test_the_brakes_within_the_tolerance_are_counted_by_stated_and_by_true_errors():
     large = solid_row(1.0, true=dict.fromkeys(JUDGED_ERRORS, 3e-3))
     no_truth = solid_row(1.0, true={})
-    given_up = SolidErrorRow("free", 1, 2e-3, f"{GIVEN_UP} 5 s")
+    given_up = SolidErrorRow("free", 1, 2e-3, f"{FIRST_WORDS_OF_TIMEOUT_REASON} 5 s")
     refused = SolidErrorRow("free", 1, 2e-3, "no equilibrium")
     rows = [solid_row(1.0), solid_row(3.0), large, no_truth, given_up, refused]
     stated, before, true, cost = table_lines_of_brakes_within_tolerance(rows)
@@ -238,7 +241,7 @@ def test_the_table_of_plane_stress_counts_good_and_poor_errors():
     small = solid_row(1.0, plane_true=dict.fromkeys(JUDGED_ERRORS, 1e-3))
     rows = [solid_row(ratio) for ratio in (0.5, 3.0, 4.0, 0.1, 1.4)]
     rows += [small, solid_row(1.0, plane_stated={})]
-    _, torque, *_ = table_lines_of_stated_plane_stress_errors(rows)
+    _, torque, *_ = table_lines_that_judge_stated_plane_stress_errors(rows)
     # Of the ratios 0.5, 3, 4, 0.1 and 1.4 the last one is good, and 0.1 is poor.
     assert torque.split() == ["torque", "5", "20%", "20%", "0.10", "1.40", "4.00"]
 
@@ -247,7 +250,7 @@ def test_a_brake_that_takes_too_long_is_given_up_and_kept(tmp_path, monkeypatch)
     row = row_of_stated_and_true_errors_of_random_solid_brake("built", 3100, 1e-2, seconds=0.2)
     assert row.title
     assert not row.stated
-    assert row.reason == f"{GIVEN_UP} 0.2 s of processor time"
+    assert row.reason == f"{FIRST_WORDS_OF_TIMEOUT_REASON} 0.2 s of processor time"
     # A kept row is not solved again.
     file = tmp_path / "rows.jsonl"
     file.write_text(json.dumps(asdict(row)) + "\n", encoding="utf-8")
@@ -279,7 +282,7 @@ def test_a_sum_of_responses_is_the_sum_of_pressures_and_forces(brake):
 
 @pytest.mark.slow
 def test_the_truth_of_a_solve_agrees_with_a_direct_one_within_its_uncertainty():
-    brake = DRAWN["free"](510004)
+    brake = DRAW_BY_SOLID_BRAKE_KIND["free"](510004)
     found = solve_brake_with_widths_to_tolerance(brake, Tolerance(1e-2, 1e-2), must=False)
     assert found.shoes[0].order == LEVELS[0].degree
     reference = reference_solution_for_solid_solve(brake, found)
@@ -292,7 +295,7 @@ def test_the_truth_of_a_solve_agrees_with_a_direct_one_within_its_uncertainty():
 
 
 def test_a_contact_that_is_longer_beside_the_web_has_small_elements_under_the_web():
-    brake = DRAWN["built"](3104)
+    brake = DRAW_BY_SOLID_BRAKE_KIND["built"](3104)
     plane = solve(brake, model_error=False)
     first, second = (
         solve_cross_section_mesh_with_width_degree(brake, level, 1, plane).response
@@ -399,7 +402,7 @@ def test_a_small_section_has_one_more_level_than_a_large_one(flexible, monkeypat
     table, exact = t_section(flexible), Tolerance(1e-9, 1e-9)
 
     def number_of_levels(largest, *, must):
-        monkeypatch.setattr(ladder, "LARGEST_SECTION", largest)
+        monkeypatch.setattr(ladder, "MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL", largest)
         levels = LEVELS[: ladder.MOST_SECTION_LEVELS + 1]
         climb = ladder.refine_cross_section_mesh_until_tolerance_is_met(
             table, exact, solve_prepared_model, Cache(), levels, solve(table), must=must

@@ -10,7 +10,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
-from drumlin.fem.width.error import WIDTH_LEVEL
+from drumlin.fem.width.error import LEVEL_OF_PLANE_STRESS_ERROR_ESTIMATE
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.prepare import (
     prepare_model_with_shoe_widths,
@@ -120,7 +120,7 @@ def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(bra
 def test_on_random_brakes_degree_zero_is_plane_stress(kind, seed):
     brake = draw_random_brake_of_kind(seed, kind)
     assert_same(wide(brake, 0), plane(brake), 1e-11)
-    balance = wide(brake, 2, WIDTH_LEVEL).balance
+    balance = wide(brake, 2, LEVEL_OF_PLANE_STRESS_ERROR_ESTIMATE).balance
     assert max(balance.force, balance.moment) < 1e-9
 
 

@@ -21,9 +21,9 @@ from drumlin.fem.preparation.displacements import nodal_displacements_of_shoe
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.width.columns import (
-    BackEdge,
-    assembled_stiffness_of_columns,
+    BackEdgeCondition,
     column_layers_of_shoe,
+    column_stiffnesses_without_inner_element_unknowns,
     condensation_plan_of_column,
     displacements_inside_elements,
     indices_of_unknowns_along_node_row,
@@ -37,7 +37,7 @@ from drumlin.fem.width.functions import (
 )
 from drumlin.fem.width.integrals import LameConstants, cross_section_integrals_of_any_shape
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
-from drumlin.fem.width.recovery import WidthUnknowns
+from drumlin.fem.width.recovery import EliminatedWidthUnknowns
 from drumlin.response.balance import brake_with_forces_of_response
 from sections import without_contraction
 from wide_shoes import HELD
@@ -146,7 +146,7 @@ def test_the_patch_test_holds_inside_a_column(p, q):
     """Uniform strain without stress across the width: what was eliminated is exact."""
     lame, halves = LameConstants(1.3, 0.7), (1.1, 1.1)
     functions = WidthFunctions((0.0, 0.4, 1.1), q)
-    stack = column_layers_of_shoe(functions, halves, p, contact=False, back=BackEdge.FREE)
+    stack = column_layers_of_shoe(functions, halves, p, contact=False, back=BackEdgeCondition.FREE)
     along = indices_of_unknowns_along_node_row(p)
     plan, names = (
         condensation_plan_of_column(stack, along),
@@ -174,7 +174,7 @@ def test_the_patch_test_holds_inside_a_column(p, q):
         return np.array(found)[:, None]
 
     kept, rest = exact(names.kept), exact(names.rest)
-    K, C, inner = assembled_stiffness_of_columns(parts, widths, plan)
+    K, C, inner = column_stiffnesses_without_inner_element_unknowns(parts, widths, plan)
     # The edge at the contact and the back are loaded by the stress; no force acts between them.
     forces = C[0] @ kept + inner[0] @ rest
     middle = np.array([u.row == p for u in names.rest])
@@ -204,7 +204,7 @@ def test_loads_on_the_end_of_a_t_section_are_even_over_the_width_of_table_and_we
     shoe = brake.shoes[0]
     functions = functions_across_width_of_shoe(shoe, 2)
     division = divide_shoe_into_hp_elements(shoe, brake.size, LEVELS[0])
-    unknowns = WidthUnknowns(shoe, brake.size, division, functions)
+    unknowns = EliminatedWidthUnknowns(shoe, brake.size, division, functions)
     nodes, line = (
         unknowns.grid.sets["actuation"],
         unknowns.layers.unknowns_across_body_thickness(division),

@@ -9,7 +9,7 @@ from drumlin.fem.substructure.interface import (
     weak_coupling_of_contact_line,
 )
 from drumlin.lining_wear.archard import (
-    WearInterface,
+    WearContactProblem,
     WearLaw,
 )
 
@@ -41,7 +41,7 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
         # The shoe presses as it turns clockwise.
         h=np.array([FORCE]),
     )
-    interface = WearInterface(
+    interface = WearContactProblem(
         problem,
         np.zeros(len(phi)),
         coupling.M,

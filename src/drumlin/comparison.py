@@ -33,10 +33,10 @@ from drumlin.response.norms import (
     relative_distance_of_vectors,
     relative_error_of_number,
 )
-from drumlin.response.response import EDGE_ZONE, Response
+from drumlin.response.response import UNCOMPARED_EDGE_ZONE, Response
 from drumlin.response.show import plot_pressure_of_each_shoe, text_of_contact_arcs
 
-COLD = "cold"
+NAME_OF_RESULT_WITHOUT_HEAT = "cold"
 """Name, in comparisons, of the result that finite elements give for a heated brake without heat."""
 
 # Type variable for the class of the compared brake: `Comparison.brake` keeps this class.
@@ -85,7 +85,7 @@ def solve_and_time_model(name: str, solve: Callable[[], Response], repeats: int 
     return Outcome(name, response, failure, median(seconds), repeats)
 
 
-class Extrapolated(NamedTuple):
+class RichardsonLimit(NamedTuple):
     """The limit of a value as meshes are refined, by Richardson extrapolation from three meshes.
 
     Attributes
@@ -103,7 +103,7 @@ class Extrapolated(NamedTuple):
 
 def richardson_limit_from_changes_between_meshes(
     fine: float, first: float, last: float, ratio: float = 2.0
-) -> Extrapolated:
+) -> RichardsonLimit:
     """Estimate the limit of a value as meshes are refined, by Richardson extrapolation.
 
     The extrapolation needs two changes of the same sign, of which the second is smaller than the
@@ -118,20 +118,20 @@ def richardson_limit_from_changes_between_meshes(
     ratio : ratio of the element sizes of two successive meshes
     """
     if last == 0:
-        return Extrapolated(math.nan, fine, abs(first))
+        return RichardsonLimit(math.nan, fine, abs(first))
     # `gain` is the first change divided by the second.
     gain = first / last
     order = math.log(abs(gain), ratio) if abs(gain) > 1 else math.nan
     if gain <= 1:
-        return Extrapolated(order, fine, max(abs(first), abs(last)))
+        return RichardsonLimit(order, fine, max(abs(first), abs(last)))
     # The changes beyond the finest mesh are a geometric series with the ratio 1/gain.
     correction = last / (gain - 1)
-    return Extrapolated(order, fine + correction, abs(correction))
+    return RichardsonLimit(order, fine + correction, abs(correction))
 
 
 def richardson_limit_from_three_meshes(
     coarse: float, medium: float, fine: float, ratio: float = 2.0
-) -> Extrapolated:
+) -> RichardsonLimit:
     """Estimate the limit of a value from three meshes.
 
     See `richardson_limit_from_changes_between_meshes`.
@@ -291,7 +291,7 @@ def length_of_uncompared_zone_at_lining_end(brake: Brake) -> float:
 
     It is an angle [rad] on a drum and a length [m] on a plane.
     """
-    return EDGE_ZONE * brake.surface_coordinate_per_phi
+    return UNCOMPARED_EDGE_ZONE * brake.surface_coordinate_per_phi
 
 
 def comparison_columns_for_brake(brake: Brake) -> tuple[TableColumn, ...]:
@@ -445,14 +445,14 @@ def compare(
         # A heated brake is also solved without its heat, for comparison.
         if model.name == "fem" and names_of_heated_parts(brake):
             solve = partial(_solve_brake_without_heat, model, brake, **own_options)
-            outcomes.append(solve_and_time_model(COLD, solve, times))
+            outcomes.append(solve_and_time_model(NAME_OF_RESULT_WITHOUT_HEAT, solve, times))
     return Comparison(case or brake.title, brake, tuple(outcomes))
 
 
 def _solve_brake_without_heat(model: Model, brake: Brake, **options: Any) -> Response:
     """The result of a model for a heated brake without its heat."""
     response = model.solve(brake_with_heat_only_in_given_parts(brake, ()), **options)
-    return replace(response, model=COLD)
+    return replace(response, model=NAME_OF_RESULT_WITHOUT_HEAT)
 
 
 @dataclass(frozen=True)
@@ -469,7 +469,7 @@ class Convergence:
     responses: tuple[Response, ...]
 
     @property
-    def torque(self) -> Extrapolated:
+    def torque(self) -> RichardsonLimit:
         """The torque of the brake [N m] extrapolated from the three finest meshes to its limit."""
         return richardson_limit_from_three_meshes(
             *(response.torque for response in self.responses[-3:])

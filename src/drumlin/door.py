@@ -21,26 +21,26 @@ if TYPE_CHECKING:
     from drumlin.brake.surface import FrictionSurface
     from drumlin.comparison import Comparison
     from drumlin.fem.analysis.fields import Fields
-    from drumlin.fem.analysis.holding import Hold
+    from drumlin.fem.analysis.holding import HoldingState
     from drumlin.fem.analysis.sensitivity import Sensitivity
-    from drumlin.laws.own import Shape
+    from drumlin.laws.own import PressureShapeFunction
     from drumlin.lining_wear.whole_brake import WearRun
     from drumlin.models import Model
     from drumlin.response.response import Response
     from drumlin.sizing import Sizing
     from drumlin.sweeps.sweep_table import SweepTable
     from drumlin.verification.check import Verdict
-    from drumlin.verification.reference import Reference
+    from drumlin.verification.reference import BrakeReference
 
     BrakeOrPath = Brake | Path | str
 
-MOST_STEPS = 10_000
+MOST_ROTATION_INCREMENTS = 10_000
 """Largest number of increments in which `hold` turns the drum.
 
 The states of so many increments fill some 100 MB of JSON.
 """
 
-Say = Callable[[str], None]
+ShowProgressText = Callable[[str], None]
 """The type of a function that shows the user a line about the progress of a computation."""
 
 
@@ -49,13 +49,13 @@ def _ignore_text_about_progress(_: str) -> None:
 
 
 # Type variables for the arguments and the result of a public function.
-Arguments = ParamSpec("Arguments")
-Result = TypeVar("Result")
+FunctionArguments = ParamSpec("FunctionArguments")
+FunctionResult = TypeVar("FunctionResult")
 
 
 def _make_public_function_that_rewords_errors(
-    function: Callable[Arguments, Result],
-) -> Callable[Arguments, Result]:
+    function: Callable[FunctionArguments, FunctionResult],
+) -> Callable[FunctionArguments, FunctionResult]:
     """Make a public function whose errors name its arguments, not options of the command line.
 
     The packages that do the work write their messages for the command line. The command line calls
@@ -65,8 +65,8 @@ def _make_public_function_that_rewords_errors(
 
     @wraps(function)
     def function_that_rewords_errors(
-        *arguments: Arguments.args, **options: Arguments.kwargs
-    ) -> Result:
+        *arguments: FunctionArguments.args, **options: FunctionArguments.kwargs
+    ) -> FunctionResult:
         """Call the function, and name Python arguments in the errors that it raises."""
         try:
             _check_integers_of_arguments_have_few_digits(names, arguments, options)
@@ -96,7 +96,7 @@ def _check_integers_of_arguments_have_few_digits(
             raise BadInput(str(error)) from None
 
 
-class _Source(NamedTuple):
+class _BrakeWithFileText(NamedTuple):
     """A brake with the text of its file.
 
     Attributes
@@ -123,23 +123,23 @@ def _brake_itself_or_read_from_file(brake: BrakeOrPath) -> Brake:
     return brake_itself_or_read_from_file(brake)
 
 
-def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _Source:
+def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _BrakeWithFileText:
     """Return a brake with the text of its brake file.
 
     For a brake that was not read from a file it is the text that `write_brake` writes.
     """
     from drumlin.base.texts import command_text_without_folders
-    from drumlin.brake import read_any
+    from drumlin.brake import read_drum_or_plane_brake
     from drumlin.brake.file import read_text_of_brake_file
     from drumlin.brake.writing import brake_file_text
 
     # A brake that was not read from a file has no folder in which reference values could lie.
     if not isinstance(brake, str | Path):
-        return _Source(brake, brake_file_text(brake), None, "drumlin.reference(brake)")
+        return _BrakeWithFileText(brake, brake_file_text(brake), None, "drumlin.reference(brake)")
     path = Path(brake)
     text = read_text_of_brake_file(path)
     command = command_text_without_folders(["drumlin", "reference", str(path)])
-    return _Source(read_any(path, text), text, path.parent, command)
+    return _BrakeWithFileText(read_drum_or_plane_brake(path, text), text, path.parent, command)
 
 
 def _solver_options_given_by_user(**options: Any) -> dict[str, Any]:
@@ -362,7 +362,7 @@ def size(
     finite_width: bool = False,
     sections: int | None = None,
     lift: Sequence[str] | None = None,
-    say: Say = _ignore_text_about_progress,
+    say: ShowProgressText = _ignore_text_about_progress,
 ) -> Sizing:
     """Find the value of a key at which a brake has a wanted torque or peak pressure.
 
@@ -410,7 +410,7 @@ def size(
     """
     from drumlin.brake.file import si_unit_of_brake_key
     from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
-    from drumlin.sizing import LARGEST, Question, size_brake
+    from drumlin.sizing import WORD_FOR_LARGEST_TORQUE, SizingQuestion, size_brake
 
     whole = _brake_itself_or_read_from_file(brake)
     given = _solver_options_given_by_user(
@@ -425,12 +425,12 @@ def size(
     check_options_belong_to_model(model, given)
     unit = si_unit_of_brake_key(whole, key) or ""
     wanted = torque
-    if torque is not None and torque != LARGEST:
+    if torque is not None and torque != WORD_FOR_LARGEST_TORQUE:
         wanted = _value_of_function_option_in_si("--torque", torque, whole.surface.effect_unit)
     pressure = None
     if peak_pressure is not None:
         pressure = _value_of_function_option_in_si("--peak-pressure", peak_pressure, "Pa")
-    question = Question(
+    question = SizingQuestion(
         whole,
         key,
         model,
@@ -553,7 +553,7 @@ def wear(
     kind: str | None = None,
     sections: int | None = None,
     lift: Sequence[str] | None = None,
-    say: Say = _ignore_text_about_progress,
+    say: ShowProgressText = _ignore_text_about_progress,
 ) -> WearRun:
     """Wear the linings of a brake by Archard's law, as during running-in.
 
@@ -641,7 +641,7 @@ class HoldingRun(NamedTuple):
     """
 
     brake: Brake
-    states: tuple[Hold, ...]
+    states: tuple[HoldingState, ...]
 
     def as_dict(self) -> list[dict[str, Any]]:
         """The states as plain data for JSON, in SI; the keys are those of `drumlin hold --json`."""
@@ -653,7 +653,7 @@ class HoldingRun(NamedTuple):
         """Two lines of text: the largest moment that is held, and when the brake slips."""
         surface = self.brake.surface
 
-        def rotation_or_sliding_distance_as_text(state: Hold) -> str:
+        def rotation_or_sliding_distance_as_text(state: HoldingState) -> str:
             """The rotation of a state as text with its unit; on a plane the sliding distance."""
             shown = state.rotation * surface.si_to_shown_unit_factor
             return f"{surface.word_for_motion} {shown:.4g} {surface.shown_unit}"
@@ -681,7 +681,7 @@ def hold(
     elements: int | None = None,
     kind: str | None = None,
     penalty: float | None = None,
-    say: Say = _ignore_text_about_progress,
+    say: ShowProgressText = _ignore_text_about_progress,
 ) -> HoldingRun:
     """Turn the drum from rest against the shoes that hold it, through partial slip to full slip.
 
@@ -723,8 +723,8 @@ def hold(
 
     held = _brake_itself_or_read_from_file(brake)
     held.check_shoes_can_be_meshed()
-    if not 1 <= steps <= MOST_STEPS:
-        raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
+    if not 1 <= steps <= MOST_ROTATION_INCREMENTS:
+        raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_ROTATION_INCREMENTS}")
     on_mesh, stiffness = (
         _solver_options_given_by_user(elements=elements, kind=kind),
         _solver_options_given_by_user(penalty=penalty),
@@ -877,7 +877,7 @@ def self_locking(
 
 
 @_make_public_function_that_rewords_errors
-def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference:
+def reference(brake: BrakeOrPath, output: Path | str | None = None) -> BrakeReference:
     """Compute reference values of a brake with uncertainties; this takes minutes.
 
     They come from two independent finite element programs.
@@ -889,7 +889,7 @@ def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference
 
     Returns
     -------
-    Reference
+    BrakeReference
         the torque [N m], and for each shoe its torque [N m], reactions [N] and pressure [Pa] at
         whole degrees, each with its uncertainty; on a plane the braking force [N], and pressures at
         whole millimetres
@@ -961,7 +961,7 @@ def check(
     *,
     reference: Path | str | None = None,
     tolerance: float = 0.01,
-    say: Say = _ignore_text_about_progress,
+    say: ShowProgressText = _ignore_text_about_progress,
 ) -> CheckResult:
     """Compare pressures p(theta) from any source with reference values of the brake.
 
@@ -995,7 +995,7 @@ def check(
     ...     print(fault)
     tolerance = 2: must be greater than 0 and less than 1
     """
-    from drumlin.studies import REPOSITORY
+    from drumlin.studies import FOLDER_OF_STUDIES_AND_MESHES
     from drumlin.verification.check import compare_curves_with_reference as verdicts_on
     from drumlin.verification.check import read_pressure_curves
     from drumlin.verification.reference import compute_reference_values as values_of
@@ -1009,7 +1009,9 @@ def check(
     # and among drumlin's own values, in this order.
     values = Path("reports") / "reference" / "values"
     beside = () if source.folder is None else (source.folder,)
-    known = reference or stored_reference_path(source.text, *beside, values, REPOSITORY / values)
+    known = reference or stored_reference_path(
+        source.text, *beside, values, FOLDER_OF_STUDIES_AND_MESHES / values
+    )
     if known is None:
         say("no stored reference: columns of high degree, then triangles")
         found, name = values_of(source.brake, source.text, source.command), "made anew"
@@ -1088,7 +1090,7 @@ def fields(
 
 
 @_make_public_function_that_rewords_errors
-def law(name: str, assumes: str = "") -> Callable[[Shape], Shape]:
+def law(name: str, assumes: str = "") -> Callable[[PressureShapeFunction], PressureShapeFunction]:
     """Register a pressure law of your own by a decorator; `solve` and `compare` then know it.
 
     The law belongs to shoes that turn about a hinge on a drum. Only the shape of the pressure is
@@ -1128,7 +1130,7 @@ def law(name: str, assumes: str = "") -> Callable[[Shape], Shape]:
     # `@drumlin.law` without a name in brackets passes the function as the name: it is refused.
     require_allowed_name_for_law_of_user(name)
 
-    def register_law_and_return_its_shape(shape: Shape) -> Shape:
+    def register_law_and_return_its_shape(shape: PressureShapeFunction) -> PressureShapeFunction:
         """Register the law with the shape of its pressure, and return the function unchanged."""
         words = assumes or (shape.__doc__ or "a law of the user").strip().partition("\n")[0]
         register_law_with_pressure_shape(name, words, shape)
@@ -1194,11 +1196,11 @@ def example(name: str) -> Brake:
     'duplex, shoes on abutments'
     """
     from drumlin.base.texts import did_you_mean_hint
-    from drumlin.brake import read_any
+    from drumlin.brake import read_drum_or_plane_brake
     from drumlin.studies import paths_of_example_brakes
 
     paths = paths_of_example_brakes()
     if name not in paths:
         hint = did_you_mean_hint(name, paths)
         raise BadInput(f"name = {name!r}: no such example{hint}; allowed: {', '.join(paths)}")
-    return read_any(paths[name])
+    return read_drum_or_plane_brake(paths[name])

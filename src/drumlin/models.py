@@ -11,10 +11,10 @@ from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.brake import Brake
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
-from drumlin.laws.own import Shape, make_law_from_pressure_shape
+from drumlin.laws.own import PressureShapeFunction, make_law_from_pressure_shape
 from drumlin.laws.pressure_friction import (
     reason_why_law_cannot_take_pressure_dependent_friction,
-    solve_brake_by_law_of_even_pressure,
+    solve_brake_by_law_of_uniform_pressure,
 )
 from drumlin.response.response import Response
 
@@ -67,9 +67,9 @@ def _solve_by_finite_elements(
 
 def _reason_why_finite_elements_do_not_apply(brake: Brake) -> str | None:
     """Why the finite elements do not apply to a brake; None if they apply."""
-    from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled
+    from drumlin.fem.preparation.scene import reason_against_finite_element_model
 
-    return reason_why_brake_is_not_modelled(brake)
+    return reason_against_finite_element_model(brake)
 
 
 def _solve_by_foundation_model(brake: Brake, **options: Any) -> Response:
@@ -119,8 +119,8 @@ SHORT_SHOE_LAWS: Mapping[str, ShortShoeLaw] = {
         partial(hinged.solve_brake_with_hinged_shoes_by_law, LAWS["short"]),
     ),
     "plane": ShortShoeLaw(
-        partial(flat.reason_against_flat_law, flat.FLAT_SHORT),
-        partial(flat.solve_brake_on_plane_by_law, flat.FLAT_SHORT),
+        partial(flat.reason_against_flat_law, flat.FLAT_SHORT_SHOE_LAW),
+        partial(flat.solve_brake_on_plane_by_law, flat.FLAT_SHORT_SHOE_LAW),
     ),
 }
 """The law of the short shoe for each kind of surface, "drum" or "plane"."""
@@ -172,7 +172,7 @@ def _make_model_of_closed_form_law(
             or reason_if_any_part_is_orthotropic(brake, "a closed-form law")
         )
 
-    solver = partial(solve_brake_by_law_of_even_pressure, solve)
+    solver = partial(solve_brake_by_law_of_uniform_pressure, solve)
     return Model(name, assumes, reason_why_law_does_not_apply, solver)
 
 
@@ -203,19 +203,19 @@ MODELS: dict[str, Model] = {
         ),
         _make_model_of_closed_form_law(
             "pivoted",
-            pivoted.PIVOTED_ASSUMES,
+            pivoted.PIVOTED_SHOE_LAW_ASSUMPTIONS,
             pivoted.reason_against_pivoted_shoe_law,
             partial(rigid.solve_brake_by_rigid_shoe_law, name="pivoted"),
         ),
         _make_model_of_closed_form_law(
             "linear",
-            flat.LINEAR.assumes,
-            partial(flat.reason_against_flat_law, flat.LINEAR),
+            flat.LINEAR_PRESSURE_LAW.assumes,
+            partial(flat.reason_against_flat_law, flat.LINEAR_PRESSURE_LAW),
             partial(rigid.solve_brake_by_rigid_shoe_law, name="linear"),
         ),
         _make_model_of_closed_form_law(
             "rigid",
-            rigid.RIGID_ASSUMES,
+            rigid.RIGID_SHOE_LAW_ASSUMPTIONS,
             naming.reason_why_brake_has_no_law_named_rigid,
             rigid.solve_brake_by_rigid_shoe_law,
         ),
@@ -246,7 +246,7 @@ def require_allowed_name_for_law_of_user(name: object) -> None:
         )
 
 
-def register_law_with_pressure_shape(name: str, assumes: str, shape: Shape) -> None:
+def register_law_with_pressure_shape(name: str, assumes: str, shape: PressureShapeFunction) -> None:
     """Add a law of the user to MODELS, or replace an earlier law of the user with this name.
 
     Parameters
@@ -314,7 +314,7 @@ def model_options_given_by_user(**options: Any) -> dict[str, Any]:
     }
 
 
-OWN_OPTIONS: Mapping[str, tuple[str, ...]] = {
+OPTIONS_OF_EACH_MODEL: Mapping[str, tuple[str, ...]] = {
     "fem": ("elements", "kind", "penalty", "tolerance", "finite-width", "fields"),
     "solid": ("across", "penalty", "tolerance", "fields"),
     "foundation": ("sections", "lift"),
@@ -330,9 +330,9 @@ def check_options_belong_to_model(model: str, given: Collection[str]) -> None:
 
     `model` is the name of the chosen model, `given` are the names of the options in Python.
     """
-    own = OWN_OPTIONS.get(model, ())
+    own = OPTIONS_OF_EACH_MODEL.get(model, ())
     # Models may share options. An option is refused only if the chosen model does not have it.
-    for owner, names in OWN_OPTIONS.items():
+    for owner, names in OPTIONS_OF_EACH_MODEL.items():
         others = [f"--{name}" for name in names if name not in own]
         asked = any(option[2:].replace("-", "_") in given for option in others)
         # The message names all options of the other model that the chosen model does not have.

@@ -38,7 +38,7 @@ from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.response import Response
 
-LARGEST = "largest"
+WORD_FOR_LARGEST_TORQUE = "largest"
 """The value of --torque that asks for the largest torque of the range."""
 
 RANGE_FACTOR = 10.0
@@ -61,7 +61,7 @@ FIRST_TRIALS = 9
 If the torque crosses the wanted torque twice between two neighbours, this is not seen. More values
 take more time.
 """
-BORDER_TRIALS = 16
+BISECTIONS_TO_WHERE_ANSWERS_END = 16
 """Number of bisections that find the value of the key at which answers end, as at self-locking.
 
 This value is then known to 1e-5 of the distance between two of the first trials.
@@ -73,33 +73,33 @@ It is relative to the value of the key, or to the range of an angle or a coordin
 an error of the torque into an error of the key; the slope itself has an error of some 1 %. With a
 smaller change the errors of the two torques would disturb the slope.
 """
-EXTREME_RESOLUTION = 1e-4
+KEY_TOLERANCE_AT_EXTREME_QUANTITY = 1e-4
 """Tolerance of the key's value at which a quantity has its maximum or minimum.
 
 It is relative to the distance of the two values of the key between which the maximum is sought.
 Near a maximum the torque is quadratic: its error is then some 1e-8 of its rise between these two
 values. A smaller tolerance takes more time.
 """
-SOLVED_SHARE = 0.01
+SEARCH_TOLERANCE_OVER_STATED_ERROR = 0.01
 """Fraction of the stated error of a torque or peak pressure at which the search for it ends.
 
 The search ends when the quantity differs from its wanted value by less than this fraction.
 """
 
-NEAR_TRIALS = 12
+MOST_TRIALS_TO_ENCLOSE_WANTED_VALUE = 12
 """Largest number of trials, from the file's value on, until two enclose the wanted quantity.
 
 Most questions take two to four trials. If these trials do not enclose the wanted quantity, the
 whole range is tried, which takes more time.
 """
-JUMP_OF_QUANTITY = 1e-9
+RELATIVE_DIFFERENCE_AT_DISCONTINUITY = 1e-9
 """Relative difference from the wanted value above which a quantity counts as discontinuous there.
 
 The limit is used when two values of the key that differ by round-off only enclose the wanted value.
 A larger stated error replaces it. The round-off of a solve is some 1e-12: with a much smaller limit
 round-off would count as a jump.
 """
-EXACT = 1e-14
+SEARCH_TOLERANCE_WITHOUT_STATED_ERROR = 1e-14
 """Relative difference from the wanted value at which the search ends if no error is stated.
 
 It is some 50 times the relative round-off of a double.
@@ -127,7 +127,7 @@ class Trial(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Question:
+class SizingQuestion:
     """The question which value of a key gives a brake a wanted torque or peak pressure.
 
     Attributes
@@ -136,7 +136,7 @@ class Question:
     key : the key, written as for `vary`
     model : name of the model that solves the brakes
     options : options of the model
-    torque : wanted torque [N m], LARGEST for the largest one, or None
+    torque : wanted torque [N m], WORD_FOR_LARGEST_TORQUE for the largest one, or None
     peak_pressure : wanted peak pressure [Pa], or its upper limit if a torque is wanted, or None
     low, high : ends of the range of the key [SI]; None for a range about the value of the file
     say : called with a line of text before each trial
@@ -177,7 +177,7 @@ class Question:
         return are_allowed_values_of_key_an_interval(self.brake, self.key)
 
     @cached_property
-    def ends(self) -> tuple[float, float]:
+    def ends_of_key_range(self) -> tuple[float, float]:
         """The ends of the range of the key. Raises BadInput for a range without values."""
         value = self.value_of_file
         if self.unit == "rad":
@@ -191,7 +191,10 @@ class Question:
         low = ends[0] if self.low is None else self.low
         high = ends[1] if self.high is None else self.high
         if not low < high:
-            raise BadInput(f"--from = {self.text(low)}: must be less than --to = {self.text(high)}")
+            raise BadInput(
+                f"--from = {self.key_value_as_text(low)}: must be less than "
+                f"--to = {self.key_value_as_text(high)}"
+            )
         return low, high
 
     def key_values_to_try_first(self) -> list[float]:
@@ -199,14 +202,14 @@ class Question:
 
         Lengths, forces and moduli are spaced by equal factors.
         """
-        low, high = self.ends
+        low, high = self.ends_of_key_range
         spaced = np.geomspace if self.does_key_keep_one_sign and low * high > 0 else np.linspace
         values = {float(x) for x in spaced(low, high, FIRST_TRIALS)} | {low, high}
         if low <= self.value_of_file <= high:
             values.add(self.value_of_file)
         return sorted(value for value in values if low <= value <= high)
 
-    def text(self, value: float) -> str:
+    def key_value_as_text(self, value: float) -> str:
         """A value of the key as text with its unit, such as "12 mm"."""
         return quantity_with_usual_unit(value, self.unit)
 
@@ -214,9 +217,9 @@ class Question:
         """A torque as text, such as "400 N m"; for a brake on a plane its braking force."""
         return quantity_with_usual_unit(torque, self.brake.surface.effect_unit)
 
-    def solve(self, value: float) -> Response:
+    def response_at_key_value(self, value: float) -> Response:
         """The response of the brake at a value of the key. Raises BadInput and NoAnswer."""
-        self.say(f"sizing: {self.key} = {self.text(value)}")
+        self.say(f"sizing: {self.key} = {self.key_value_as_text(value)}")
         varied = vary(self.brake, {self.key: value})
         options = dict(self.options)
         if self.model in {"fem", "solid"}:
@@ -243,7 +246,7 @@ class Question:
     def _newly_solved_trial(self, value: float) -> Trial:
         """Solve the brake with a value of the key, as `solve_trial_at_key_value` does."""
         try:
-            response = self.solve(value)
+            response = self.response_at_key_value(value)
         except (BadInput, NoAnswer) as error:
             return Trial(value, math.nan, math.nan, {}, str(error))
         stated = response.error or {}
@@ -321,7 +324,7 @@ class Sizing:
         return lines
 
 
-def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizing:
+def size_brake(question: SizingQuestion, answer: Callable[[Brake], Response]) -> Sizing:
     """Find the value of a key that gives a wanted torque or peak pressure.
 
     Parameters
@@ -345,7 +348,7 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
         if near is not None and _is_peak_pressure_allowed(question, near):
             return _sizing_result_of_found_value(question, near, (), answer)
     trials = _solve_first_trial_values(question)
-    if question.torque == LARGEST:
+    if question.torque == WORD_FOR_LARGEST_TORQUE:
         found, remark = _trial_with_largest_torque_and_what_bounds_it(question, trials)
         return _sizing_result_of_found_value(question, found, (), answer, remark)
     roots = _find_all_trials_with_wanted_quantity(question, trials, name)
@@ -357,7 +360,7 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
     return _sizing_result_of_found_value(question, allowed[0], others, answer)
 
 
-def _check_wanted_quantities(question: Question) -> None:
+def _check_wanted_quantities(question: SizingQuestion) -> None:
     """Raise BadInput unless a positive quantity is wanted and the key can be varied."""
     if question.torque is None and question.peak_pressure is None:
         raise BadInput("--torque, --peak-pressure: give at least one of both")
@@ -380,7 +383,7 @@ def _check_wanted_quantities(question: Question) -> None:
     model_with_name_that_applies_to_brake(question.model, question.brake)
 
 
-def _solve_first_trial_values(question: Question) -> list[Trial]:
+def _solve_first_trial_values(question: SizingQuestion) -> list[Trial]:
     """Solve the brake at the values of the key that are tried first.
 
     Raises NoAnswer if there is no answer at any of them.
@@ -393,13 +396,13 @@ def _solve_first_trial_values(question: Question) -> list[Trial]:
         raise NoAnswer(
             f"{_first_words_of_refusal_text(question)}, because no value of the range has an "
             "answer; "
-            f"{question.key} = {question.text(nearest.value)}: {nearest.failure}"
+            f"{question.key} = {question.key_value_as_text(nearest.value)}: {nearest.failure}"
         )
     return trials
 
 
 def _find_all_trials_with_wanted_quantity(
-    question: Question, trials: list[Trial], name: str
+    question: SizingQuestion, trials: list[Trial], name: str
 ) -> list[Trial]:
     """The trials at which the wanted quantity has its wanted value.
 
@@ -426,14 +429,14 @@ def _find_all_trials_with_wanted_quantity(
     )
     for search in searches:
         search()
-        roots = list(_find_trials_that_cross_wanted_value(question, trials, name, wanted))
+        roots = list(_find_trials_at_crossings_of_wanted_value(question, trials, name, wanted))
         if roots:
             return roots
     raise NoAnswer(_text_on_value_out_of_reach(question, trials, name, wanted))
 
 
-def _find_trials_that_cross_wanted_value(
-    question: Question, trials: Sequence[Trial], name: str, wanted: float
+def _find_trials_at_crossings_of_wanted_value(
+    question: SizingQuestion, trials: Sequence[Trial], name: str, wanted: float
 ) -> Iterator[Trial]:
     """Yield the trials at which a quantity crosses a wanted value."""
     for before, after in pairwise(trials):
@@ -451,12 +454,18 @@ def _find_trials_that_cross_wanted_value(
 def _quantity_minus_wanted_value(trial: Trial, name: str, wanted: float) -> float:
     """A trial's quantity minus the wanted value; 0 if that is a small part of its stated error."""
     off = float(getattr(trial, name) - wanted)
-    close = max(EXACT, SOLVED_SHARE * trial.errors.get(name, 0.0)) * wanted
+    close = (
+        max(
+            SEARCH_TOLERANCE_WITHOUT_STATED_ERROR,
+            SEARCH_TOLERANCE_OVER_STATED_ERROR * trial.errors.get(name, 0.0),
+        )
+        * wanted
+    )
     return 0.0 if abs(off) <= close else off
 
 
 def _find_trial_with_wanted_value_between_two_trials(
-    question: Question, known: list[Trial], name: str, wanted: float
+    question: SizingQuestion, known: list[Trial], name: str, wanted: float
 ) -> Trial:
     """The trial at which a quantity has a wanted value, between two trials that enclose it.
 
@@ -497,13 +506,13 @@ def _find_trial_with_wanted_value_between_two_trials(
         )
 
 
-def _solve_trial_or_raise_no_answer(question: Question, value: float) -> Trial:
+def _solve_trial_or_raise_no_answer(question: SizingQuestion, value: float) -> Trial:
     """Solve the brake with a value of the key. Raises NoAnswer with the reason for no answer."""
     trial = question.solve_trial_at_key_value(value)
     if trial.failure:
         raise NoAnswer(
             f"{_first_words_of_refusal_text(question)}, because {question.key} = "
-            f"{question.text(value)} "
+            f"{question.key_value_as_text(value)} "
             f"has no answer: {trial.failure}"
         )
     return trial
@@ -526,15 +535,16 @@ def _closest_trials_around_wanted_value(
 
 
 def _nearer_of_two_almost_equal_trials(
-    question: Question, ends: tuple[Trial, Trial], name: str, wanted: float
+    question: SizingQuestion, ends: tuple[Trial, Trial], name: str, wanted: float
 ) -> Trial:
     """The trial nearer to the wanted value, of two trials whose keys differ by round-off only.
 
     Raises NoAnswer if the quantity of this trial differs from the wanted value by more than its
-    stated error and more than JUMP_OF_QUANTITY: then the quantity jumps between the two trials.
+    stated error and more than RELATIVE_DIFFERENCE_AT_DISCONTINUITY: then the quantity jumps between
+    the two trials.
     """
     near = min(ends, key=lambda trial: abs(getattr(trial, name) - wanted))
-    allowed = max(JUMP_OF_QUANTITY, near.errors.get(name, 0.0)) * wanted
+    allowed = max(RELATIVE_DIFFERENCE_AT_DISCONTINUITY, near.errors.get(name, 0.0)) * wanted
     if abs(getattr(near, name) - wanted) <= allowed:
         return near
     what = question.brake.surface.word_for_effect if name == "torque" else "peak pressure"
@@ -543,7 +553,7 @@ def _nearer_of_two_almost_equal_trials(
     raise NoAnswer(
         f"{_first_words_of_refusal_text(question)}, because the {what} jumps from {from_to[0]} to "
         f"{from_to[1]} "
-        f"at {question.text(near.value)}"
+        f"at {question.key_value_as_text(near.value)}"
     )
 
 
@@ -574,7 +584,7 @@ def _key_value_by_rational_interpolation(
 
 
 def _find_trial_with_wanted_value_near_file_value(
-    question: Question, name: str, wanted: float
+    question: SizingQuestion, name: str, wanted: float
 ) -> Trial | None:
     """The trial at which a quantity has a wanted value, sought from the value in the file on.
 
@@ -582,7 +592,7 @@ def _find_trial_with_wanted_value_near_file_value(
     is also None for angles and coordinates, since the torque often has the same value at two of
     them.
     """
-    (low, high), start = question.ends, question.value_of_file
+    (low, high), start = question.ends_of_key_range, question.value_of_file
     if start == 0 or not (question.does_key_keep_one_sign and low <= start <= high):
         return None
     first = question.solve_trial_at_key_value(start)
@@ -599,16 +609,17 @@ def _find_trial_with_wanted_value_near_file_value(
 
 
 def _solve_trials_until_wanted_value_is_enclosed(
-    question: Question, first: Trial, name: str, wanted: float
+    question: SizingQuestion, first: Trial, name: str, wanted: float
 ) -> list[Trial]:
     """Solved trials, beginning with `first`, of which two enclose the wanted value or one has it.
 
-    The list is empty if there are no such trials after NEAR_TRIALS trials in the range.
+    The list is empty if there are no such trials after MOST_TRIALS_TO_ENCLOSE_WANTED_VALUE trials
+    in the range.
     """
-    known, (low, high) = [first], question.ends
+    known, (low, high) = [first], question.ends_of_key_range
     slope = _exact_torque_slope_at_key_value(question, first.value, name)
     value: float | None = _key_value_to_try_after_first_trial(first, name, wanted, slope)
-    for _ in range(NEAR_TRIALS):
+    for _ in range(MOST_TRIALS_TO_ENCLOSE_WANTED_VALUE):
         if _is_wanted_value_enclosed(known, name, wanted):
             return known
         value = None if value is None else min(max(value, low), high)
@@ -651,7 +662,9 @@ def _key_value_to_try_after_first_trial(
     return value if is_near else proportional
 
 
-def _exact_torque_slope_at_key_value(question: Question, value: float, name: str) -> float | None:
+def _exact_torque_slope_at_key_value(
+    question: SizingQuestion, value: float, name: str
+) -> float | None:
     """The exact derivative of the torque by the key at a value of the key; None if unknown.
 
     Finite elements in plane stress give it for friction, forces, moduli, clearances and hinges.
@@ -675,13 +688,13 @@ def _exact_torque_slope_at_key_value(question: Question, value: float, name: str
     return exact_torque_slope_by_key(brake, question.key, slopes)
 
 
-def _add_trials_where_answers_end(question: Question, trials: list[Trial]) -> None:
+def _add_trials_where_answers_end(question: SizingQuestion, trials: list[Trial]) -> None:
     """Find by bisection at which values of the key the answers end, and add these trials."""
     for before, after in list(pairwise(trials)):
         if bool(before.failure) == bool(after.failure):
             continue
         low, high = before.value, after.value
-        for _ in range(BORDER_TRIALS):
+        for _ in range(BISECTIONS_TO_WHERE_ANSWERS_END):
             middle = question.solve_trial_at_key_value(0.5 * (low + high))
             insort(trials, middle, key=lambda trial: trial.value)
             if bool(middle.failure) == bool(before.failure):
@@ -691,7 +704,7 @@ def _add_trials_where_answers_end(question: Question, trials: list[Trial]) -> No
 
 
 def _add_trial_with_extreme_quantity(
-    question: Question, trials: list[Trial], name: str, wanted: float
+    question: SizingQuestion, trials: list[Trial], name: str, wanted: float
 ) -> None:
     """Add the trial with the largest or smallest quantity near the best of the trials.
 
@@ -707,34 +720,34 @@ def _add_trial_with_extreme_quantity(
         return
     ends = trials[at - 1], trials[at + 1]
     if not any(end.failure for end in ends):
-        refined = _trial_with_extreme_quantity_between(
+        refined = _trial_with_largest_or_smallest_quantity_in_range(
             question, (ends[0].value, ends[1].value), name, sign
         )
         if not refined.failure:
             insort(trials, refined, key=lambda trial: trial.value)
 
 
-def _trial_with_extreme_quantity_between(
-    question: Question, ends: tuple[float, float], name: str, sign: int
+def _trial_with_largest_or_smallest_quantity_in_range(
+    question: SizingQuestion, ends: tuple[float, float], name: str, sign: int
 ) -> Trial:
     """The trial between two values of the key with the largest (sign 1) or smallest quantity."""
     seen: list[Trial] = []
 
-    def quantity_times_negative_sign(value: float) -> float:
+    def quantity_to_minimise(value: float) -> float:
         """The quantity times -sign, whose minimum is sought; infinite if there is no answer."""
         seen.append(question.solve_trial_at_key_value(float(value)))
         return math.inf if seen[-1].failure else -sign * float(getattr(seen[-1], name))
 
-    resolution = EXTREME_RESOLUTION * (ends[1] - ends[0])
+    resolution = KEY_TOLERANCE_AT_EXTREME_QUANTITY * (ends[1] - ends[0])
     minimize_scalar(
-        quantity_times_negative_sign, bounds=ends, method="bounded", options={"xatol": resolution}
+        quantity_to_minimise, bounds=ends, method="bounded", options={"xatol": resolution}
     )
     solved = [trial for trial in seen if not trial.failure]
     return max(solved or seen, key=lambda trial: sign * getattr(trial, name))
 
 
 def _trial_with_largest_torque_and_what_bounds_it(
-    question: Question, trials: list[Trial]
+    question: SizingQuestion, trials: list[Trial]
 ) -> tuple[Trial, str]:
     """The trial with the largest torque at an allowed peak pressure, and a text on what bounds it.
 
@@ -744,7 +757,7 @@ def _trial_with_largest_torque_and_what_bounds_it(
     limit, bounded = question.peak_pressure, []
     if limit is not None:
         bounded = list(
-            _find_trials_that_cross_wanted_value(question, trials, "peak_pressure", limit)
+            _find_trials_at_crossings_of_wanted_value(question, trials, "peak_pressure", limit)
         )
     solved = [trial for trial in trials if not trial.failure]
     allowed = [trial for trial in solved if _is_peak_pressure_allowed(question, trial)] + bounded
@@ -759,7 +772,7 @@ def _trial_with_largest_torque_and_what_bounds_it(
     failure = trials[at - 1].failure or trials[at + 1].failure
     if failure:
         return best, f"the torque is largest before there is no answer: {failure}"
-    refined = _trial_with_extreme_quantity_between(
+    refined = _trial_with_largest_or_smallest_quantity_in_range(
         question, (trials[at - 1].value, trials[at + 1].value), "torque", 1
     )
     if refined.torque > best.torque and _is_peak_pressure_allowed(question, refined):
@@ -767,16 +780,18 @@ def _trial_with_largest_torque_and_what_bounds_it(
     return best, "the torque is largest inside the range"
 
 
-def _is_peak_pressure_allowed(question: Question, trial: Trial) -> bool:
+def _is_peak_pressure_allowed(question: SizingQuestion, trial: Trial) -> bool:
     """Whether the peak pressure of a trial is within its limit; True if there is no limit."""
     limit = question.peak_pressure
     if limit is None or question.torque is None:
         return True
-    return trial.peak_pressure <= limit * (1 + SOLVED_SHARE * trial.errors["peak_pressure"])
+    return trial.peak_pressure <= limit * (
+        1 + SEARCH_TOLERANCE_OVER_STATED_ERROR * trial.errors["peak_pressure"]
+    )
 
 
 def _sizing_result_of_found_value(
-    question: Question,
+    question: SizingQuestion,
     found: Trial,
     others: tuple[float, ...],
     answer: Callable[[Brake], Response],
@@ -807,7 +822,7 @@ def _sizing_result_of_found_value(
         peak_pressure=float(max(shoe.peak_pressure for shoe in response.shoes)),
         slope=slope,
         errors=_errors_of_found_key_value(response, name, getattr(found, name), slope),
-        range=question.ends,
+        range=question.ends_of_key_range,
         others=others,
         remark=remark,
         brake=brake,
@@ -816,7 +831,7 @@ def _sizing_result_of_found_value(
 
 
 def _derivative_of_quantity_by_key_at_trial(
-    question: Question, found: Trial, name: str
+    question: SizingQuestion, found: Trial, name: str
 ) -> float | None:
     """The derivative of a quantity by the key: exact if it is known, else a difference quotient.
 
@@ -825,7 +840,7 @@ def _derivative_of_quantity_by_key_at_trial(
     exact = _exact_torque_slope_at_key_value(question, found.value, name)
     if exact is not None:
         return exact
-    low, high = question.ends
+    low, high = question.ends_of_key_range
     size = abs(found.value) if question.does_key_keep_one_sign else high - low
     steps = (SLOPE_STEP * size, -SLOPE_STEP * size)
     near = [question.solve_trial_at_key_value(found.value + step) for step in steps]
@@ -864,7 +879,7 @@ def _errors_of_found_key_value(
 # The functions below write the messages of NoAnswer.
 
 
-def _first_words_of_refusal_text(question: Question) -> str:
+def _first_words_of_refusal_text(question: SizingQuestion) -> str:
     """The first words of a refusal: what is wanted, and the range that was searched."""
     wanted = []
     if question.torque is not None:
@@ -875,12 +890,12 @@ def _first_words_of_refusal_text(question: Question) -> str:
         wanted.append(f"--torque = {shown}")
     if question.peak_pressure is not None:
         wanted.append(f"--peak-pressure = {quantity_with_usual_unit(question.peak_pressure, 'Pa')}")
-    low, high = map(question.text, question.ends)
+    low, high = map(question.key_value_as_text, question.ends_of_key_range)
     return f"{', '.join(wanted)}: not possible with {question.key} from {low} to {high}"
 
 
 def _text_on_value_out_of_reach(
-    question: Question, trials: Sequence[Trial], name: str, wanted: float
+    question: SizingQuestion, trials: Sequence[Trial], name: str, wanted: float
 ) -> str:
     """The text that says why a quantity does not reach its wanted value in the range."""
     solved = [trial for trial in trials if not trial.failure]
@@ -893,7 +908,7 @@ def _text_on_value_out_of_reach(
     reached = quantity_with_usual_unit(getattr(best, name), unit)
     text = (
         f"{_first_words_of_refusal_text(question)}, because the {extreme} {what} is {reached}, "
-        f"at {question.text(best.value)}"
+        f"at {question.key_value_as_text(best.value)}"
     )
     at = trials.index(best)
     if not 0 < at < len(trials) - 1:
@@ -904,7 +919,9 @@ def _text_on_value_out_of_reach(
     return f"{text}, inside the range: the {what} is not monotonic"
 
 
-def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], root: Trial) -> str:
+def _text_on_peak_pressure_above_limit(
+    question: SizingQuestion, trials: list[Trial], root: Trial
+) -> str:
     """The refusal of a torque at which the peak pressure is above its limit.
 
     It names the largest torque with an allowed peak pressure, if there is one.
@@ -912,7 +929,7 @@ def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], 
     peak = quantity_with_usual_unit(root.peak_pressure, "Pa")
     text = (
         f"{_first_words_of_refusal_text(question)}, because {question.key} = "
-        f"{question.text(root.value)}, "
+        f"{question.key_value_as_text(root.value)}, "
         f"which gives this torque, gives a peak pressure of {peak}"
     )
     try:
@@ -921,5 +938,6 @@ def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], 
         return text
     return (
         f"{text}; the largest {question.brake.surface.word_for_effect} within the limit is "
-        f"{question.torque_or_braking_force_as_text(best.torque)}, at {question.text(best.value)}"
+        f"{question.torque_or_braking_force_as_text(best.torque)}, "
+        f"at {question.key_value_as_text(best.value)}"
     )

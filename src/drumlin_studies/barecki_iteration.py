@@ -18,7 +18,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.foundation.model import ring_displacement_per_normal_force
-from drumlin.foundation.post import SectionedShoe, divide_shoe_into_stations_and_sectors
+from drumlin.foundation.post import ShoeInStationsAndSectors, divide_shoe_into_stations_and_sectors
 
 MOST_REVISIONS = 100
 """Number of revisions of the contact after which the iteration counts as not converged."""
@@ -82,12 +82,14 @@ def solve_post_brake_by_paper_iteration(brake: Brake, index: int, sections: int)
     )
 
 
-def _beam_and_rim_displacements(p: SectionedShoe, c: Floats, k: Floats) -> tuple[Floats, Floats]:
+def _beam_and_rim_displacements(
+    p: ShoeInStationsAndSectors, c: Floats, k: Floats
+) -> tuple[Floats, Floats]:
     """Displacements of the beam, w (m,), and of the drum's rim, z (n,) [m], for a given contact.
 
     Parameters
     ----------
-    p : SectionedShoe
+    p : ShoeInStationsAndSectors
         The beam with its m stations and n sectors.
     c : array (n, n)
         Flexibility of the drum's ring at the sectors [m/N].
@@ -102,7 +104,7 @@ def _beam_and_rim_displacements(p: SectionedShoe, c: Floats, k: Floats) -> tuple
     # Equilibrium of bending at the stations inside the beam (eq. 12), with second differences of w.
     inner = np.arange(1, m - 1)
     before, after = np.diff(p.x)[:-1], np.diff(p.x)[1:]
-    stiff = p.EI[inner] / p.step[inner]
+    stiff = p.EI[inner] / p.station_weights[inner]
     matrix[inner, inner - 1] = stiff / before
     matrix[inner, inner] = -stiff * (1 / before + 1 / after)
     matrix[inner, inner + 1] = stiff / after

@@ -22,9 +22,11 @@ import drumlin
 from drumlin.base.resource_use import processor_time_of_ended_child_processes
 from drumlin.brake.brake import Brake
 from drumlin.fem.solve import prepared_model_with_finest_elements
-from drumlin.studies import REPOSITORY, paths_of_example_brakes
+from drumlin.studies import FOLDER_OF_STUDIES_AND_MESHES, paths_of_example_brakes
 
-BENCHMARK_HISTORY = REPOSITORY / "reports" / "reference" / "benchmarks" / "history.jsonl"
+BENCHMARK_HISTORY = (
+    FOLDER_OF_STUDIES_AND_MESHES / "reports" / "reference" / "benchmarks" / "history.jsonl"
+)
 """Path of the file with the history of benchmarks: one line for each measurement, oldest first."""
 
 TIMED_SOLVES = (
@@ -206,7 +208,7 @@ def command_times_over_import_time(repeats: int = USUAL_REPEATS) -> dict[str, fl
 
 def output_of_git_command(*arguments: str) -> str:
     """The output of a git command on drumlin's repository, without surrounding spaces."""
-    command = ["git", "-C", str(REPOSITORY), *arguments]
+    command = ["git", "-C", str(FOLDER_OF_STUDIES_AND_MESHES), *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 

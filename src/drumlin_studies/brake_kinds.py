@@ -42,7 +42,7 @@ The torques of law and finite elements then agree to round-off, even if their pr
 """
 
 
-class BrakeInMotion(NamedTuple):
+class BrakeSolvedByAllModels(NamedTuple):
     """A brake in one sense of motion, and its responses by several models.
 
     Attributes
@@ -74,7 +74,7 @@ def brake_and_reversed_brake(brake: Brake) -> tuple[Brake, Brake]:
 
 def solve_brake_by_all_models(
     file: str, brake: Brake, elements: int, *, solid: bool = False
-) -> BrakeInMotion:
+) -> BrakeSolvedByAllModels:
     """Solve a brake by its rigid-shoe law, by finite elements and by every other suitable model.
 
     Parameters
@@ -104,7 +104,7 @@ def solve_brake_by_all_models(
         if model.name not in {"fem", by_law.model}:
             others[model.name] = solve_and_time_model(model.name, partial(model.solve, brake))
     worn = worn_in.solve_worn_in_brake(brake, elements=elements)
-    return BrakeInMotion(file, brake, by_law, solve(brake), worn, others)
+    return BrakeSolvedByAllModels(file, brake, by_law, solve(brake), worn, others)
 
 
 def self_locking_friction_by_finite_elements(
@@ -125,7 +125,9 @@ def self_locking_friction_by_finite_elements(
     return min((end.friction for end in found.values()), default=math.inf)
 
 
-def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
+def row_of_errors_of_rigid_shoe_law(
+    found: BrakeSolvedByAllModels, limit: float | None
+) -> dict[str, Any]:
     """A row of a table with the errors of a brake's law, for new and for worn-in linings.
 
     `new` and `worn` are relative errors of the law's torque (on a plane, of its braking force)
@@ -166,7 +168,7 @@ def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -
     }
 
 
-def torque_error_rows_of_models_besides_law(found: BrakeInMotion) -> list[dict[str, Any]]:
+def torque_error_rows_of_models_besides_law(found: BrakeSolvedByAllModels) -> list[dict[str, Any]]:
     """Rows of a table, one for each other model, with the relative errors of its torque.
 
     The errors are relative to finite elements with new and with worn-in linings.

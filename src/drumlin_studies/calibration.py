@@ -5,8 +5,8 @@ error by the change from one level to the next, multiplied by a safety factor.
 `true_and_estimated_errors_of_random_brake` records this change for a random brake, and the true
 error, which is the difference from a far finer solution. `fit_safety_factors` finds the smallest
 factors with which the stated errors are at least as large as the true errors, except for the small
-share 1 - STATED_QUANTILE. `estimate_factors_as_json_text` writes the factors together with the
-brakes of the fit. The command
+share 1 - FRACTION_COVERED_BY_STATED_ERROR. `error_estimate_factors_as_json_text` writes the factors
+together with the brakes of the fit. The command
 
     make calibrate
 
@@ -28,26 +28,26 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import errors_with_singular_points_and_text_on_short_contacts
 from drumlin.fem.error_control.estimate import (
-    QUANTITIES,
+    QUANTITIES_WITH_STATED_ERROR,
     Errors,
-    Factors,
+    SafetyFactors,
     relative_differences_of_responses_on_two_levels,
     sum_of_penalty_and_round_off_errors,
 )
 from drumlin.fem.error_control.levels import SolvedLevel, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.hp.corner import response_with_power_laws_at_corners
 from drumlin.fem.model import solve_prepared_model
-from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
+from drumlin_studies.random_brake import DRAW_BY_SHAPE_KIND as KINDS
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_corners import (
     CORNER_KINDS,
     draw_random_brake_pressing_with_corner_or_kink,
 )
-from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
+from drumlin_studies.random_kinds import DRAW_BY_SUPPORT_KIND as KINDS_OF_HOLDING
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
-from drumlin_studies.stated_true import RELEVANT, Truth, true_errors_of_response
+from drumlin_studies.stated_true import SMALLEST_RELEVANT_TRUE_ERROR, Truth, true_errors_of_response
 from drumlin_studies.stored_truth import (
-    CERTAIN,
+    LEAST_USED_ERROR_OVER_UNCERTAINTY,
     solve_brake_by_finer_hp_meshes,
     solve_brake_on_corner_or_kink_by_fine_triangles,
 )
@@ -62,10 +62,10 @@ FIRST_CORNER, CORNER_BRAKES = 310_000, 60
 
 A corner is an end of the lining's surface; a tip is a kink of this surface that points to the drum.
 The second number is the number of these brakes: six of each kind. The factors are tested on brakes
-of other seeds, see `corner_rows.FIRST_JUDGED`.
+of other seeds, see `corner_rows.SEED_OF_FIRST_CORNER_BRAKE`.
 """
 
-STATED_QUANTILE = 0.995
+FRACTION_COVERED_BY_STATED_ERROR = 0.995
 """Fraction of the true errors that must not exceed the stated errors in the fit.
 
 README promises that at most 1 % of the stated errors are too small: twice the share that this fit
@@ -77,7 +77,7 @@ FITTED_LEVELS = 5
 
 A further level would be as fine as the solution from which true errors are taken."""
 
-CHANCE_WEIGHTS = tuple(2.0**-k for k in range(4, 14))
+CANDIDATES_OF_CHANCE_WEIGHT = tuple(2.0**-k for k in range(4, 14))
 """Candidates for a weight in the error estimate of forces.
 
 The contributions of hp elements to the change of a force may cancel by accident. Therefore the
@@ -86,11 +86,11 @@ change. `fit_safety_factors` takes the candidate with the smallest median ratio 
 error.
 """
 
-HALF_STATED_QUANTILE = 0.999
+FRACTION_COVERED_BY_TWICE_STATED_ERROR = 0.999
 """Fraction of the true errors that must not exceed twice the stated errors in the fit.
 
-STATED_QUANTILE limits how many stated errors are too small. HALF_STATED_QUANTILE limits by how much
-they are too small.
+FRACTION_COVERED_BY_STATED_ERROR limits how many stated errors are too small.
+FRACTION_COVERED_BY_TWICE_STATED_ERROR limits by how much they are too small.
 """
 
 SIGNIFICANT_DIGITS = 2
@@ -178,7 +178,7 @@ def true_errors_and_estimates_on_each_mesh(
     # drumlin gets stated errors of zero for all quantities. An error that it returns larger than 0
     # then marks a quantity that it calls unknown, such as a peak without bound.
     nothing = Errors.brake_errors_from_torque_and_shoe_errors(
-        0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes)
+        0.0, [dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 0.0)] * len(brake.shoes)
     )
     levels: list[LevelRecord] = []
     before = None
@@ -218,11 +218,11 @@ def _largest_value_of_each_quantity_over_shoes(values: Floats) -> dict[str, floa
     `values` (1 + 4 shoes,) are errors or changes in the order of `LevelDifferences`: the torque of
     the brake comes first, then four quantities of each shoe.
     """
-    most = values[1:].reshape(-1, len(QUANTITIES)).max(axis=0).tolist()
-    return dict(zip(QUANTITIES, most, strict=True)) | {"torque": float(values[0])}
+    most = values[1:].reshape(-1, len(QUANTITIES_WITH_STATED_ERROR)).max(axis=0).tolist()
+    return dict(zip(QUANTITIES_WITH_STATED_ERROR, most, strict=True)) | {"torque": float(values[0])}
 
 
-class Samples(NamedTuple):
+class ErrorSamplesOfQuantity(NamedTuple):
     """The attributes of `LevelRecord` for one quantity, as arrays (m,).
 
     Each of the m entries belongs to one brake on one of its meshes (levels).
@@ -240,14 +240,18 @@ class Samples(NamedTuple):
 
         A smaller or less certain value may be an error of the far finer solution instead.
         """
-        return np.asarray((self.true >= RELEVANT) & (self.true > CERTAIN * self.unsure))
+        return np.asarray(
+            (self.true >= SMALLEST_RELEVANT_TRUE_ERROR)
+            & (self.true > LEAST_USED_ERROR_OVER_UNCERTAINTY * self.unsure)
+        )
 
     def smallest_safety_factor(self, weight: float) -> float:
         """The smallest safety factor for which nearly all stated errors cover the true errors.
 
-        STATED_QUANTILE and HALF_STATED_QUANTILE say how many stated errors may be too small. The
-        stated error is factor * (step + weight * chance) + beside, with the attributes of
-        `LevelRecord`. Any factor counts as large enough for a true error that is not usable.
+        FRACTION_COVERED_BY_STATED_ERROR and FRACTION_COVERED_BY_TWICE_STATED_ERROR say how many
+        stated errors may be too small. The stated error is factor * (step + weight * chance) +
+        beside, with the attributes of `LevelRecord`. Any factor counts as large enough for a true
+        error that is not usable.
         """
         # The part of each true error that factor * (step + weight * chance) must cover.
         most = np.where(
@@ -258,8 +262,8 @@ class Samples(NamedTuple):
         )
         return round_up_to_significant_digits(
             max(
-                float(np.quantile(needed, STATED_QUANTILE)),
-                0.5 * float(np.quantile(needed, HALF_STATED_QUANTILE)),
+                float(np.quantile(needed, FRACTION_COVERED_BY_STATED_ERROR)),
+                0.5 * float(np.quantile(needed, FRACTION_COVERED_BY_TWICE_STATED_ERROR)),
             )
         )
 
@@ -274,7 +278,9 @@ class Samples(NamedTuple):
         )
 
 
-def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
+def true_and_estimated_errors_of_quantity(
+    levels: Sequence[LevelRecord], quantity: str
+) -> ErrorSamplesOfQuantity:
     """True errors of one quantity and the terms of their estimate, on all meshes of all brakes.
 
     Meshes on which the true error is nan are left out.
@@ -283,30 +289,31 @@ def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantit
     for level in levels:
         if not math.isnan(level.true[quantity]):
             rows.append([errors[quantity] for errors in level])
-    return Samples(*np.array(rows).reshape(-1, len(LevelRecord._fields)).T)
+    return ErrorSamplesOfQuantity(*np.array(rows).reshape(-1, len(LevelRecord._fields)).T)
 
 
-def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
+def fit_safety_factors(levels: Sequence[LevelRecord]) -> SafetyFactors:
     """The smallest safety factors for which nearly all stated errors cover the true errors.
 
-    The fractions of stated errors that may be too small are set by STATED_QUANTILE and
-    HALF_STATED_QUANTILE. Torque and reaction have the same factor, the larger of their two factors.
-    The estimated error of a force has a term for the change that the force would have if the
-    elements contributed with random signs. Of the weights CHANCE_WEIGHTS of this term, the one with
-    the smallest median ratio of stated to true error is taken.
+    The fractions of stated errors that may be too small are set by FRACTION_COVERED_BY_STATED_ERROR
+    and FRACTION_COVERED_BY_TWICE_STATED_ERROR. Torque and reaction have the same factor, the larger
+    of their two factors. The estimated error of a force has a term for the change that the force
+    would have if the elements contributed with random signs. Of the weights
+    CANDIDATES_OF_CHANCE_WEIGHT of this term, the one with the smallest median ratio of stated to
+    true error is taken.
     """
     # The weight of the change with random signs is chosen first, because the safety factor of
     # forces depends on it.
     forces = [
         true_and_estimated_errors_of_quantity(levels, name) for name in ("torque", "reaction")
     ]
-    weight = min(CHANCE_WEIGHTS, key=partial(_median_stated_over_true_error, forces))
+    weight = min(CANDIDATES_OF_CHANCE_WEIGHT, key=partial(_median_stated_over_true_error, forces))
     of_forces = _largest_safety_factor_of_quantities(forces, weight)
     pressure, peak = (
         true_and_estimated_errors_of_quantity(levels, name).smallest_safety_factor(0.0)
         for name in ("pressure", "peak")
     )
-    return Factors(
+    return SafetyFactors(
         pressure,
         of_forces,
         round_up_to_significant_digits(of_forces * weight),
@@ -314,7 +321,9 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     )
 
 
-def _largest_safety_factor_of_quantities(quantities: Sequence[Samples], weight: float) -> float:
+def _largest_safety_factor_of_quantities(
+    quantities: Sequence[ErrorSamplesOfQuantity], weight: float
+) -> float:
     """The largest safety factor that any of the quantities needs.
 
     `weight` multiplies the change that a force would have if elements contributed with random
@@ -323,7 +332,9 @@ def _largest_safety_factor_of_quantities(quantities: Sequence[Samples], weight: 
     return max(of.smallest_safety_factor(weight) for of in quantities)
 
 
-def _median_stated_over_true_error(quantities: Sequence[Samples], weight: float) -> float:
+def _median_stated_over_true_error(
+    quantities: Sequence[ErrorSamplesOfQuantity], weight: float
+) -> float:
     """The median ratio of stated to true error over several quantities with a common safety factor.
 
     `weight` multiplies the change that a force would have if elements contributed with random
@@ -402,11 +413,11 @@ def safety_factors_as_json_text(
     return json.dumps(data, indent=1) + "\n"
 
 
-def estimate_factors_as_json_text(factors: Factors, provenance: Provenance) -> str:
+def error_estimate_factors_as_json_text(factors: SafetyFactors, provenance: Provenance) -> str:
     """The JSON text of the file with the safety factors of the error estimate."""
     return safety_factors_as_json_text(
         factors._asdict(),
         FACTOR_MEANINGS,
-        provenance._asdict() | {"quantile": STATED_QUANTILE},
+        provenance._asdict() | {"quantile": FRACTION_COVERED_BY_STATED_ERROR},
         "drumlin.fem.error_control.estimate",
     )

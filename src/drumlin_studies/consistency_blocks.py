@@ -19,7 +19,7 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
 from drumlin_studies import random_brake, random_kinds
-from drumlin_studies.consistency import Check
+from drumlin_studies.consistency import TwoPathComparison
 from drumlin_studies.random_kinds import draw_random_brake_of_kind
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
@@ -40,18 +40,18 @@ BLOCK_TRIAL_ELEMENTS = 40
 """Number of elements along a lining of the mesh on which a drawn brake is solved for a first look.
 This solve gives the compression of the linings, and shows whether every shoe is in contact.
 """
-STEP_SPACING = 1.05
+LEAST_STEP_SPACING_OVER_STEP_ARC = 1.05
 """Smallest distance between the beginnings of two steps, relative to the short arc over which the
 height changes at a step. `misfit.blocks` needs more than 1.
 """
-STEP_DEPTH_DECADES = (-1.0, 1.0)
+LARGEST_STEP_DEPTH_DECADES = (-1.0, 1.0)
 """Range of the largest step's depth relative to the lining's compression, as powers of ten."""
 BLOCKS_TRUTH_TOLERANCE = 2.5e-3
 """Relative tolerance of the finer solution from which true errors are taken.
 
 The meshes of this solution are refined until p changes by a tenth of the tolerance.
 """
-BLOCK_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
+BLOCK_KINDS = (*random_brake.DRAW_BY_SHAPE_KIND, *random_kinds.DRAW_BY_SUPPORT_KIND)
 """The kinds of random brakes, in the order in which consecutive seeds draw them."""
 Rng = np.random.Generator
 """The type of the generators of random numbers."""
@@ -78,7 +78,7 @@ def draw_random_brake_with_blocks(seed: int, steps: int | None = None) -> Brake:
     for attempt in range(BLOCK_ATTEMPTS):
         rng = np.random.default_rng([seed, attempt])
         drawn = int(rng.integers(FEWEST_BLOCK_STEPS, MOST_BLOCK_STEPS + 1))
-        depth = 10 ** rng.uniform(*STEP_DEPTH_DECADES)
+        depth = 10 ** rng.uniform(*LARGEST_STEP_DEPTH_DECADES)
         try:
             brake = draw_random_brake_of_kind(seed + len(BLOCK_KINDS) * (attempt + 1), kind)
             # The brake must have room for the number of steps that the seed gives, also if `steps`
@@ -135,7 +135,10 @@ def _random_start_angles_of_lining_blocks(rng: Rng, shoe: Shoe, steps: int) -> n
 
     Raises BadInput if the lining is too short for the steps.
     """
-    lining, room = shoe.lining, STEP_SPACING * shoe.lining.length_of_step_between_blocks
+    lining, room = (
+        shoe.lining,
+        LEAST_STEP_SPACING_OVER_STEP_ARC * shoe.lining.length_of_step_between_blocks,
+    )
     free = lining.end - lining.start - (steps + 1) * room
     if free <= 0:
         raise BadInput(f"no room for {steps} steps")
@@ -147,7 +150,7 @@ def _random_start_angles_of_lining_blocks(rng: Rng, shoe: Shoe, steps: int) -> n
 def _lining_compression_under_mean_pressure(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
     """Compression [m] of a lining under the mean pressure on it."""
     lining = shoe.lining
-    area = brake.scale_factor * (lining.end - lining.start) * lining.width
+    area = brake.length_per_surface_coordinate * (lining.end - lining.start) * lining.width
     return found.normal_force / area * lining.thickness / lining.material.E_through
 
 
@@ -171,7 +174,7 @@ def solve_with_stated_and_true_errors(brake: Brake) -> StatedAndTrue:
     return StatedAndTrue(response, true, true_errors_of_response(brake, response.shoes, true.shoes))
 
 
-def rows_comparing_stated_with_true_errors_of_block_linings(seed: int) -> list[Check]:
+def rows_comparing_stated_with_true_errors_of_block_linings(seed: int) -> list[TwoPathComparison]:
     """Compare the errors that drumlin states with true errors, for the random brake of a seed.
 
     Returns a row for each quantity. The allowed error is the stated error plus the uncertainty of
@@ -182,10 +185,10 @@ def rows_comparing_stated_with_true_errors_of_block_linings(seed: int) -> list[C
     try:
         response, truth, true_errors = solve_with_stated_and_true_errors(brake)
     except NoAnswer as error:
-        return [Check(BLOCKS_CHECK, name, "p", 0.0, 0.0, str(error), refused=True)]
+        return [TwoPathComparison(BLOCKS_CHECK, name, "p", 0.0, 0.0, str(error), refused=True)]
     assert response.error is not None
     rows = []
     for quantity in JUDGED_QUANTITIES:
         allowed = response.error[quantity] + truth.unsure[quantity]
-        rows.append(Check(BLOCKS_CHECK, name, quantity, true_errors[quantity], allowed))
+        rows.append(TwoPathComparison(BLOCKS_CHECK, name, quantity, true_errors[quantity], allowed))
     return rows

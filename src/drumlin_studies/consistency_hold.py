@@ -13,7 +13,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.analysis.holding import (
     LARGEST_TORQUE_DIFFERENCE,
-    Hold,
+    HoldingState,
     find_drum_rotation_of_full_slip,
     turn_holding_brake_and_return_states_at_rotations,
 )
@@ -22,7 +22,7 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin_studies import random_brake, random_kinds
-from drumlin_studies.consistency import Check
+from drumlin_studies.consistency import TwoPathComparison
 from drumlin_studies.random_kinds import draw_random_brake_of_kind
 
 HOLD_CHECK = "hold's end = solve"
@@ -31,18 +31,18 @@ HOLD_STEPS = 4
 """Number of increments of the rotation. The state at full slip does not depend on it."""
 MESH_ELEMENTS = 12
 """Number of elements along a lining. `hold` and `solve` share the mesh, so its error cancels."""
-HOLD_KINDS = (*random_kinds.HOLDING_KINDS, *random_brake.SHAPE_KINDS)
+HOLD_KINDS = (*random_kinds.DRAW_BY_SUPPORT_KIND, *random_brake.DRAW_BY_SHAPE_KIND)
 """The kinds of random brakes, in the order in which consecutive seeds draw them."""
-LOCKED_ROTATION = 1.0
+ROTATION_THAT_TESTS_SELF_LOCKING = 1.0
 """Rotation of the drum [rad] by which a brake that `solve` refuses is tested for self-locking.
 
 A self-locking brake still sticks after this rotation."""
-TWO_ANSWERS_LINE = "more than one answer"
+WORDS_OF_TWO_MOMENTS_ERROR = "more than one answer"
 """Words of the error message by which `find_drum_rotation_of_full_slip` reports two different
 moments."""
 
 
-def rows_comparing_torques_of_hold_and_solve(seed: int) -> list[Check]:
+def rows_comparing_torques_of_hold_and_solve(seed: int) -> list[TwoPathComparison]:
     """Compare the torques by `hold` at full slip and by `solve` for the random brake of a seed.
 
     Consecutive seeds go through all kinds of brakes, on a low-order mesh and on hp elements in
@@ -66,9 +66,9 @@ def rows_comparing_torques_of_hold_and_solve(seed: int) -> list[Check]:
 
 def _row_comparing_torques_of_hold_and_solve(
     name: str, scene: PreparedModel, brake: Brake
-) -> Check:
+) -> TwoPathComparison:
     """Compare the torques of a brake by `hold` and by `solve`, both on the same prepared model."""
-    row = Check(
+    row = TwoPathComparison(
         check=HOLD_CHECK,
         brake=name,
         quantity="torque",
@@ -80,14 +80,14 @@ def _row_comparing_torques_of_hold_and_solve(
     try:
         sliding = solve_prepared_model(scene, brake).torque
     except NoAnswer as error:
-        held = _holding_state_after_rotation(scene, brake, LOCKED_ROTATION)
+        held = _holding_state_after_rotation(scene, brake, ROTATION_THAT_TESTS_SELF_LOCKING)
         locked = held is None or held.sticking > 0
         return row._replace(said=str(error) if locked else "", refused=locked)
     # An error message of `hold` counts as a reason only if it states two different moments.
     try:
         end = find_drum_rotation_of_full_slip(scene, brake)
     except NoAnswer as error:
-        return row._replace(said=str(error) if TWO_ANSWERS_LINE in str(error) else "")
+        return row._replace(said=str(error) if WORDS_OF_TWO_MOMENTS_ERROR in str(error) else "")
     last = _holding_state_after_rotation(scene, brake, end)
     if last is None:
         return row
@@ -96,7 +96,7 @@ def _row_comparing_torques_of_hold_and_solve(
 
 def _holding_state_after_rotation(
     scene: PreparedModel, brake: Brake, rotation: float
-) -> Hold | None:
+) -> HoldingState | None:
     """The holding state of the brake after a drum rotation [rad], or None if none is found."""
     try:
         return turn_holding_brake_and_return_states_at_rotations(

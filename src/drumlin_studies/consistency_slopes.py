@@ -17,7 +17,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Bar
+from drumlin.brake.components import ShoeBodyOfConstantSection
 from drumlin.brake.fields import AnyMaterial
 from drumlin.brake.file import vary
 from drumlin.fem.analysis.sensitivity import (
@@ -31,7 +31,7 @@ from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin_studies import random_brake, random_kinds
-from drumlin_studies.consistency import Check
+from drumlin_studies.consistency import TwoPathComparison
 from drumlin_studies.random_kinds import draw_random_brake_of_kind
 
 SLOPE_MESH_ELEMENTS = 10
@@ -68,7 +68,7 @@ SLOPES_PER_BRAKE = 3
 All slopes of a large brake would take some ten seconds.
 """
 
-Changes = Callable[[float], dict[str, Any]]
+KeyValuesAfterStep = Callable[[float], dict[str, Any]]
 """A function of a step that returns new values of a brake file's keys, by the keys' paths."""
 
 
@@ -89,11 +89,11 @@ class Slope(NamedTuple):
 
     what: str
     exact: float
-    changes: Changes
+    changes: KeyValuesAfterStep
     size: float = 1.0
 
 
-class TorqueOnDivision(NamedTuple):
+class TorqueWithMeshAndContactSet(NamedTuple):
     """A torque, with data by which two solves are seen to share the mesh and the contact set.
 
     Attributes
@@ -110,13 +110,13 @@ class TorqueOnDivision(NamedTuple):
     bodies: tuple[int, ...]
     touching: tuple[bytes, ...]
 
-    def has_same_mesh_and_contact(self, other: "TorqueOnDivision") -> bool:
+    def has_same_mesh_and_contact(self, other: "TorqueWithMeshAndContactSet") -> bool:
         """Whether both torques were computed with the same mesh size and the same contact set."""
         return self.bodies == other.bodies and self.touching == other.touching
 
 
 @dataclass(frozen=True)
-class DivisionForSlopes:
+class MeshKindForSlopes:
     """The kind of mesh with which a brake is solved and its slopes are computed.
 
     Attributes
@@ -136,7 +136,7 @@ class DivisionForSlopes:
             return make_prepared_model(own, SLOPE_LEVEL, cache=self.cache)
         return make_prepared_model(own, elements=self.elements, cache=self.cache)
 
-    def solve_brake_for_torque(self, brake: Brake) -> "TorqueOnDivision":
+    def solve_brake_for_torque(self, brake: Brake) -> "TorqueWithMeshAndContactSet":
         """Solve a brake and return its torque, mesh size and contact set. Raises like `solve`."""
         scene = self.meshed_and_condensed_model_of_brake(brake)
         response = solve_prepared_model(scene, brake)
@@ -145,19 +145,21 @@ class DivisionForSlopes:
         if scene.ring:
             bodies.append(scene.ring.basis.N)
         touching = tuple((shoe.pressure > 0).tobytes() for shoe in response.shoes)
-        return TorqueOnDivision(response.torque, tuple(bodies), touching)
+        return TorqueWithMeshAndContactSet(response.torque, tuple(bodies), touching)
 
     def compute_derivatives_of_brake_torque(self, brake: Brake) -> Sensitivity:
         """The derivatives of a brake's torque. Raises like `compute_torque_sensitivity`."""
         return compute_torque_sensitivity(self.meshed_and_condensed_model_of_brake(brake), brake)
 
 
-def make_function_that_scales_value_of_key(key: str, value: float) -> Changes:
+def make_function_that_scales_value_of_key(key: str, value: float) -> KeyValuesAfterStep:
     """A function of a step s that returns the value of a key multiplied by 1 + s."""
     return lambda s: {key: value * (1 + s)}
 
 
-def make_function_that_scales_material_moduli(key: str, material: AnyMaterial) -> Changes:
+def make_function_that_scales_material_moduli(
+    key: str, material: AnyMaterial
+) -> KeyValuesAfterStep:
     """A function of a step s that returns all moduli of a material multiplied by 1 + s, by key.
 
     `key` is the path of the part in the brake file, with a dot at its end.
@@ -167,12 +169,12 @@ def make_function_that_scales_material_moduli(key: str, material: AnyMaterial) -
     }
 
 
-def make_function_that_shifts_value_of_key(key: str, value: float) -> Changes:
+def make_function_that_shifts_value_of_key(key: str, value: float) -> KeyValuesAfterStep:
     """A function of a step s that returns the value of a key plus s."""
     return lambda s: {key: value + s}
 
 
-def make_function_that_shifts_point(key: str, x: float, y: float, way: int) -> Changes:
+def make_function_that_shifts_point(key: str, x: float, y: float, way: int) -> KeyValuesAfterStep:
     """A function of a step s that returns a point shifted by s along x (way 0) or y (way 1)."""
     return lambda s: {key: {"x": x + s * (way == 0), "y": y + s * (way == 1)}}
 
@@ -187,7 +189,7 @@ def all_torque_sensitivities_printed_for_brake(brake: Brake, found: Sensitivity)
             brake.friction,
         )
     ]
-    table += _torque_slopes_by_common_drive(brake, found)
+    table += _torque_slope_by_actuation_of_all_shoes(brake, found)
     table += _torque_slopes_by_ring_stiffness(brake, found)
     for i in range(len(brake.shoes)):
         table += _torque_slopes_by_shoe_quantities(brake, found, i)
@@ -214,7 +216,7 @@ def _torque_slopes_by_ring_stiffness(brake: Brake, found: Sensitivity) -> Iterat
         yield Slope("bending_stiffness of the ring", found.ring_bending_stiffness, EI)
 
 
-def _torque_slopes_by_common_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
+def _torque_slope_by_actuation_of_all_shoes(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
     """Yield the torque's derivative by the common force, pressure or torque of all shoes."""
     drive = brake.actuation
     if drive is None or found.drive is None:
@@ -282,7 +284,7 @@ def _lining_compression_under_actuation(brake: Brake, shoe: Shoe) -> float:
     """
     lining = shoe.lining
     force = abs(shoe.actuation.force) or max(abs(each.actuation.force) for each in brake.shoes)
-    area = brake.scale_factor * (lining.end - lining.start) * lining.width
+    area = brake.length_per_surface_coordinate * (lining.end - lining.start) * lining.width
     return force / area * lining.thickness / lining.material.E_through
 
 
@@ -309,7 +311,7 @@ def _sensitivities_of_torque_to_shoe_support(
 
 
 def largest_relative_difference_from_central_differences(
-    brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision
+    brake: Brake, slope: Slope, divided: MeshKindForSlopes, base: TorqueWithMeshAndContactSet
 ) -> float | None:
     """The largest relative difference between a printed derivative and three central differences.
 
@@ -322,9 +324,9 @@ def largest_relative_difference_from_central_differences(
         The brake.
     slope : Slope
         The printed slope.
-    divided : DivisionForSlopes
+    divided : MeshKindForSlopes
         The kind of mesh.
-    base : TorqueOnDivision
+    base : TorqueWithMeshAndContactSet
         The torque of the unchanged brake.
     """
     # The loop ends at the first factor at which all three steps keep the contact set.
@@ -343,7 +345,11 @@ def largest_relative_difference_from_central_differences(
 
 
 def _torque_slope_error_by_central_difference(
-    brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision, step: float
+    brake: Brake,
+    slope: Slope,
+    divided: MeshKindForSlopes,
+    base: TorqueWithMeshAndContactSet,
+    step: float,
 ) -> float | None:
     """The relative difference between a printed derivative and a central difference.
 
@@ -362,7 +368,7 @@ def _torque_slope_error_by_central_difference(
     return abs(slope.exact - central) / max(abs(central), smallest)
 
 
-SLOPE_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
+SLOPE_KINDS = (*random_brake.DRAW_BY_SHAPE_KIND, *random_kinds.DRAW_BY_SUPPORT_KIND)
 """The kinds of random brakes, in the order in which consecutive seeds draw them."""
 
 
@@ -389,7 +395,9 @@ def _brake_with_random_bending_stiffness(brake: Brake, rng: np.random.Generator)
     """
     changes: dict[str, Any] = {}
     body = brake.shoes[0].body
-    if body is not None and not (isinstance(body, Bar) and body.table is not None):
+    if body is not None and not (
+        isinstance(body, ShoeBodyOfConstantSection) and body.table is not None
+    ):
         EI = body.plates["shoe"].bending_stiffness
         changes["shoe[0].body.bending_stiffness"] = EI * math.exp(rng.uniform(-0.2, 0.2))
     if brake.ring is not None:
@@ -399,7 +407,7 @@ def _brake_with_random_bending_stiffness(brake: Brake, rng: np.random.Generator)
 
 def rows_comparing_torque_slopes_of_random_brake(
     seed: int, most: int | None = SLOPES_PER_BRAKE
-) -> list[Check]:
+) -> list[TwoPathComparison]:
     """Compare the torque's printed derivatives with central differences, for a random brake.
 
     The seed gives the brake. Returns a row for each derivative. At most `most` derivatives are
@@ -407,9 +415,9 @@ def rows_comparing_torque_slopes_of_random_brake(
     """
     kind, brake = draw_random_brake_with_friction_and_name_of_kind(seed)
     on_hp_elements = bool(seed // len(SLOPE_KINDS) // 2 % 2)
-    divided = DivisionForSlopes(None if on_hp_elements else SLOPE_MESH_ELEMENTS, Cache())
+    divided = MeshKindForSlopes(None if on_hp_elements else SLOPE_MESH_ELEMENTS, Cache())
     name = f"{kind} {seed}, {'columns' if on_hp_elements else 'mesh'}"
-    no_slopes = Check("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE)
+    no_slopes = TwoPathComparison("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE)
     # If one of `solve` and `sensitivity` refuses the brake, the other one must refuse it, too.
     try:
         base = divided.solve_brake_for_torque(brake)
@@ -428,5 +436,7 @@ def rows_comparing_torque_slopes_of_random_brake(
     for slope in table:
         apart = largest_relative_difference_from_central_differences(brake, slope, divided, base)
         if apart is not None:
-            rows.append(Check("slopes", name, slope.what, apart, ALLOWED_SLOPE_DIFFERENCE))
+            rows.append(
+                TwoPathComparison("slopes", name, slope.what, apart, ALLOWED_SLOPE_DIFFERENCE)
+            )
     return rows

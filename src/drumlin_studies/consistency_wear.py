@@ -18,7 +18,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_brake_to_tolerance
-from drumlin.fem.model import REFINED_REMARK, solve_prepared_model
+from drumlin.fem.model import ITERATIVE_REFINEMENT_REMARK, solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import prepared_model_with_finest_elements
@@ -26,7 +26,7 @@ from drumlin.lining_wear.archard import WearLaw, WearState, wear_linings_in_give
 from drumlin.lining_wear.linings import WearSetup, wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
-    WEAR_SETTLED,
+    END_OF_WEAR_TOLERANCE,
     brake_with_worn_linings,
     final_wear_pressure_and_torque_by_rigid_shoe_law,
     largest_relative_pressure_difference_of_linings,
@@ -35,55 +35,63 @@ from drumlin.lining_wear.run_in import (
 from drumlin.lining_wear.worn_in import brake_with_worn_in_clearances
 from drumlin.response import Response
 from drumlin_studies import random_brake, random_kinds
-from drumlin_studies.consistency import Check
+from drumlin_studies.consistency import TwoPathComparison
 
 WORN_ELEMENTS = 24
 """Number of elements along each worn lining.
 
 With more elements the end of wear is nearer to the rigid-shoe law."""
-SAME_TORQUE = 1e-6
+ALLOWED_TORQUE_DIFFERENCE_ON_ONE_MESH = 1e-6
 """Allowed relative difference between the torques of wear simulation and `solve` on one mesh.
 
 Both have exact contact. Round-off reaches 5e-8 if a lining is much softer than its shoe.
 """
-SAME_PRESSURE = 2e-5
+ALLOWED_PRESSURE_DISTANCE_ON_ONE_MESH = 2e-5
 """Allowed relative L2 distance between the pressures of wear simulation and `solve` on one mesh.
 
 Round-off reaches 1e-5."""
-LAW_TORQUE = 1e-3
+ALLOWED_TORQUE_DIFFERENCE_FROM_LAW = 1e-3
 """Allowed relative difference between the torques of the rigid-shoe law and of the worn-in state.
 
 It allows for the error of a mesh with WORN_ELEMENTS. This error falls with the square of the number
 of elements if only a part of the lining is in contact, and else faster.
 """
-LAW_PRESSURE = 0.02
+ALLOWED_PRESSURE_DISTANCE_FROM_LAW = 0.02
 """Allowed relative L2 distance between the pressures of the rigid-shoe law and the worn-in state.
 
 The pressure of the law has a kink at the end of its contact. The kink lies inside an element, whose
 pressure is smooth.
 """
-END_REACHED = 1.1 * WEAR_SETTLED
+ALLOWED_DIFFERENCE_AT_WEAR_END = 1.1 * END_OF_WEAR_TOLERANCE
 """Allowed relative difference of torque and pressure at the end of a wear run from the final values
 that wear approaches.
 
-A run ends at a difference of WEAR_SETTLED. The factor allows for the mesh and the penalty.
+A run ends at a difference of END_OF_WEAR_TOLERANCE. The factor allows for the mesh and the penalty.
 """
 
-TRUE_REASONS = ("small displacements hold up to", "without its ever touching", "lost digits")
+ALLOWED_ONE_SIDED_REFUSALS = (
+    "small displacements hold up to",
+    "without its ever touching",
+    "lost digits",
+)
 """Words of error messages with which one path may refuse a brake that the other path solves.
 
 The first two texts mean that wear has left a very soft shoe so much clearance that the shoe would
 have to rotate too far. The third text means that `solve` finds too large a round-off error of
 static condensation, which the wear simulation does not check.
 """
-EXACT_CONTACT = partial(solve_prepared_model, penalty=math.inf)
+SOLVE_WITH_EXACT_CONTACT = partial(solve_prepared_model, penalty=math.inf)
 """Function that solves a prepared model with exact contact, as the wear simulation does."""
 ELASTIC_ONLY_KINDS = ("table", "grip")
 """Kinds of random brakes that cannot be drawn with rigid shoes."""
 WEAR_KINDS = (
-    *random_brake.SHAPE_KINDS,
-    *random_kinds.HOLDING_KINDS,
-    *(f"rigid {kind}" for kind in random_kinds.HOLDING_KINDS if kind not in ELASTIC_ONLY_KINDS),
+    *random_brake.DRAW_BY_SHAPE_KIND,
+    *random_kinds.DRAW_BY_SUPPORT_KIND,
+    *(
+        f"rigid {kind}"
+        for kind in random_kinds.DRAW_BY_SUPPORT_KIND
+        if kind not in ELASTIC_ONLY_KINDS
+    ),
 )
 """The kinds of random brakes that seeds draw, some of them also with rigid shoes."""
 
@@ -106,7 +114,7 @@ class _TorqueAndPressure(NamedTuple):
     said: str = ""
 
 
-def rows_of_wear_checks_of_random_brake(seed: int) -> list[Check]:
+def rows_of_wear_checks_of_random_brake(seed: int) -> list[TwoPathComparison]:
     """Run all checks of wear on the random brake of a seed; returns a row for each quantity.
 
     Consecutive seeds go through WEAR_KINDS. There are no rows if the seed gives no brake.
@@ -131,7 +139,7 @@ def _draw_random_brake_for_wear_check(seed: int, kind: str) -> Brake:
     return random_kinds.draw_random_brake_of_kind(seed, kind)
 
 
-def _rows_comparing_unworn_linings_with_solve(name: str, brake: Brake) -> list[Check]:
+def _rows_comparing_unworn_linings_with_solve(name: str, brake: Brake) -> list[TwoPathComparison]:
     """Compare the first state of a wear run with `solve`, both on the finest mesh of `solve`."""
     scene = prepared_model_with_finest_elements(brake)
     setup = wear_setup_by_finite_elements(scene, brake)
@@ -141,7 +149,9 @@ def _rows_comparing_unworn_linings_with_solve(name: str, brake: Brake) -> list[C
         # As in `solve`, each mesh starts from the contact set of the mesh before.
         return _torque_and_pressure_of_response(
             setup,
-            solve_brake_to_tolerance(brake, DEFAULT_TOLERANCE, EXACT_CONTACT, must=False).response,
+            solve_brake_to_tolerance(
+                brake, DEFAULT_TOLERANCE, SOLVE_WITH_EXACT_CONTACT, must=False
+            ).response,
         )
 
     def torque_and_pressure_of_first_wear_state() -> _TorqueAndPressure:
@@ -158,7 +168,7 @@ def _rows_comparing_unworn_linings_with_solve(name: str, brake: Brake) -> list[C
     )
 
 
-def _rows_comparing_worn_linings_with_solve(name: str, brake: Brake) -> list[Check]:
+def _rows_comparing_worn_linings_with_solve(name: str, brake: Brake) -> list[TwoPathComparison]:
     """Compare worn linings with `solve` halfway, after a reversal of the drum, and at the end.
 
     The linings have a uniform mesh, and the drum is round.
@@ -177,15 +187,20 @@ def _rows_comparing_worn_linings_with_solve(name: str, brake: Brake) -> list[Che
         )
     ends = partial(_torque_and_pressure_of_wear_state, states[-1]), worn_in
     rows = _rows_comparing_torque_and_pressure_by_two_paths(
-        name, "wear's end = worn in", setup, ends, END_REACHED, END_REACHED
+        name,
+        "wear's end = worn in",
+        setup,
+        ends,
+        ALLOWED_DIFFERENCE_AT_WEAR_END,
+        ALLOWED_DIFFERENCE_AT_WEAR_END,
     )
     rows += _rows_comparing_torque_and_pressure_by_two_paths(
         name,
         "worn in = law",
         setup,
         (worn_in, partial(_torque_and_pressure_by_rigid_law, setup)),
-        LAW_TORQUE,
-        LAW_PRESSURE,
+        ALLOWED_TORQUE_DIFFERENCE_FROM_LAW,
+        ALLOWED_PRESSURE_DISTANCE_FROM_LAW,
     )
     # If unworn linings already have the pressure of the law, the wear run ends at once. It then has
     # no worn state that could be compared.
@@ -222,7 +237,7 @@ def _torque_and_pressure_by_rigid_law(setup: WearSetup) -> _TorqueAndPressure:
 
 def _rows_comparing_wear_and_solve_after_reversal(
     name: str, setup: WearSetup, backward: WearSetup, scene: PreparedModel, s: float
-) -> list[Check]:
+) -> list[TwoPathComparison]:
     """Compare worn linings with `solve` at the moment when the drum begins to turn back.
 
     Parameters
@@ -276,7 +291,7 @@ def _torque_and_pressure_of_worn_brake(
     setup: WearSetup, scene: PreparedModel, brake: Brake
 ) -> _TorqueAndPressure:
     """Torque and pressure of a brake with worn linings, solved with exact contact."""
-    return _torque_and_pressure_of_response(setup, EXACT_CONTACT(scene, brake))
+    return _torque_and_pressure_of_response(setup, SOLVE_WITH_EXACT_CONTACT(scene, brake))
 
 
 def _torque_and_pressure_of_response(setup: WearSetup, response: Response) -> _TorqueAndPressure:
@@ -287,7 +302,7 @@ def _torque_and_pressure_of_response(setup: WearSetup, response: Response) -> _T
     by_lining = []
     for surface in setup.surfaces:
         by_lining.append(response.shoes[surface.shoe].pressure[surface.forward])
-    said = next((note for note in response.notes if REFINED_REMARK in note), "")
+    said = next((note for note in response.notes if ITERATIVE_REFINEMENT_REMARK in note), "")
     return _TorqueAndPressure(response.torque, np.concatenate(by_lining), said)
 
 
@@ -296,9 +311,9 @@ def _rows_comparing_torque_and_pressure_by_two_paths(
     check: str,
     setup: WearSetup,
     paths: tuple[Callable[[], _TorqueAndPressure], Callable[[], _TorqueAndPressure]],
-    torque: float = SAME_TORQUE,
-    pressure: float = SAME_PRESSURE,
-) -> list[Check]:
+    torque: float = ALLOWED_TORQUE_DIFFERENCE_ON_ONE_MESH,
+    pressure: float = ALLOWED_PRESSURE_DISTANCE_ON_ONE_MESH,
+) -> list[TwoPathComparison]:
     """Compare torque and pressure by two paths; returns a row for each of the two quantities.
 
     Parameters
@@ -320,20 +335,21 @@ def _rows_comparing_torque_and_pressure_by_two_paths(
             answers.append(path())
         except NoAnswer as error:
             refusals.append(str(error))
-    # If only one path refuses the brake, its error message must have one of TRUE_REASONS.
+    # If only one path refuses the brake, its error message must have one of
+    # ALLOWED_ONE_SIDED_REFUSALS.
     if refusals:
         both = not answers
-        tells = both or any(reason in refusals[0] for reason in TRUE_REASONS)
+        tells = both or any(reason in refusals[0] for reason in ALLOWED_ONE_SIDED_REFUSALS)
         said = "; ".join(refusals) if tells else ""
-        return [Check(check, brake, "answer", math.inf, 0.0, said, refused=both)]
+        return [TwoPathComparison(check, brake, "answer", math.inf, 0.0, said, refused=both)]
     first, second = answers
     said = first.said or second.said
     difference = largest_relative_pressure_difference_of_linings(
         setup, first.pressure, second.pressure
     )
-    rows = [Check(check, brake, "pressure", difference, pressure, said)]
+    rows = [TwoPathComparison(check, brake, "pressure", difference, pressure, said)]
     # Two zero torques, without friction, agree and have no relative difference.
     if second.torque == 0:
         return rows
     difference = abs(first.torque / second.torque - 1)
-    return [Check(check, brake, "torque", difference, torque, said), *rows]
+    return [TwoPathComparison(check, brake, "torque", difference, torque, said), *rows]

@@ -42,7 +42,7 @@ has a strain of 1e-2 if it is 300 K warmer.
 """
 HOT_TOLERANCES = (1e-2, 1e-3)
 """Relative tolerances to which each hot brake is solved."""
-HOT_SHARE = 0.7
+PROBABILITY_OF_HEATED_PART = 0.7
 """Probability with which a drum, lining, backing or body is heated."""
 
 
@@ -57,7 +57,7 @@ def draw_random_brake_with_heated_parts(seed: int) -> Brake:
     if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         raise BadInput("a cam on heated shoes is not modelled")
     changes: dict[str, Any] = {}
-    if hasattr(brake, "drum") and rng.random() < HOT_SHARE:
+    if hasattr(brake, "drum") and rng.random() < PROBABILITY_OF_HEATED_PART:
         changes |= {"drum.expansion": 1e-5}
         changes |= _draw_random_temperature_rises_of_part(
             rng, "drum", BODY_STRAINS, gradient=brake.ring is not None
@@ -69,7 +69,7 @@ def draw_random_brake_with_heated_parts(seed: int) -> Brake:
             ("body", BODY_STRAINS),
         ):
             part = getattr(shoe, key)
-            if part is None or part.material is None or rng.random() > HOT_SHARE:
+            if part is None or part.material is None or rng.random() > PROBABILITY_OF_HEATED_PART:
                 continue
             name = f"shoe[{i}].{key}"
             coefficient = "expansion" if hasattr(part.material, "E") else "expansion_along"

@@ -38,17 +38,17 @@ from drumlin_studies.two_bodies import (
     plane_mesh_of_closed_ring,
     scikit_fem_basis_of_mesh,
 )
-from drumlin_studies.uncertainty import Index, grid_convergence_index_of_three_values
+from drumlin_studies.uncertainty import GridConvergenceIndex, grid_convergence_index_of_three_values
 
 ROACHE_VALUES = (0.96178, 0.96854, 0.97050)
 """Values of one quantity on three meshes, from an example of Roache. The second mesh is twice as
 fine as the first, and the third twice as fine as the second.
 """
-ON_AXIS = 1e-9
+SYMMETRY_AXIS_TOLERANCE = 1e-9
 """Distance [m] from an axis of symmetry within which a node counts as lying on it."""
 
 
-def _roache_convergence_index() -> Index:
+def _roache_convergence_index() -> GridConvergenceIndex:
     """The grid convergence index of Roache's example values."""
     coarse, medium, fine = ROACHE_VALUES
     return grid_convergence_index_of_three_values(fine, medium, coarse)
@@ -188,7 +188,10 @@ def _edge_displacements_of_lame_ring() -> EdgeDisplacements:
     f = np.zeros((basis.N, 2))
     f[line.nodes] = force.reshape(-1, 2)
     x, y = basis.doflocs
-    on_x, on_y = np.flatnonzero(np.abs(y) < ON_AXIS), np.flatnonzero(np.abs(x) < ON_AXIS)
+    on_x, on_y = (
+        np.flatnonzero(np.abs(y) < SYMMETRY_AXIS_TOLERANCE),
+        np.flatnonzero(np.abs(x) < SYMMETRY_AXIS_TOLERANCE),
+    )
     u = solve_nodal_displacements(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
     r = np.hypot(x, y)
     radial_u = (u[0::2] * x + u[1::2] * y) / r
@@ -215,11 +218,14 @@ def _diameter_changes_of_thin_ring() -> DiameterChanges:
     f = np.zeros((basis.N, 2))
     # The forces act on the middle line of the ring, at its top and its bottom.
     middle = np.abs(np.hypot(x, y) - R) < 1e-9
-    top = np.flatnonzero(middle & (np.abs(x) < ON_AXIS) & (y > 0))
-    bottom = np.flatnonzero(middle & (np.abs(x) < ON_AXIS) & (y < 0))
-    right = np.flatnonzero(middle & (np.abs(y) < ON_AXIS) & (x > 0))
+    top = np.flatnonzero(middle & (np.abs(x) < SYMMETRY_AXIS_TOLERANCE) & (y > 0))
+    bottom = np.flatnonzero(middle & (np.abs(x) < SYMMETRY_AXIS_TOLERANCE) & (y < 0))
+    right = np.flatnonzero(middle & (np.abs(y) < SYMMETRY_AXIS_TOLERANCE) & (x > 0))
     f[top, 1], f[bottom, 1] = -1.0, 1.0
-    on_x, on_y = np.flatnonzero(np.abs(y) < ON_AXIS), np.flatnonzero(np.abs(x) < ON_AXIS)
+    on_x, on_y = (
+        np.flatnonzero(np.abs(y) < SYMMETRY_AXIS_TOLERANCE),
+        np.flatnonzero(np.abs(x) < SYMMETRY_AXIS_TOLERANCE),
+    )
     u = solve_nodal_displacements(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
     size = E * t**3 / 12 / R**3
     closing, widening = -2 * u[2 * top[0] + 1] * size, 2 * u[2 * right[0]] * size
@@ -299,7 +305,7 @@ def _outer_spring_force_of_lever() -> float:
     return float(active_set.solve_contact_problem(problem).p[1])
 
 
-LAME_EDGES = closed_forms.lame_displacements_of_ring_edges(0.1, 0.2, 60e6, 200e9, 0.3)
+LAME_EDGE_DISPLACEMENTS = closed_forms.lame_displacements_of_ring_edges(0.1, 0.2, 60e6, 200e9, 0.3)
 """Radial displacements [m] of the inner and the outer edge of a ring under inner pressure (Lame).
 """
 STEEL_MODULUS, STEEL_POISSON = LADDER_STEEL.E, LADDER_STEEL.nu
@@ -309,7 +315,7 @@ ROACHE_SOURCE = (
     "in single precision"
 )
 """Citation of the example of the grid convergence index, for the ladder's table."""
-TIMOSHENKO = "Timoshenko & Goodier, Theory of Elasticity"
+TIMOSHENKO_CITATION = "Timoshenko & Goodier, Theory of Elasticity"
 """Citation of closed forms of beams and rings, for the ladder's table."""
 BODY_CASES = (
     KnownAnswer(
@@ -365,7 +371,7 @@ BODY_CASES = (
     KnownAnswer(
         family="pure bending",
         shows="quadratic elements",
-        source=f"{TIMOSHENKO}: M = E I k",
+        source=f"{TIMOSHENKO_CITATION}: M = E I k",
         quantity="end moment [N m]",
         expected=STEEL_MODULUS * 1e-3 / 12,
         tolerance=1e-11,
@@ -375,7 +381,7 @@ BODY_CASES = (
     KnownAnswer(
         family="cantilever under end shear",
         shows="quadratic elements",
-        source=f"{TIMOSHENKO}, art. 21",
+        source=f"{TIMOSHENKO_CITATION}, art. 21",
         quantity="end force [N]",
         expected=1.0,
         tolerance=1e-4,
@@ -385,7 +391,7 @@ BODY_CASES = (
     KnownAnswer(
         family="curved bar under end shear",
         shows="curved quadratic elements",
-        source=f"{TIMOSHENKO}: (ln 2 - .6)/pi",
+        source=f"{TIMOSHENKO_CITATION}: (ln 2 - .6)/pi",
         quantity="P u_0",
         expected=(math.log(2) - 0.6) / math.pi,
         tolerance=2e-5,
@@ -397,7 +403,7 @@ BODY_CASES = (
         shows="pressure on a curved edge",
         source="Lame 1852",
         quantity="u at the inner edge [m]",
-        expected=LAME_EDGES[0],
+        expected=LAME_EDGE_DISPLACEMENTS[0],
         tolerance=2e-4,
         tier=DISCRETISATION_TIER,
         found=lambda: _edge_displacements_of_lame_ring().inner,
@@ -407,7 +413,7 @@ BODY_CASES = (
         shows="pressure on a curved edge",
         source="Lame 1852",
         quantity="u at the outer edge [m]",
-        expected=LAME_EDGES[1],
+        expected=LAME_EDGE_DISPLACEMENTS[1],
         tolerance=2e-4,
         tier=DISCRETISATION_TIER,
         found=lambda: _edge_displacements_of_lame_ring().outer,

@@ -30,15 +30,15 @@ from drumlin_studies.two_bodies import (
     points_with_steps_growing_to_end,
 )
 
-HALF_WIDTH = 0.005
+HALF_PLANE_CONTACT_HALF_WIDTH = 0.005
 """Half-width of the contact between half-planes [m].
 
 Thick sectors of radius 1 m take the place of half-planes. The contact is so short in relation to
 the radius that the curvature of the sectors has no effect.
 """
-GAP_RADIUS = 2.0
+RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES = 2.0
 """Relative radius of curvature of the contact between half-planes [m]."""
-CONTACT_LINING = Material(E=3e8, nu=0.25)
+BONDED_THIN_LINING_MATERIAL = Material(E=3e8, nu=0.25)
 """Material of the thin lining on a rigid back."""
 RING_WAVES = 40
 """Number of waves around the circumference of the ring with a wavy surface."""
@@ -58,10 +58,15 @@ def condensed_half_plane_body(
     material : Material
         Material of the body.
     """
-    angles = angles_graded_from_middle_to_both_ends(2 * HALF_WIDTH, 4 * per_half, 1.35, 0.5)
+    angles = angles_graded_from_middle_to_both_ends(
+        2 * HALF_PLANE_CONTACT_HALF_WIDTH, 4 * per_half, 1.35, 0.5
+    )
     return condense_body_to_contact_nodes(
         plane_mesh_of_ring_sector(
-            angles, points_with_steps_growing_to_end(HALF_WIDTH / per_half, 1.3, 0.5), 1.0, sign
+            angles,
+            points_with_steps_growing_to_end(HALF_PLANE_CONTACT_HALF_WIDTH / per_half, 1.3, 0.5),
+            1.0,
+            sign,
         ),
         material,
     )
@@ -76,17 +81,27 @@ def solve_nodal_contact_pressures(problem: ContactProblem) -> Floats:
 
 def _peak_pressure_over_hertz() -> float:
     """Peak pressure between two equal half-planes, relative to Hertz's closed form."""
-    # Under this load Hertz's formula gives a contact of HALF_WIDTH.
-    load = HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
+    # Under this load Hertz's formula gives a contact of HALF_PLANE_CONTACT_HALF_WIDTH.
+    load = (
+        HALF_PLANE_CONTACT_HALF_WIDTH**2
+        * math.pi
+        * LADDER_STEEL.E
+        / 2
+        / (4 * RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES)
+    )
     pair = BodyPair.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 16), condensed_half_plane_body(1, 13), motions="x"
     )
     p = solve_nodal_contact_pressures(
-        pair.frictionless_contact_problem(pair.contact_node_angles**2 / (2 * GAP_RADIUS), [load])
+        pair.frictionless_contact_problem(
+            pair.contact_node_angles**2 / (2 * RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES), [load]
+        )
     )
     return float(
         p.max()
-        / closed_forms.hertz_half_width_and_peak_pressure(load, GAP_RADIUS, LADDER_STEEL.E / 2)[1]
+        / closed_forms.hertz_half_width_and_peak_pressure(
+            load, RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES, LADDER_STEEL.E / 2
+        )[1]
     )
 
 
@@ -102,11 +117,11 @@ def _peak_pressure_and_contact_width_of_cylinder() -> PeakAndWidth:
     """Contact of a steel cylinder of radius 50 mm on aluminium under 35 kN for 1 mm of length.
 
     The benchmark is in plane strain, which equals plane stress with E/(1 - nu^2) and nu/(1 - nu).
-    Lengths are scaled so that the half-width of the contact is HALF_WIDTH.
+    Lengths are scaled so that the half-width of the contact is HALF_PLANE_CONTACT_HALF_WIDTH.
     """
     steel = Material(E=210e9 / (1 - 0.3**2), nu=0.3 / 0.7)
     aluminium = Material(E=70e9 / (1 - 0.3**2), nu=0.3 / 0.7)
-    scale = 6.21e-3 / HALF_WIDTH
+    scale = 6.21e-3 / HALF_PLANE_CONTACT_HALF_WIDTH
     load = 35e3 / 1e-3 / scale
     pair = BodyPair.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 16, steel),
@@ -119,7 +134,7 @@ def _peak_pressure_and_contact_width_of_cylinder() -> PeakAndWidth:
     )
     # Hertz's p^2 falls linearly with s^2 and vanishes at the half-width. The line through values
     # away from the end therefore gives the half-width without the inexact values at the end.
-    near = np.abs(s) < 0.8 * HALF_WIDTH
+    near = np.abs(s) < 0.8 * HALF_PLANE_CONTACT_HALF_WIDTH
     slope, top = np.polyfit(s[near] ** 2, p[near] ** 2, 1)
     return PeakAndWidth(float(p.max() * 1e-6), math.sqrt(-top / slope) * scale * 1e3)
 
@@ -134,11 +149,16 @@ def _mean_punch_pressure_over_closed_form() -> float:
     # Beside the punch a gap of 1 m keeps the half-plane out of contact.
     p = solve_nodal_contact_pressures(
         pair.frictionless_contact_problem(
-            np.where(np.abs(s) < HALF_WIDTH * (1 + 1e-9), 0.0, 1.0), [load]
+            np.where(np.abs(s) < HALF_PLANE_CONTACT_HALF_WIDTH * (1 + 1e-9), 0.0, 1.0), [load]
         )
     )
-    inside = np.abs(s) < 0.5 * HALF_WIDTH
-    return float(np.mean(p[inside] / closed_forms.flat_punch_pressure(load, HALF_WIDTH, s[inside])))
+    inside = np.abs(s) < 0.5 * HALF_PLANE_CONTACT_HALF_WIDTH
+    return float(
+        np.mean(
+            p[inside]
+            / closed_forms.flat_punch_pressure(load, HALF_PLANE_CONTACT_HALF_WIDTH, s[inside])
+        )
+    )
 
 
 class DiscInHole(NamedTuple):
@@ -263,7 +283,7 @@ def _make_concentric_rings() -> BodyPair:
     return BodyPair.couple_two_bodies_at_contact_nodes(inner, outer)
 
 
-class Harmonics(NamedTuple):
+class PressureMeanAndHarmonic(NamedTuple):
     """The mean of the pressure around a ring, and the amplitude of one of its harmonics [Pa]."""
 
     mean: float
@@ -271,7 +291,7 @@ class Harmonics(NamedTuple):
 
 
 @cache
-def _pressure_harmonics_of_pressed_rings(n: int) -> Harmonics:
+def _pressure_harmonics_of_pressed_rings(n: int) -> PressureMeanAndHarmonic:
     """Harmonics of the pressure between two rings whose exact pressure is known.
 
     The overlap of the rings is chosen so that the exact pressure is 3 MPa + 1 MPa cos(n theta).
@@ -292,7 +312,7 @@ def _pressure_harmonics_of_pressed_rings(n: int) -> Harmonics:
     # A least-squares fit of mean, cosine and sine finds the harmonics.
     columns = np.column_stack([np.ones_like(angle), np.cos(n * angle), np.sin(n * angle)])
     fit = np.linalg.lstsq(columns, p, rcond=None)[0]
-    return Harmonics(float(fit[0]), float(fit[1]))
+    return PressureMeanAndHarmonic(float(fit[0]), float(fit[1]))
 
 
 def _computed_bonded_layer_stiffness() -> float:
@@ -301,7 +321,8 @@ def _computed_bonded_layer_stiffness() -> float:
     angles = np.linspace(-0.03, 0.03, 61)
     pair = BodyPair.couple_two_bodies_at_contact_nodes(
         condense_body_to_contact_nodes(
-            plane_mesh_of_ring_sector(angles, np.linspace(0, thickness, 4), 1.0, -1), CONTACT_LINING
+            plane_mesh_of_ring_sector(angles, np.linspace(0, thickness, 4), 1.0, -1),
+            BONDED_THIN_LINING_MATERIAL,
         ),
         None,
     )
@@ -348,7 +369,7 @@ def _pressure_exponent_at_sliding_edge(mu: float, nu: float) -> float:
     return float(1 + np.polyfit(np.log(r[near]), np.log(p[near]), 1)[0])
 
 
-KONTER = "Konter, Advanced FE contact benchmarks (NAFEMS 2006), 2D cylinder; Hertz"
+KONTER_CITATION = "Konter, Advanced FE contact benchmarks (NAFEMS 2006), 2D cylinder; Hertz"
 """Citation of the benchmark of a cylinder on a block, for the ladder's table."""
 MICHELL, PERSSON = (
     "Michell 1899, rings held at .6 and 1.4",
@@ -369,7 +390,7 @@ CONTACT_CASES = (
     KnownAnswer(
         family="cylinder on a block",
         shows="contact of two materials",
-        source=KONTER,
+        source=KONTER_CITATION,
         quantity="peak pressure [N/mm^2]",
         expected=3585.37,
         tolerance=1e-2,
@@ -379,7 +400,7 @@ CONTACT_CASES = (
     KnownAnswer(
         family="cylinder on a block",
         shows="contact of two materials",
-        source=KONTER,
+        source=KONTER_CITATION,
         quantity="half-width [mm]",
         expected=6.21,
         tolerance=1e-2,
@@ -474,7 +495,9 @@ CONTACT_CASES = (
         shows="lining as springs",
         source="E/((1 - nu^2) t) in the limit",
         quantity="stiffness [Pa/m]",
-        expected=closed_forms.bonded_layer_stiffness(CONTACT_LINING.E, CONTACT_LINING.nu, 1e-3),
+        expected=closed_forms.bonded_layer_stiffness(
+            BONDED_THIN_LINING_MATERIAL.E, BONDED_THIN_LINING_MATERIAL.nu, 1e-3
+        ),
         tolerance=5e-3,
         tier=MODEL_LIMIT_TIER,
         found=_computed_bonded_layer_stiffness,

@@ -16,16 +16,16 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, equations, self_locking, stick_slip
-from drumlin.contact.stick_slip import OPEN, STICK, FrictionalProblem, SlipHistory
+from drumlin.contact.stick_slip import OPEN, STICK, SlipHistory, StickSlipProblem
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
+    ContactCouplingMatrices,
     ContactLine,
-    Coupling,
-    Directions,
+    NormalsAndTangentsFunction,
     function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
     weak_coupling_of_contact_line,
@@ -33,7 +33,7 @@ from drumlin.fem.substructure.interface import (
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.lining_wear.archard import (
-    WearInterface,
+    WearContactProblem,
     WearLaw,
     WearState,
     wear_linings_over_sliding_distance,
@@ -47,11 +47,15 @@ from drumlin_studies.ladder_case import (
     ROUND_OFF_TIER,
     KnownAnswer,
 )
-from drumlin_studies.ladder_contact import GAP_RADIUS, HALF_WIDTH, condensed_half_plane_body
+from drumlin_studies.ladder_contact import (
+    HALF_PLANE_CONTACT_HALF_WIDTH,
+    RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES,
+    condensed_half_plane_body,
+)
 from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, first_contact_set_from_coarse_problem
 
 
-def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
+def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> StickSlipProblem:
     """The frictional contact problem of one node on springs that is pressed on a moving drum.
 
     Parameters
@@ -63,10 +67,10 @@ def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> 
     k : float
         Stiffness of the normal and of the tangential spring [N/m].
     """
-    # The arguments are the blocks of the equations of `FrictionalProblem`, here of size 1 or 0.
+    # The arguments are the blocks of the equations of `StickSlipProblem`, here of size 1 or 0.
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     across, along = np.zeros((1, 0)), np.zeros((0, 1))
-    return FrictionalProblem(
+    return StickSlipProblem(
         A_wp=one / k,
         A_wt=none,
         A_sp=none,
@@ -113,7 +117,9 @@ def _energy_dissipated_in_slip_loop() -> float:
     return dissipated
 
 
-def _make_function_of_constant_normal_and_tangent(normal: Floats, tangent: Floats) -> Directions:
+def _make_function_of_constant_normal_and_tangent(
+    normal: Floats, tangent: Floats
+) -> NormalsAndTangentsFunction:
     """A function that returns the same normal and tangent at all points of a plane contact.
 
     `normal` and `tangent` are unit vectors (2,).
@@ -155,12 +161,19 @@ def _sticking_over_contact_half_width(share: float) -> float:
     pressure p and the traction t in the middle, (1 - t/(mu p))^2 = c^2/a^2, because the computed
     ends of the zones depend on the nodes there.
     """
-    mu, load = 0.3, HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
+    mu, load = (
+        0.3,
+        HALF_PLANE_CONTACT_HALF_WIDTH**2
+        * math.pi
+        * LADDER_STEEL.E
+        / 2
+        / (4 * RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES),
+    )
     pair = BodyPair.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 14), condensed_half_plane_body(1, 12), motions="xy"
     )
     s = pair.contact_node_angles
-    gap, n = s**2 / (2 * GAP_RADIUS), len(s)
+    gap, n = s**2 / (2 * RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES), len(s)
     along = BodyPair(pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1])
     pressing = along.frictionless_contact_problem(gap, [load])
     state = np.where(
@@ -183,13 +196,13 @@ def _sticking_over_contact_half_width(share: float) -> float:
             found.tractions_and_slips_for_next_increment,
             found.state,
         )
-    middle = np.abs(s) < 0.2 * HALF_WIDTH
+    middle = np.abs(s) < 0.2 * HALF_PLANE_CONTACT_HALF_WIDTH
     ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
     # At s = 0 the exact ratio t/(mu p) is 1 - c/a. Its mean over a small interval around 0 differs
     # by a term of second order. The closed form gives this difference, which is then subtracted.
-    exact_p = np.sqrt(1 - (s[middle] / HALF_WIDTH) ** 2)
+    exact_p = np.sqrt(1 - (s[middle] / HALF_PLANE_CONTACT_HALF_WIDTH) ** 2)
     c = math.sqrt(1 - share)
-    exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * HALF_WIDTH)) ** 2)
+    exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * HALF_PLANE_CONTACT_HALF_WIDTH)) ** 2)
     return float(1 - ratio + (exact_t.mean() / exact_p.mean() - (1 - c)))
 
 
@@ -200,7 +213,7 @@ class FlexibleBody(NamedTuple):
     ----------
     basis, K : skfem basis, sparse matrix
         Finite-element basis and stiffness matrix of the body.
-    line, coupling : ContactLine, Coupling
+    line, coupling : ContactLine, ContactCouplingMatrices
         Contact line of the body, and its coupling matrices between displacements and gaps.
     free : array of int
         Numbers of the displacements that are not fixed.
@@ -209,12 +222,17 @@ class FlexibleBody(NamedTuple):
     basis: Any
     K: Any
     line: ContactLine
-    coupling: Coupling
+    coupling: ContactCouplingMatrices
     free: Ints
 
     @classmethod
     def elastic_body_of_mesh(
-        cls, mesh: Any, material: Material, held: Ints, directions: Directions, middle: float
+        cls,
+        mesh: Any,
+        material: Material,
+        held: Ints,
+        directions: NormalsAndTangentsFunction,
+        middle: float,
     ) -> "FlexibleBody":
         """The elastic body of a mesh that has the boundary "contact".
 
@@ -368,7 +386,7 @@ PLATE_EDGE = 40.0
 """Length of the edges of the square plate of Raous, Chabrand & Lebon (1988)."""
 
 
-class Plate(NamedTuple):
+class PressedPlateResults(NamedTuple):
     """Results for an elastic plate that is pressed on a rigid plane and pushed from its side.
 
     Attributes
@@ -385,7 +403,7 @@ class Plate(NamedTuple):
 
 
 @cache
-def solve_pressed_and_pushed_plate() -> Plate:
+def solve_pressed_and_pushed_plate() -> PressedPlateResults:
     """Press an elastic plate on a rigid plane at mu = 1 and push it from its side.
 
     The plate comes from Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa on its upper edge
@@ -418,13 +436,13 @@ def solve_pressed_and_pushed_plate() -> Plate:
     x, y = plate.basis.doflocs
     others = float((x * total[:, 1] - y * total[:, 0]).sum())
     pressures = (-N.T @ found.p).reshape(-1, 2)
-    return Plate(
+    return PressedPlateResults(
         float((plate.line.xy[0] * pressures[:, 1]).sum() / -others),
         frozenset(int(s) for s in found.state),
     )
 
 
-class _SymmetricPlate(NamedTuple):
+class _PlateWithSymmetryPlane(NamedTuple):
     """A plate with its plane of symmetry.
 
     Attributes
@@ -439,7 +457,7 @@ class _SymmetricPlate(NamedTuple):
     left: Ints
 
 
-def _plate_with_plane_of_symmetry() -> _SymmetricPlate:
+def _plate_with_plane_of_symmetry() -> _PlateWithSymmetryPlane:
     """The plate of Raous, Chabrand & Lebon, fixed along x at x = 0, and along y at the origin."""
     L = PLATE_EDGE
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
@@ -456,7 +474,7 @@ def _plate_with_plane_of_symmetry() -> _SymmetricPlate:
         _make_function_of_constant_normal_and_tangent(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
         math.pi / 4,
     )
-    return _SymmetricPlate(plate, left)
+    return _PlateWithSymmetryPlane(plate, left)
 
 
 def _forces_on_upper_edge_and_side(basis: Any) -> Floats:
@@ -470,7 +488,7 @@ def _forces_on_upper_edge_and_side(basis: Any) -> Floats:
 
 def _stick_slip_problem_of_pushed_plate(
     plate: FlexibleBody, f: Floats, u: Floats
-) -> FrictionalProblem:
+) -> StickSlipProblem:
     """The stick-slip problem of a plate that may also move up and down as a rigid body.
 
     Parameters
@@ -487,7 +505,7 @@ def _stick_slip_problem_of_pushed_plate(
     by_f, by_N, by_T = u[on, 0], u[on, 1 : 1 + n], u[on, 1 + n :]
     up = np.tile([0.0, 1.0], n)
     B_w, B_s = -(N @ up)[:, None], -(T @ up)[:, None]
-    return FrictionalProblem(
+    return StickSlipProblem(
         A_wp=N @ by_N,
         A_wt=-N @ by_T,
         A_sp=T @ by_N,
@@ -517,30 +535,32 @@ def _nodal_forces_of_unit_traction(along: Floats, nodes: Ints) -> Floats:
     return f
 
 
-SPRING_STIFFNESS = 4e10  # Pa/m
+WINKLER_LINING_STIFFNESS = 4e10  # Pa/m
 """Pressure per compression K [Pa/m] of a lining that consists of springs, on a rigid shoe."""
 SPRING_RADIUS, SPRING_WIDTH, SPRING_PIN = 0.15, 0.04, 0.125  # m
 """Radius of the drum, width of the lining, and distance of the hinge from the drum's centre [m]."""
-SPRING_MOMENT = 250.0  # N m
+WINKLER_SHOE_ACTUATION_MOMENT = 250.0  # N m
 """Moment [N m] of the actuation about the hinge of the shoe with a lining of springs."""
-SPRING_MU = 0.25
+WINKLER_LINING_FRICTION = 0.25
 """Coefficient of friction of the lining of springs."""
-SPRING_ARC = (0.3, 2.2)  # rad
+WINKLER_LINING_END_ANGLES = (0.3, 2.2)  # rad
 """Angles [rad] of the ends of the lining of springs, counted from the line from the drum's centre
 to the hinge.
 """
-SPRING_WEAR = WearLaw(1e-13)
+WINKLER_LINING_WEAR_LAW = WearLaw(1e-13)
 """Wear law of the lining of springs, with the wear coefficient k."""
-WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * SPRING_STIFFNESS)
+SLIDING_DISTANCE_OF_WINKLER_DECAY = 1 / (
+    WINKLER_LINING_WEAR_LAW.coefficient * WINKLER_LINING_STIFFNESS
+)
 """Sliding distance 1/(k K) [m] over which wear reduces the deviation from the sine law to 1/e."""
 
 
-def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
+def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearContactProblem, Floats]:
     """A hinged rigid shoe with an unevenly worn lining of springs (Winkler foundation).
 
     Returns its wear problem, and the angles (n,) [rad] of the lining's nodes.
     """
-    phi = np.linspace(*SPRING_ARC, 49)
+    phi = np.linspace(*WINKLER_LINING_END_ANGLES, 49)
     xy = SPRING_RADIUS * np.array([np.cos(phi), np.sin(phi)])
     coupling = weak_coupling_of_contact_line(
         ContactLine(np.arange(49), xy, phi, np.arange(0, 48, 2) + np.arange(3)[:, None]),
@@ -551,13 +571,13 @@ def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearInterf
     turned = np.column_stack([-xy[1], xy[0] - SPRING_PIN]).ravel()
     closing = coupling.N @ turned
     problem = equations.ContactProblem(
-        coupling.M / SPRING_STIFFNESS,
+        coupling.M / WINKLER_LINING_STIFFNESS,
         coupling.M @ (2e-6 * np.cos(3 * phi)),
         -closing[:, None],
         (mu * (coupling.T @ turned) - closing)[None],
-        np.array([SPRING_MOMENT]),
+        np.array([WINKLER_SHOE_ACTUATION_MOMENT]),
     )
-    interface = WearInterface(
+    interface = WearContactProblem(
         problem,
         np.zeros(49),
         coupling.M,
@@ -590,9 +610,12 @@ def _wear_states_and_sine_pressure_of_winkler_shoe() -> tuple[list[WearState], F
     Returns the states of the wear run, and the pressure (n,) of the sine law under an actuating
     moment of 1 N m.
     """
-    interface, phi = _wear_problem_and_node_angles_of_winkler_shoe(SPRING_MU)
+    interface, phi = _wear_problem_and_node_angles_of_winkler_shoe(WINKLER_LINING_FRICTION)
     states = wear_linings_over_sliding_distance(
-        [interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4
+        [interface],
+        WINKLER_LINING_WEAR_LAW,
+        distance=2 * SLIDING_DISTANCE_OF_WINKLER_DECAY,
+        tolerance=1e-4,
     )
     # The sine law gives the shape of the pressure; the balance of moments gives its size.
     return states, np.sin(phi) / float(interface.problem.C[0] @ np.sin(phi))
@@ -604,20 +627,20 @@ def _remaining_deviation_from_sine_law() -> float:
     The result is divided by the deviation of the new lining's pressure.
     """
     states, law = _wear_states_and_sine_pressure_of_winkler_shoe()
-    first = states[0].pressure - SPRING_MOMENT * law
-    last = states[-1].pressure - SPRING_MOMENT * law
+    first = states[0].pressure - WINKLER_SHOE_ACTUATION_MOMENT * law
+    last = states[-1].pressure - WINKLER_SHOE_ACTUATION_MOMENT * law
     return float(first @ last / (first @ first))
 
 
 def _worn_volume_over_archard_volume() -> float:
     """Worn volume, divided by k times the integral of the normal force over the distance."""
     states, _ = _wear_states_and_sine_pressure_of_winkler_shoe()
-    area = _wear_problem_and_node_angles_of_winkler_shoe(SPRING_MU)[0].area
+    area = _wear_problem_and_node_angles_of_winkler_shoe(WINKLER_LINING_FRICTION)[0].area
     worn_volume = area @ (states[-1].depth - states[0].depth)
-    return float(worn_volume / (SPRING_WEAR.coefficient * states[-1].pressed))
+    return float(worn_volume / (WINKLER_LINING_WEAR_LAW.coefficient * states[-1].pressed))
 
 
-class ThinLinings(NamedTuple):
+class ThinLiningResults(NamedTuple):
     """A brake with thin linings on rigid shoes, and its results.
 
     Attributes
@@ -636,10 +659,12 @@ class ThinLinings(NamedTuple):
 
 
 @cache
-def _solve_brake_with_thin_linings() -> ThinLinings:
+def _solve_brake_with_thin_linings() -> ThinLiningResults:
     """Solve the double-shoe brake with linings of 3 mm on rigid shoes by law and by elements."""
     rigid = vary(DoubleShoe().brake(2000.0), {"shoe.lining.thickness": 3e-3})
-    return ThinLinings(solve_brake_by_sine_law(rigid).torque, solve(rigid, elements=24), rigid)
+    return ThinLiningResults(
+        solve_brake_by_sine_law(rigid).torque, solve(rigid, elements=24), rigid
+    )
 
 
 def _external_moment_over_torque() -> float:
@@ -740,7 +765,7 @@ FRICTION_CASES = (
         source="moments of p ~ sin about the hinge",
         quantity="mu_lock",
         expected=closed_forms.locking_friction_of_hinged_shoe_with_sine_pressure(
-            SPRING_RADIUS, SPRING_PIN, *SPRING_ARC
+            SPRING_RADIUS, SPRING_PIN, *WINKLER_LINING_END_ANGLES
         ),
         tolerance=1e-5,
         tier=DISCRETISATION_TIER,

@@ -277,7 +277,7 @@ def _torque_of_nptel_long_shoe() -> float:
     return _solve_brake_by_law_of_given_name("sine", brake).torque
 
 
-SHORT_SHOE: dict[str, Any] = {
+SHORT_EXTERNAL_SHOE_DIMENSIONS: dict[str, Any] = {
     "R": 0.2,
     "a": 0.25,
     "arc": (radians(75) - 0.05, radians(75) + 0.05),
@@ -290,7 +290,8 @@ SHORT_SHOE: dict[str, Any] = {
 def _friction_sensitivity_by_differences() -> float:
     """Relative change of a short shoe's torque per relative change of friction, from two solves."""
     return torque_sensitivity_to_friction_by_differences(
-        brake_with_one_hinged_shoe(**SHORT_SHOE, moment=50.0), MODELS["short"].solve
+        brake_with_one_hinged_shoe(**SHORT_EXTERNAL_SHOE_DIMENSIONS, moment=50.0),
+        MODELS["short"].solve,
     )
 
 

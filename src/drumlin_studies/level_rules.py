@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.errors import NoAnswer
-from drumlin.fem.error_control.estimate import QUANTITIES, Factors
+from drumlin.fem.error_control.estimate import QUANTITIES_WITH_STATED_ERROR, SafetyFactors
 from drumlin.fem.error_control.levels import (
     LEVEL_RULE,
     LevelRule,
@@ -44,10 +44,13 @@ from drumlin_studies.calibration import (
     fit_safety_factors,
     true_errors_and_estimates_on_each_mesh,
 )
-from drumlin_studies.sharpness import ASKED
+from drumlin_studies.sharpness import ASKED_TOLERANCES
 from drumlin_studies.side_by_side import PROCESSES
 from drumlin_studies.stated_true import Truth
-from drumlin_studies.stored_truth import CERTAIN, solve_brake_by_finer_hp_meshes
+from drumlin_studies.stored_truth import (
+    LEAST_USED_ERROR_OVER_UNCERTAINTY,
+    solve_brake_by_finer_hp_meshes,
+)
 
 LEVELS_TRIED = 4
 """Number of levels on which the brakes are solved for each rule.
@@ -55,7 +58,7 @@ LEVELS_TRIED = 4
 A fifth level would take more time than the first four together, and few brakes need it."""
 
 
-class LevelsOfRule(NamedTuple):
+class LevelErrorsAndTimesByRule(NamedTuple):
     """Errors and times of one brake that is solved on hp meshes (levels) by a refinement rule.
 
     Attributes
@@ -80,7 +83,7 @@ def far_finer_solution_of_random_brake_or_none(seed: int) -> Truth | None:
 
 def solve_random_brake_with_level_rule(
     seed: int, truth: Truth | None, rule: LevelRule
-) -> LevelsOfRule | None:
+) -> LevelErrorsAndTimesByRule | None:
     """Solve the random brake of a seed on meshes by a refinement rule; returns errors and times.
 
     Returns None if the brake has no equilibrium, or if `truth`, the far finer solution, is None.
@@ -103,7 +106,9 @@ def solve_random_brake_with_level_rule(
             begin = time.process_time()
     except NoAnswer:
         return None
-    return LevelsOfRule(true_errors_and_estimates_on_each_mesh(brake, truth, found), seconds)
+    return LevelErrorsAndTimesByRule(
+        true_errors_and_estimates_on_each_mesh(brake, truth, found), seconds
+    )
 
 
 class StoppingLevel(NamedTuple):
@@ -124,7 +129,7 @@ class StoppingLevel(NamedTuple):
 
 
 def find_mesh_at_which_refinement_stops(
-    brake: LevelsOfRule, factors: Factors, pressure: float, torque: float
+    brake: LevelErrorsAndTimesByRule, factors: SafetyFactors, pressure: float, torque: float
 ) -> StoppingLevel:
     """The mesh (level) at which a solve stops, for relative tolerances of p and of the torque."""
     for k, level in enumerate(brake.levels, 2):
@@ -136,31 +141,33 @@ def find_mesh_at_which_refinement_stops(
 
 
 def _errors_stated_on_mesh_by_safety_factors(
-    level: LevelRecord, factors: Factors
+    level: LevelRecord, factors: SafetyFactors
 ) -> dict[str, float]:
     """Errors, by quantity, that drumlin would state on a mesh (level) by given safety factors."""
     # Pressure and peak have factors of their own; torque and reaction share the factor of forces.
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
-    for name in QUANTITIES:
+    for name in QUANTITIES_WITH_STATED_ERROR:
         moved = factor.get(name, factors.force) * level.step[name]
         by_chance = 0.0 if name in factor else factors.cancelled * level.chance[name]
         stated[name] = moved + by_chance + level.beside[name]
     return stated
 
 
-def report_text_on_refinement_rule(brakes: Sequence[LevelsOfRule]) -> str:
+def report_text_on_refinement_rule(brakes: Sequence[LevelErrorsAndTimesByRule]) -> str:
     """The text that `main` prints for the brakes solved with one rule."""
     factors = fit_safety_factors([level for brake in brakes for level in brake.levels])
     lines = [f"  {factors}"]
-    for asked, tolerance in ASKED.items():
+    for asked, tolerance in ASKED_TOLERANCES.items():
         stops = [
             find_mesh_at_which_refinement_stops(brake, factors, *tolerance) for brake in brakes
         ]
         seconds = sum(each.seconds for each in stops)
         share = sum(each.reached for each in stops) / len(stops)
         lines.append(f"  {asked}: {seconds:.1f} s, {100 * share:.1f} % reached")
-        lines += [f"    {name}: {_error_ratio_text(stops, name)}" for name in QUANTITIES]
+        lines += [
+            f"    {name}: {_error_ratio_text(stops, name)}" for name in QUANTITIES_WITH_STATED_ERROR
+        ]
     return "\n".join(lines)
 
 
@@ -170,7 +177,8 @@ def _error_ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
     certain = [
         stop.stated[quantity] / stop.level.true[quantity]
         for stop in stops
-        if stop.level.true[quantity] > CERTAIN * stop.level.unsure[quantity]
+        if stop.level.true[quantity]
+        > LEAST_USED_ERROR_OVER_UNCERTAINTY * stop.level.unsure[quantity]
     ]
     small = sum(ratio < 1 for ratio in certain)
     return f"median {np.median(certain):.1f}, {small} of {len(certain)} too small"

@@ -13,14 +13,14 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import (
-    new_lining_circle_offsets_by_key,
-    new_lining_radii_by_key,
+    lining_circle_offsets_towards_hinge_by_key,
+    lining_radii_with_mismatch_by_key,
     solve_brake_at_angular_drum_positions,
 )
 from drumlin.brake.file import vary
 from drumlin.response.norms import relative_error_of_number
 from drumlin.response.response import Response
-from drumlin.sweeps.cases import Row, results_of_response_by_name
+from drumlin.sweeps.cases import CaseResults, results_of_response_by_name
 from drumlin.sweeps.tolerances import (
     PERCENTILES,
     ManufacturingTolerance,
@@ -35,7 +35,7 @@ DRAWN_QUANTITIES = {
     "peak_pressure": "peak pressure [MPa]",
 }
 """Quantities whose distribution over the random brakes is shown: key of a row, name in tables."""
-STATES = ("new", "worn in")
+LINING_STATES_OF_RANDOM_BRAKES = ("new", "worn in")
 """The two states of the linings in which the random brakes are solved."""
 LOBES = {"run-out": 1, "oval": 2, "three lobes": 3, "five lobes": 5}
 """Number of lobes around the drum, by the name of the out-of-roundness. Run-out has one lobe."""
@@ -102,16 +102,13 @@ def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any
             changes[f"shoe[{i}].lining.misfit.blocks"] = step
         return changes
 
+    moved_linings = lining_circle_offsets_towards_hinge_by_key
     return {
         "fits": {},
-        "linings 50 µm larger in radius": new_lining_radii_by_key(brake, 50e-6),
-        "linings 50 µm smaller in radius": new_lining_radii_by_key(brake, -50e-6),
-        "linings moved 50 µm along the pin's radius, outwards": new_lining_circle_offsets_by_key(
-            brake, 50e-6
-        ),
-        "linings moved 50 µm along the pin's radius, inwards": new_lining_circle_offsets_by_key(
-            brake, -50e-6
-        ),
+        "linings 50 µm larger in radius": lining_radii_with_mismatch_by_key(brake, 50e-6),
+        "linings 50 µm smaller in radius": lining_radii_with_mismatch_by_key(brake, -50e-6),
+        "linings moved 50 µm along the pin's radius, outwards": moved_linings(brake, 50e-6),
+        "linings moved 50 µm along the pin's radius, inwards": moved_linings(brake, -50e-6),
         "taper: 50 µm thinner away from the pin": {"shoe.lining.misfit.taper": 50e-6},
         "taper: 50 µm thicker away from the pin": {"shoe.lining.misfit.taper": -50e-6},
         "two blocks: the one away from the pin 20 µm lower": brake_changes_for_lining_step(20e-6),
@@ -164,7 +161,7 @@ def torque_ranges_over_mean_torque(torques: Mapping[str, Floats]) -> dict[str, f
 
 
 def maps_of_relative_deviation_from_law(
-    rows: Sequence[Row], brake: Brake, law: Response, shape: tuple[int, int]
+    rows: Sequence[CaseResults], brake: Brake, law: Response, shape: tuple[int, int]
 ) -> dict[str, Floats]:
     """Maps of the relative differences of torque and peak pressure from their values by the law.
 
@@ -206,7 +203,7 @@ class DrawnBrakes:
         Number of brakes in each of the two samples.
     """
 
-    rows: Mapping[str, Sequence[Row]]
+    rows: Mapping[str, Sequence[CaseResults]]
     n: int
 
     def values_of_quantity_for_random_brakes(self, state: str, name: str) -> Floats:
@@ -284,9 +281,9 @@ def rows_with_mean_and_percentiles_of_quantities(drawn: DrawnBrakes) -> list[dic
     """
     values: dict[tuple[str, str], Floats] = {}
     for name, title in DRAWN_QUANTITIES.items():
-        for state in (*STATES, "law"):
+        for state in (*LINING_STATES_OF_RANDOM_BRAKES, "law"):
             values[title, state] = drawn.values_of_quantity_for_random_brakes(state, name)
-    for state in STATES:
+    for state in LINING_STATES_OF_RANDOM_BRAKES:
         values["torque over the sine law's of the same brake", state] = (
             drawn.torque_over_torque_by_law(state)
         )

@@ -20,15 +20,15 @@ from drumlin.base.files import write_text
 from drumlin.studies import paths_of_example_notebooks
 
 # The package has no types of its own.
-notebook_format: Any = importlib.import_module("nbformat.v4")
+nbformat_library: Any = importlib.import_module("nbformat.v4")
 
-LONGEST_CELL = 300
+LONGEST_SECONDS_OF_CELL = 300
 """Seconds after which a cell counts as hung. All cells of a notebook take some 20 s."""
 
-NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+PATTERN_OF_NUMBER_IN_TEXT = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 """A number in a text, such as 447.59, +2.8 or 1e-05."""
 
-HTML_TAG = re.compile(r"<[^>]*>")
+HTML_TAG_PATTERN = re.compile(r"<[^>]*>")
 """A tag of an HTML text, which stands between words that a reader sees apart."""
 
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
@@ -44,14 +44,14 @@ def execute_notebook(path: Path) -> Any:
     The cells run in an empty folder, as those of a reader who has only drumlin. Raises nbclient's
     CellExecutionError if a cell fails.
     """
-    notebook: Any = notebook_format.reads(path.read_text(encoding="utf-8"))
+    notebook: Any = nbformat_library.reads(path.read_text(encoding="utf-8"))
     with tempfile.TemporaryDirectory(prefix="drumlin-notebook-") as folder:
         place = {"metadata": {"path": folder}}
         # drumlin's command line draws without a window, and sets MPLBACKEND for its process. A
         # notebook shows its figures.
         environment = {name: text for name, text in os.environ.items() if name != "MPLBACKEND"}
         NotebookClient(
-            notebook, timeout=LONGEST_CELL, kernel_name="python3", resources=place
+            notebook, timeout=LONGEST_SECONDS_OF_CELL, kernel_name="python3", resources=place
         ).execute(env=environment)
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     for number, cell in enumerate(cells, start=1):
@@ -124,20 +124,22 @@ def texts_of_outputs(notebook: Any) -> list[str]:
             values = [output.get("data", {}) for output in cell.outputs]
             shown = [output.get("text", "") for output in cell.outputs]
             shown += [value.get("text/plain", "") for value in values]
-            shown += [HTML_TAG.sub(" ", value.get("text/html", "")) for value in values]
+            shown += [HTML_TAG_PATTERN.sub(" ", value.get("text/html", "")) for value in values]
             texts.append("\n".join(filter(None, shown)))
     return texts
 
 
 def words_and_numbers_of_text(text: str) -> tuple[str, list[float]]:
     """A text with a star for each number, and the numbers."""
-    return " ".join(NUMBER.sub("*", text).split()), list(map(float, NUMBER.findall(text)))
+    return " ".join(PATTERN_OF_NUMBER_IN_TEXT.sub("*", text).split()), list(
+        map(float, PATTERN_OF_NUMBER_IN_TEXT.findall(text))
+    )
 
 
 def main() -> None:
     """Execute all example notebooks, and write their outputs into their files."""
     for path in paths_of_example_notebooks().values():
-        write_text(path, notebook_format.writes(execute_notebook(path)) + "\n")
+        write_text(path, nbformat_library.writes(execute_notebook(path)) + "\n")
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ import numpy as np
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Bar, Beam
+from drumlin.brake.components import Beam, ShoeBodyOfConstantSection
 from drumlin.fem.error_control.levels import ResponseFunction
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import ShoeSubstructure
@@ -30,7 +30,7 @@ from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import Response, ShoeResponse
 from drumlin_studies.reduced import make_function_that_prepares_surrogates
 
-Make = Callable[[Brake], PreparedModel]
+PrepareModelOfBrake = Callable[[Brake], PreparedModel]
 """A function that returns the prepared model of a brake: meshed and condensed, not yet solved."""
 
 
@@ -41,12 +41,12 @@ class Omission(NamedTuple):
     ----------
     instead : str
         The simpler model in place of the part, in words.
-    in_brake : function
+    does_brake_have_part : function
         Returns whether a brake has the part.
     """
 
     instead: str
-    in_brake: Callable[[Brake], bool]
+    does_brake_have_part: Callable[[Brake], bool]
 
 
 def _is_body_an_arc_along_drum(shoe: Shoe) -> bool:
@@ -57,7 +57,8 @@ def _is_body_an_arc_along_drum(shoe: Shoe) -> bool:
 def _has_shoe_with_elastic_arc_body(brake: Brake) -> bool:
     """Whether a shoe of the brake has an elastic body in the form of an arc along the drum."""
     return any(
-        isinstance(shoe.body, Bar) and _is_body_an_arc_along_drum(shoe) for shoe in brake.shoes
+        isinstance(shoe.body, ShoeBodyOfConstantSection) and _is_body_an_arc_along_drum(shoe)
+        for shoe in brake.shoes
     )
 
 
@@ -161,7 +162,7 @@ def _relative_pressure_change_of_shoe(a: ShoeResponse, b: ShoeResponse) -> float
 
 def names_of_omissions_possible_for_brake(brake: Brake) -> list[str]:
     """The names of those OMISSIONS whose part or effect a brake has."""
-    return [name for name, part in OMISSIONS.items() if part.in_brake(brake)]
+    return [name for name, part in OMISSIONS.items() if part.does_brake_have_part(brake)]
 
 
 def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
@@ -188,7 +189,7 @@ def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
 
 
 def prepared_model_and_brake_without_neglected_parts(
-    brake: Brake, names: Iterable[str], make: Make = make_prepared_model
+    brake: Brake, names: Iterable[str], make: PrepareModelOfBrake = make_prepared_model
 ) -> tuple[PreparedModel, Brake]:
     """The prepared model of a brake without some parts, and the simpler brake itself.
 
@@ -269,7 +270,10 @@ def prepare_model_with_straight_element_edges(brake: Brake, *, elements: int) ->
 
 
 def predict_response_change_by_omitting_parts(
-    brake: Brake, names: Sequence[str], respond: ResponseFunction, sketch: Make | None = None
+    brake: Brake,
+    names: Sequence[str],
+    respond: ResponseFunction,
+    sketch: PrepareModelOfBrake | None = None,
 ) -> OmissionChange:
     """The change of the answer by omitting parts, predicted on two coarse models (surrogates).
 

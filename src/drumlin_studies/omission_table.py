@@ -23,7 +23,7 @@ from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.mesh.grading import divide_lining_into_elements
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
-from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
@@ -39,7 +39,7 @@ from drumlin_studies.omission import (
 from drumlin_studies.reduced import make_function_that_prepares_surrogates
 from drumlin_studies.tables import rows_with_given_values
 
-EXACT_OMISSIONS = {
+NEEDLESS_COMPUTATIONS = {
     "interior fields": "not recovered",
     "second of equal shoes": "condensed once",
     "flexibility under drag, mu = 0": "symmetric part only",
@@ -62,15 +62,15 @@ class WholeAndSimple(NamedTuple):
 
 
 def table_rows_for_each_part_omitted_from_brake(
-    brake: Brake, name: str, *, elements: int = ELEMENTS, repeats: int = 5
+    brake: Brake, name: str, *, elements: int = DEFAULT_ELEMENTS_ALONG_LINING, repeats: int = 5
 ) -> list[dict[str, Any]]:
     """A row for each omission that a brake allows.
 
-    The first rows are on EXACT_OMISSIONS, the next on each of OMISSIONS alone, the last on all
-    OMISSIONS together. A row has the changes under the names of `OmissionChange`, and the predicted
-    changes under the same names after "predicted_". `seconds` and `memory` are the fractions that
-    the omission saves of the time and of the memory of the whole solve. Where one of the two solves
-    has no answer, the `status` of the row gives the reason.
+    The first rows are on NEEDLESS_COMPUTATIONS, the next on each of OMISSIONS alone, the last on
+    all OMISSIONS together. A row has the changes under the names of `OmissionChange`, and the
+    predicted changes under the same names after "predicted_". `seconds` and `memory` are the
+    fractions that the omission saves of the time and of the memory of the whole solve. Where one of
+    the two solves has no answer, the `status` of the row gives the reason.
 
     Parameters
     ----------
@@ -102,7 +102,8 @@ def table_rows_for_each_part_omitted_from_brake(
             )
             if names is not None:
                 row |= _omission_change_as_row(
-                    _predict_change_with_straight_edges(brake, names, elements), "predicted_"
+                    _predict_change_by_omitting_parts_or_edge_curvature(brake, names, elements),
+                    "predicted_",
                 )
             row |= (fractions_of_time_and_memory_saved(pair, repeats) if repeats else {}) | {
                 "status": "converged"
@@ -172,7 +173,7 @@ class _OmissionRow(NamedTuple):
     part, instead : str
         The neglected part or effect, and the model that replaces it, in words.
     names : list of str or None
-        Names of OMISSIONS; None for one of EXACT_OMISSIONS, which change no number.
+        Names of OMISSIONS; None for one of NEEDLESS_COMPUTATIONS, which change no number.
     """
 
     part: str
@@ -183,9 +184,9 @@ class _OmissionRow(NamedTuple):
 def _list_part_omissions_computed_for_brake(brake: Brake) -> list[_OmissionRow]:
     """The omissions for which a brake gets a row in the table, in the order of the rows.
 
-    The EXACT_OMISSIONS come first, then each of OMISSIONS alone, then the OMISSIONS together.
+    The NEEDLESS_COMPUTATIONS come first, then each of OMISSIONS alone, then the OMISSIONS together.
     """
-    rows = [_OmissionRow(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
+    rows = [_OmissionRow(part, instead, None) for part, instead in NEEDLESS_COMPUTATIONS.items()]
     names = names_of_omissions_possible_for_brake(brake)
     together = []
     for part in names:
@@ -270,11 +271,11 @@ def _functions_that_solve_whole_and_simpler_brake(
 def _solvers_with_and_without_needless_computation(
     brake: Brake, part: str, elements: int
 ) -> WholeAndSimple | None:
-    """Functions that solve a brake with and without a needless computation of EXACT_OMISSIONS.
+    """Functions that solve a brake with and without each of NEEDLESS_COMPUTATIONS.
 
     The result is None where the omission does not apply to the brake.
 
-    part : a key of EXACT_OMISSIONS; elements : number of elements along each lining.
+    part : a key of NEEDLESS_COMPUTATIONS; elements : number of elements along each lining.
     """
     make = partial(make_prepared_model, elements=elements)
 
@@ -328,7 +329,7 @@ def _prepare_model_with_each_shoe_by_itself(
     return replace(alone, brake=brake, bodies=tuple(bodies))
 
 
-def _predict_change_with_straight_edges(
+def _predict_change_by_omitting_parts_or_edge_curvature(
     brake: Brake, names: Iterable[str], elements: int
 ) -> OmissionChange:
     """The predicted change of the answer by some of OMISSIONS, which may include "curvature".

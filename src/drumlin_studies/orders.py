@@ -34,7 +34,7 @@ RIGID_CHANGES = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}
 Young's modulus of its body becomes 1e4 times that of steel. The thickness of its lining becomes 3
 mm, which is R/50 in the brake of the study.
 """
-Row = dict[str, Any]
+ConvergenceRow = dict[str, Any]
 """A row of a table: its values by key."""
 
 
@@ -48,7 +48,7 @@ def largest_pressure_distance_of_shoes(response: Response, reference: Response) 
 
 def convergence_order_rows_of_meshes(
     brake: Brake, case: str, kind: str, sizes: Sequence[int], reference: Response
-) -> list[Row]:
+) -> list[ConvergenceRow]:
     """A row for each of several meshes: the errors of pressure and torque, with exact contact.
 
     From the second row on, `order` is the order of convergence of the pressure, observed between
@@ -67,7 +67,7 @@ def convergence_order_rows_of_meshes(
     reference : Response
         The response against which errors are taken.
     """
-    rows: list[Row] = []
+    rows: list[ConvergenceRow] = []
     for n in sizes:
         response = solve(brake, elements=n, kind=kind, penalty=math.inf)
         row = {
@@ -91,7 +91,7 @@ COARSE_LEVEL = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0
 """The first and coarsest hp mesh of `error_rows_of_hp_levels`. The errors on it are some percent.
 """
 
-LEVEL_REFERENCE = Refinement(
+REFERENCE_MESHES_OF_HP_LEVELS = Refinement(
     3,
     (
         Level(8, 0.002, 0.0015, 3e-4, 0.5, 0.5, math.radians(12), 0.003, 0.0015, 0.4),
@@ -105,7 +105,9 @@ They are so fine that the errors of four coarser levels are known to within 50 %
 """
 
 
-def error_rows_of_hp_levels(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[Row]:
+def error_rows_of_hp_levels(
+    brake: Brake, refinement: Refinement = REFERENCE_MESHES_OF_HP_LEVELS
+) -> list[ConvergenceRow]:
     """A row for each level of hp elements: the errors of pressure and torque, with exact contact.
 
     The elements are refined towards the ends of the contact that the reference solution has. `root`
@@ -159,7 +161,7 @@ class FittedLine(NamedTuple):
     decades: float
 
 
-def fit_line_to_log_errors(rows: Sequence[Row]) -> FittedLine:
+def fit_line_to_log_errors(rows: Sequence[ConvergenceRow]) -> FittedLine:
     """The straight line through the errors of p in the rows of `error_rows_of_hp_levels`."""
     x = np.array(values_of_key_in_rows(rows, "root"))
     y = np.array(list(map(math.log10, values_of_key_in_rows(rows, "pressure"))))
@@ -170,7 +172,7 @@ def fit_line_to_log_errors(rows: Sequence[Row]) -> FittedLine:
 
 def estimated_and_true_error_row(
     brake: Brake, case: str, tolerance: float, reference: Response, floor: float
-) -> Row:
+) -> ConvergenceRow:
     """A row with the estimated and the true errors of a solve to a tolerance, and the wall time.
 
     Parameters
@@ -188,7 +190,7 @@ def estimated_and_true_error_row(
         this, the `status` of the row says so.
     """
     start = time.perf_counter()
-    row: Row = {"case": case, "tolerance": tolerance}
+    row: ConvergenceRow = {"case": case, "tolerance": tolerance}
     try:
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
     except NoAnswer as error:
@@ -210,7 +212,7 @@ def estimated_and_true_error_row(
     }
 
 
-def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
+def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[ConvergenceRow]:
     """A row for each of several meshes, each twice as fine as the one before.
 
     A row has the torque [N m], the relative distance of the torque from its limit, and under the
@@ -218,9 +220,9 @@ def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
     has None in place of this change.
     """
     limit = convergence.torque.value
-    rows: list[Row] = []
+    rows: list[ConvergenceRow] = []
     for n, response in zip(convergence.elements, convergence.responses, strict=True):
-        row: Row = {
+        row: ConvergenceRow = {
             "elements": n,
             "unknowns_torque": response.torque,
             "torque_error": relative_error_of_number(response.torque, limit),
@@ -240,7 +242,9 @@ def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
     return rows
 
 
-def rows_comparing_sine_law_with_rigid_shoe_solves(brake: Brake, elements: int) -> list[Row]:
+def rows_comparing_sine_law_with_rigid_shoe_solves(
+    brake: Brake, elements: int
+) -> list[ConvergenceRow]:
     """Rows that compare the sine law with finite elements on nearly rigid shoes with thin linings.
 
     Each row has the torques [N m] of a shoe, and the last row those of the whole brake. `spread` is
@@ -251,7 +255,7 @@ def rows_comparing_sine_law_with_rigid_shoe_solves(brake: Brake, elements: int) 
     """
     rigid = vary(brake, RIGID_CHANGES)
     law, fem = solve_brake_by_sine_law(rigid), solve(rigid, elements=elements)
-    rows: list[Row] = []
+    rows: list[ConvergenceRow] = []
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
         # The free ends of an elastic lining disturb its pressure over a length of some five
         # thicknesses.

@@ -24,7 +24,7 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve as by_elements
 from drumlin.fem.width.correction import correct_response_for_shoe_widths
-from drumlin.fem.width.face import WidthFace
+from drumlin.fem.width.face import ContactFaceWithWidth
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, hinged, solve_brake_by_sine_law
@@ -47,7 +47,7 @@ from drumlin_studies.uncertainty import (
     compare_simulated_value_with_reference_value,
 )
 
-WIDTH_QUANTITIES = {
+WIDTH_ERROR_NAMES_BY_ROW_KEY = {
     "torque": "torque",
     "pressure": "mean p over the width (L2)",
     "peak": "peak pressure against the face's",
@@ -60,11 +60,14 @@ WIDTH_QUANTITIES = {
 
 "corrected" stands for plane stress with the correction for the finite width of the shoe.
 """
-SAID = {"torque": "the torque of each shoe", "pressure": "its mean pressure"}
-"""Words for two keys of WIDTH_QUANTITIES in sentences of the report."""
-STUDY_DEGREE = 3
+WIDTH_ERROR_WORDS_IN_SENTENCES = {
+    "torque": "the torque of each shoe",
+    "pressure": "its mean pressure",
+}
+"""Words for two keys of WIDTH_ERROR_NAMES_BY_ROW_KEY in sentences of the report."""
+DEFAULT_DEGREE_ACROSS_SOLID_WIDTH = 3
 """Default degree of the polynomials across the width of solid shoes."""
-READER_LIMITS = (0.01, 0.05, 0.20)
+REPORTED_PLANE_STRESS_ERROR_LIMITS = (0.01, 0.05, 0.20)
 """Limits of the relative error. For each limit the report states the range of brakes in which the
 error of plane stress is within it.
 """
@@ -82,7 +85,9 @@ class SolidAndPlane(NamedTuple):
     corrected: Response
 
 
-def solve_by_solid_and_plane_stress(brake: Brake, across: int = STUDY_DEGREE) -> SolidAndPlane:
+def solve_by_solid_and_plane_stress(
+    brake: Brake, across: int = DEFAULT_DEGREE_ACROSS_SOLID_WIDTH
+) -> SolidAndPlane:
     """The responses of a brake by the three models of `SolidAndPlane`.
 
     All models have the same mesh in the plane of the drum.
@@ -152,7 +157,7 @@ def plane_stress_error_rows_of_shoes(three: SolidAndPlane, case: str = "") -> li
         zip(three.solid.shoes, three.plane.shoes, three.corrected.shoes, strict=True)
     ):
         zone = length_of_edge_zone_left_out_of_peak_search(
-            three.brake.shoes[i], three.brake.scale_factor
+            three.brake.shoes[i], three.brake.length_per_surface_coordinate
         )
         row: dict[str, Any] = {
             "case": case,
@@ -264,7 +269,7 @@ def map_plane_stress_errors(
     say : function
         Is called with a line of text on the progress.
     """
-    keys = [*WIDTH_QUANTITIES, "mid_over_side"]
+    keys = [*WIDTH_ERROR_NAMES_BY_ROW_KEY, "mid_over_side"]
     errors = {key: np.full((len(y), len(x)), np.nan) for key in keys}
     for j, b in enumerate(y):
         for i, a in enumerate(x):
@@ -278,16 +283,18 @@ def map_plane_stress_errors(
 
 
 def rows_of_shares_within_error_limits(charts: Sequence[PlaneErrorMap]) -> list[dict[str, Any]]:
-    """A row for each map and each error: its largest value, and the shares within READER_LIMITS.
+    """A row for each map and each error: its largest value, and the shares within the limits.
+
+    The limits are REPORTED_PLANE_STRESS_ERROR_LIMITS.
 
     A share is the fraction of the brakes of the map whose error is within a limit.
     """
     table = []
     for chart in charts:
-        for key, name in WIDTH_QUANTITIES.items():
+        for key, name in WIDTH_ERROR_NAMES_BY_ROW_KEY.items():
             row: dict[str, Any] = {"map": chart.name, "quantity": name}
             row["largest"] = float(np.abs(chart.errors[key]).max())
-            for limit in READER_LIMITS:
+            for limit in REPORTED_PLANE_STRESS_ERROR_LIMITS:
                 row[f"within_{limit:g}"] = chart.fraction_of_brakes_within_error(limit, key)
             table.append(row)
     return table
@@ -458,7 +465,9 @@ def _largest_torque_and_pressure_error(
     torque, pressure = 0.0, 0.0
     for found, true, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True):
         torque = max(torque, abs(relative_error_of_number(found.torque, true.torque)))
-        zone = length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor)
+        zone = length_of_edge_zone_left_out_of_peak_search(
+            shoe, brake.length_per_surface_coordinate
+        )
         pressure = max(pressure, abs(relative_distance_of_pressures(found, true, zone)))
     return torque, pressure
 
@@ -474,7 +483,7 @@ def _solve_brake_with_width_correction(brake: Brake, elements: int) -> Response:
 
 
 def solve_with_solid_shoes(
-    brake: Brake, across: int = STUDY_DEGREE, level: Level = LEVELS[0]
+    brake: Brake, across: int = DEFAULT_DEGREE_ACROSS_SOLID_WIDTH, level: Level = LEVELS[0]
 ) -> Response:
     """The response of a brake with solid shoes.
 
@@ -483,7 +492,7 @@ def solve_with_solid_shoes(
     return solve_prepared_model(prepare_model_with_shoe_widths(brake, level, across), brake)
 
 
-class WornSolid(NamedTuple):
+class PressuresOfWornSolidLinings(NamedTuple):
     """The pressures of solid linings that wear, over the sliding distance.
 
     Attributes
@@ -493,7 +502,7 @@ class WornSolid(NamedTuple):
         the lining.
     uneven : tuple of tuples
         For each shoe and distance the result of `relative_pressure_deviation_across_width`.
-    from_law : tuple of tuples
+    distance_from_sine_law : tuple of tuples
         For each shoe and distance the relative L2 distance of the pressure from the sine law. The
         pressure is the mean over the width.
     last : tuple of ShoeResponse
@@ -502,13 +511,13 @@ class WornSolid(NamedTuple):
 
     distance: tuple[float, ...]
     uneven: tuple[tuple[float, ...], ...]
-    from_law: tuple[tuple[float, ...], ...]
+    distance_from_sine_law: tuple[tuple[float, ...], ...]
     last: tuple[ShoeResponse, ...]
 
 
 def wear_solid_linings(
-    brake: Brake, distances: Sequence[float], across: int = STUDY_DEGREE
-) -> WornSolid:
+    brake: Brake, distances: Sequence[float], across: int = DEFAULT_DEGREE_ACROSS_SOLID_WIDTH
+) -> PressuresOfWornSolidLinings:
     """The pressures of a brake's solid linings as they wear by Archard's law.
 
     Parameters
@@ -516,7 +525,7 @@ def wear_solid_linings(
     brake : Brake
         The brake with new linings.
     distances : sequence of float
-        Sliding distances in units of 1/(k K), as in `WornSolid`; the first is 0.
+        Sliding distances in units of 1/(k K), as in `PressuresOfWornSolidLinings`; the first is 0.
     across : int
         Degree across the width.
     """
@@ -538,7 +547,7 @@ def wear_solid_linings(
                 _response_with_worn_lining_pressure(line, first, surface.forward, pressure)
             )
         zone = length_of_edge_zone_left_out_of_peak_search(
-            brake.shoes[surface.shoe], brake.scale_factor
+            brake.shoes[surface.shoe], brake.length_per_surface_coordinate
         )
         by_law = law.shoes[surface.shoe]
         all_uneven.append(
@@ -548,7 +557,9 @@ def wear_solid_linings(
             tuple(relative_distance_of_pressures(shoe, by_law, zone) for shoe in shoes)
         )
         last.append(shoes[-1])
-    return WornSolid(tuple(distances), tuple(all_uneven), tuple(all_from_law), tuple(last))
+    return PressuresOfWornSolidLinings(
+        tuple(distances), tuple(all_uneven), tuple(all_from_law), tuple(last)
+    )
 
 
 def _response_with_worn_lining_pressure(
@@ -558,7 +569,7 @@ def _response_with_worn_lining_pressure(
 
     Parameters
     ----------
-    line : WidthFace
+    line : ContactFaceWithWidth
         Friction face of the lining.
     first : ShoeResponse
         The response of the shoe before wear.
@@ -567,7 +578,7 @@ def _response_with_worn_lining_pressure(
     p : array
         Pressures at the nodes of the worn lining's face [Pa].
     """
-    assert isinstance(line, WidthFace)
+    assert isinstance(line, ContactFaceWithWidth)
     _, mean = line.angles_and_mean_pressures(p)
     face = line.pressure_distribution_over_arc_and_width(p)
     surface = face._replace(pressure=face.pressure[forward])
@@ -601,7 +612,7 @@ def sentences_on_largest_plane_stress_errors(
     lines = []
     for name, points in curves.items():
         largest = []
-        for key, said in SAID.items():
+        for key, said in WIDTH_ERROR_WORDS_IN_SENTENCES.items():
             # `max` compares the errors. Of equal errors it takes the one at the largest value of
             # the quantity.
             error, at = max(
@@ -614,12 +625,12 @@ def sentences_on_largest_plane_stress_errors(
 
 
 def sentences_on_maps_of_plane_stress_errors(charts: Sequence[PlaneErrorMap]) -> list[str]:
-    """Sentences on each map: the ranges in which the errors are within READER_LIMITS."""
+    """Sentences on each map: the ranges in which the errors are within the reported limits."""
     lines = []
     for chart in charts:
         torque = chart.errors["torque"]
         worst_of = torque.ravel()[np.abs(torque).argmax()]
-        for key, said in SAID.items():
+        for key, said in WIDTH_ERROR_WORDS_IN_SENTENCES.items():
             end = f" (at worst {number_as_text(worst_of, '+.1%')})" if key == "torque" else ""
             parts = "; ".join(_describe_map_ranges_within_limits(chart, key))
             lines.append(f"{chart.name}: plane stress has {said}{end} within {parts}")
@@ -627,12 +638,12 @@ def sentences_on_maps_of_plane_stress_errors(charts: Sequence[PlaneErrorMap]) ->
 
 
 def _describe_map_ranges_within_limits(chart: PlaneErrorMap, key: str) -> list[str]:
-    """Texts, one for each of READER_LIMITS: the range of a map with errors within the limit.
+    """Texts, one for each reported limit: the range of a map with errors within the limit.
 
     The list ends with the first limit that holds on the whole map.
     """
     parts = []
-    for limit in READER_LIMITS:
+    for limit in REPORTED_PLANE_STRESS_ERROR_LIMITS:
         where = chart.describe_range_within_error(limit, key)
         parts.append(f"{number_as_text(limit, '.0%')}: {where}")
         if where == "everywhere":

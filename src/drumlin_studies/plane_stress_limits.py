@@ -2,7 +2,7 @@
 
 Two brakes are varied: one whose shoes have one width, and one with shoes of T-section. Each error
 is the distance of plane stress from shoes whose displacements are polynomials of the degree
-LIMIT_DEGREE across the width.
+DEGREE_ACROSS_WIDTH_OF_LIMIT_STUDY across the width.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -20,13 +20,13 @@ from drumlin.fem.width.ladder import (
     solve_cross_section_mesh_with_width_degree,
 )
 
-LIMIT_DEGREE = 3
+DEGREE_ACROSS_WIDTH_OF_LIMIT_STUDY = 3
 """Degree of the polynomials across the width of the shoes with which plane stress is compared."""
-LIMITS = (0.01, 0.05, 0.20)
+LIMITS_OF_PLANE_STRESS_ERROR = (0.01, 0.05, 0.20)
 """Limits of the relative error. For each limit the range is stated in which the error of plane
 stress is within it.
 """
-LIMIT_QUANTITIES = {"pressure": "mean p over the width", "torque": "torque"}
+NAMES_OF_LIMITED_QUANTITIES = {"pressure": "mean p over the width", "torque": "torque"}
 """Names of the compared quantities by their key in the error of plane stress."""
 
 
@@ -38,14 +38,14 @@ class Variation(NamedTuple):
     name : name of the quantity
     values : its values
     value : returns the quantity's value on a brake
-    changed : returns the brake with another value
+    brake_with_value : returns the brake with another value
     needs_web : whether the quantity exists only on shoes whose parts have several widths
     """
 
     name: str
     values: tuple[float, ...]
     value: Callable[[Brake], float]
-    changed: Callable[[Brake, float], Brake]
+    brake_with_value: Callable[[Brake, float], Brake]
     needs_web: bool = False
 
 
@@ -147,7 +147,7 @@ VARIATIONS = (
 
 
 def errors_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:
-    """The relative errors of plane stress on a brake, by the keys of LIMIT_QUANTITIES.
+    """The relative errors of plane stress on a brake, by the keys of NAMES_OF_LIMITED_QUANTITIES.
 
     Raises
     ------
@@ -158,10 +158,10 @@ def errors_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:
     """
     plane = solve(brake)
     wide = solve_cross_section_mesh_with_width_degree(
-        brake, LEVELS[0], LIMIT_DEGREE, plane
+        brake, LEVELS[0], DEGREE_ACROSS_WIDTH_OF_LIMIT_STUDY, plane
     ).response
     found = relative_distance_of_plane_stress_from_width_solution(brake, plane, wide).brake
-    return {name: found[name] for name in LIMIT_QUANTITIES}
+    return {name: found[name] for name in NAMES_OF_LIMITED_QUANTITIES}
 
 
 def rows_of_plane_stress_limits(
@@ -187,7 +187,9 @@ def rows_of_plane_stress_limits(
             say(f"{variation.name}: {name}")
             for value in variation.values[::every]:
                 try:
-                    errors = errors_of_plane_stress_by_width_model(variation.changed(brake, value))
+                    errors = errors_of_plane_stress_by_width_model(
+                        variation.brake_with_value(brake, value)
+                    )
                 except DrumlinError:
                     continue
                 rows.append({"varied": variation.name, "brake": name, "value": value, **errors})
@@ -210,14 +212,14 @@ class LimitRange(NamedTuple):
 
 
 def parameter_ranges_within_error_limits(rows: Sequence[Mapping[str, Any]]) -> list[LimitRange]:
-    """The ranges of the varied quantities in which plane stress is within each of LIMITS."""
+    """The ranges of the varied quantities in which plane stress is within each limit."""
     groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for row in rows:
         groups.setdefault((row["varied"], row["brake"]), []).append(row)
     found = []
     for (varied, brake), own in groups.items():
-        for quantity in LIMIT_QUANTITIES:
-            for limit in LIMITS:
+        for quantity in NAMES_OF_LIMITED_QUANTITIES:
+            for limit in LIMITS_OF_PLANE_STRESS_ERROR:
                 within = [row["value"] for row in own if row[quantity] <= limit]
                 ends = (min(within), max(within)) if within else (None, None)
                 found.append(LimitRange(varied, brake, quantity, limit, *ends))

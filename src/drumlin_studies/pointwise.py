@@ -27,25 +27,30 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
-from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
+from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND, parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import (
-    load_column_factors_and_pin_moment_per_newton,
+    actuation_factors_and_pin_moment_per_newton,
     penalty_stiffness_of_contact_per_area,
 )
-from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, mesh_and_assemble_shoe
-from drumlin.fem.preparation.scene import Seconds, add_elapsed_time_of_block_to_phase
-from drumlin.fem.substructure.body import FRAME
+from drumlin.fem.preparation.meshes import (
+    DEFAULT_ELEMENTS_ALONG_LINING,
+    AssembledShoe,
+    Mesher,
+    mesh_and_assemble_shoe,
+)
+from drumlin.fem.preparation.scene import SecondsOfEachPhase, add_elapsed_time_of_block_to_phase
+from drumlin.fem.substructure.body import NUMBER_OF_FRAME_DISPLACEMENTS
 from drumlin.fem.substructure.interface import (
     edge_quadrature_points,
     function_that_returns_drum_normals_and_tangents,
 )
-from drumlin.fem.substructure.loads import ACTUATION
+from drumlin.fem.substructure.loads import ACTUATION_LOAD_NAME
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
     relative_magnitudes_of_force_and_moment_sums,
 )
 from drumlin.response.response import (
-    Balance,
+    ForceAndMomentImbalance,
     Response,
     ShoeResponse,
     response_of_pressed_elastic_shoe,
@@ -66,8 +71,8 @@ MOST_POINT_STEPS = 60
 def solve_by_pointwise_penalty(
     brake: Brake,
     *,
-    elements: int = ELEMENTS,
-    kind: str = DEFAULT_KIND,
+    elements: int = DEFAULT_ELEMENTS_ALONG_LINING,
+    kind: str = DEFAULT_MESH_KIND,
     penalty: float = POINTWISE_PENALTY,
     mesher: Mesher | None = None,
 ) -> Response:
@@ -102,7 +107,7 @@ def solve_by_pointwise_penalty(
         )
     if brake.ring is not None:
         raise BadInput("drum.ring: the pointwise penalty has a rigid drum only")
-    seconds: Seconds = {}
+    seconds: SecondsOfEachPhase = {}
     mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     shoes, balances, steps = [], [], []
     for shoe in brake.shoes:
@@ -129,9 +134,9 @@ class _ContactPoints:
         Area of the lining that each of the q points represents [m^2].
     phi, radius, gap : array (q,)
         Angle in the shoe's frame [rad], radius [m] and gap of the unloaded lining [m].
-    closing : sparse matrix (q, unknowns)
+    gap_closure_by_displacements : sparse matrix (q, unknowns)
         Maps the displacements to the closure n . u of the gap at each point.
-    pushing : sparse matrix (q, unknowns)
+    nodal_forces_of_unit_contact : sparse matrix (q, unknowns)
         In each row the nodal forces of a unit normal force and its friction at a point.
     """
 
@@ -139,20 +144,20 @@ class _ContactPoints:
     phi: Floats
     radius: Floats
     gap: Floats
-    closing: Any
-    pushing: Any
+    gap_closure_by_displacements: Any
+    nodal_forces_of_unit_contact: Any
 
 
 class PointwiseAnswer(NamedTuple):
     """The response of a shoe, its balance and its number of Newton steps."""
 
     response: ShoeResponse
-    balance: Balance
+    balance: ForceAndMomentImbalance
     steps: int
 
 
 def _solve_one_shoe_by_penalty(
-    brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: Seconds
+    brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: SecondsOfEachPhase
 ) -> PointwiseAnswer:
     """The response of one shoe with its balance and number of Newton steps.
 
@@ -169,34 +174,42 @@ def _solve_one_shoe_by_penalty(
     """
     parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds)
     drag = brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
-    unit, moment = load_column_factors_and_pin_moment_per_newton(parts, shoe)
+    unit, moment = actuation_factors_and_pin_moment_per_newton(parts, shoe)
     force = abs(shoe.actuation.force)
     per_newton = parts.load_matrix_columns_by_load_name.column_factors_of_one_named_load(
-        ACTUATION, unit
+        ACTUATION_LOAD_NAME, unit
     )
     with add_elapsed_time_of_block_to_phase(seconds, "contact"):
         A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
         points = _quadrature_points_of_shoe_friction_face(parts, brake, shoe, drag)
         # Displacements of all unknowns while the shoe turns as a rigid body about its pin by 1 rad.
         turned = np.zeros(A.shape[0])
-        turned[2 * -len(parts.line.nodes) - FRAME : -FRAME] = (
-            _nodal_displacements_per_turn_about_pin(parts, shoe)
-        )
+        turned[
+            2 * -len(parts.line.nodes)
+            - NUMBER_OF_FRAME_DISPLACEMENTS : -NUMBER_OF_FRAME_DISPLACEMENTS
+        ] = _nodal_displacements_per_turn_about_pin(parts, shoe)
         turned[-1] = 1.0
-        if force == 0 or not (moment * (points.closing @ turned) > 0).any():
+        if force == 0 or not (moment * (points.gap_closure_by_displacements @ turned) > 0).any():
             return _answer_of_shoe_without_contact(shoe)
         # The pin fixes the two displacements of the shoe's frame; all other unknowns are free.
-        free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
-        load = force * (parts.loads[ACTUATION] @ per_newton)
+        free = np.delete(
+            np.arange(A.shape[0]),
+            [-NUMBER_OF_FRAME_DISPLACEMENTS, 1 - NUMBER_OF_FRAME_DISPLACEMENTS],
+        )
+        load = force * (parts.loads[ACTUATION_LOAD_NAME] @ per_newton)
         stiffness = penalty_stiffness_of_contact_per_area(shoe, penalty)
         contact_state = _find_touching_points_by_newton(A, load, points, stiffness, free, shoe.name)
         u, on = contact_state.u, contact_state.touching
-        p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
-        nodal = points.pushing.T @ (points.weight * p)
+        p = np.where(on, stiffness * (points.gap_closure_by_displacements @ u - points.gap), 0.0)
+        nodal = points.nodal_forces_of_unit_contact.T @ (points.weight * p)
         # The hinge reaction is the residual of the equations of the two displacements that the pin
         # fixes.
-        reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
-    contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
+        reaction = (A @ u - load - nodal)[
+            -NUMBER_OF_FRAME_DISPLACEMENTS : 1 - NUMBER_OF_FRAME_DISPLACEMENTS + 1
+        ]
+    contact = nodal[
+        2 * -len(parts.line.nodes) - NUMBER_OF_FRAME_DISPLACEMENTS : -NUMBER_OF_FRAME_DISPLACEMENTS
+    ].reshape(-1, 2)
     given = (force * per_newton)[:2]
     balance = _relative_imbalance_of_forces_and_moments(
         parts, shoe, contact, reaction, given, force * moment
@@ -214,16 +227,20 @@ def _solve_one_shoe_by_penalty(
 def _answer_of_shoe_without_contact(shoe: Shoe) -> PointwiseAnswer:
     """The answer for a shoe that its actuation force does not press on the drum."""
     response = response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
-    return PointwiseAnswer(response, Balance(0.0, 0.0), 0)
+    return PointwiseAnswer(response, ForceAndMomentImbalance(0.0, 0.0), 0)
 
 
 def _work_of_friction_in_shoe_motion(points: _ContactPoints, p: Floats, motion: Floats) -> float:
     """Work [N m] of the friction due to the pressures p (q,) [Pa], in a motion (unknowns,) [m].
 
-    The matrix `pushing` gives normal and friction forces, and `closing` gives the normal forces
-    with the opposite sign. Their sum is the friction alone.
+    The matrix `nodal_forces_of_unit_contact` gives normal and friction forces, and
+    `gap_closure_by_displacements` gives the normal forces with the opposite sign. Their sum is the
+    friction alone.
     """
-    return float((points.weight * p) @ ((points.pushing + points.closing) @ motion))
+    return float(
+        (points.weight * p)
+        @ ((points.nodal_forces_of_unit_contact + points.gap_closure_by_displacements) @ motion)
+    )
 
 
 def _relative_imbalance_of_forces_and_moments(
@@ -233,7 +250,7 @@ def _relative_imbalance_of_forces_and_moments(
     reaction: Floats,
     given: Floats,
     moment: float,
-) -> Balance:
+) -> ForceAndMomentImbalance:
     """The relative imbalance of the forces on a shoe, and of their moments about the centre.
 
     Parameters
@@ -276,7 +293,7 @@ def _quadrature_points_of_shoe_friction_face(
     radius = np.hypot(*x)
     phi = shoe.surface_coordinates_of_points_in_shoe_frame(x, brake.size)
     unknowns = parts.constraints.matrix.shape[1]
-    first = unknowns - FRAME - 2 * len(line.nodes)
+    first = unknowns - NUMBER_OF_FRAME_DISPLACEMENTS - 2 * len(line.nodes)
 
     def nodal_forces_of_point_vectors(vectors: Floats) -> Any:
         """The nodal forces of a vector at each point, as a sparse matrix (points, unknowns).
@@ -299,8 +316,8 @@ def _quadrature_points_of_shoe_friction_face(
         phi=phi.ravel(),
         radius=radius.ravel(),
         gap=unloaded_lining_gaps_at_points(x, phi, brake, shoe).ravel(),
-        closing=nodal_forces_of_point_vectors(normal),
-        pushing=nodal_forces_of_point_vectors(drag * tangent - normal),
+        gap_closure_by_displacements=nodal_forces_of_point_vectors(normal),
+        nodal_forces_of_unit_contact=nodal_forces_of_point_vectors(drag * tangent - normal),
     )
 
 
@@ -346,10 +363,12 @@ def _find_touching_points_by_newton(
     seen: set[bytes] = set()
     for step in range(1, MOST_POINT_STEPS + 1):
         factor = sp.diags(on * points.weight * stiffness)
-        pushing = points.pushing.T[free] @ factor
+        nodal_forces_of_unit_contact = points.nodal_forces_of_unit_contact.T[free] @ factor
         try:
             factors = splu(
-                (K - pushing @ points.closing[:, free]).tocsc(),
+                (
+                    K - nodal_forces_of_unit_contact @ points.gap_closure_by_displacements[:, free]
+                ).tocsc(),
                 permc_spec="MMD_AT_PLUS_A",
                 diag_pivot_thresh=0.01,
                 options={"SymmetricMode": True},
@@ -358,10 +377,10 @@ def _find_touching_points_by_newton(
             raise NoAnswer(
                 f"shoe {name!r}: the pointwise contact has a singular tangent in step {step}"
             ) from error
-        u[free] = factors.solve(load[free] - pushing @ points.gap)
+        u[free] = factors.solve(load[free] - nodal_forces_of_unit_contact @ points.gap)
         # Those points touch in the next step whose gap would be closed by this step's
         # displacements.
-        touching = points.closing @ u > points.gap
+        touching = points.gap_closure_by_displacements @ u > points.gap
         if (touching == on).all():
             return _PointContact(u, on, step)
         if touching.tobytes() in seen:

@@ -31,33 +31,35 @@ from drumlin.laws import solve_brake_by_sine_law
 from drumlin.lining_wear.worn_in import post_brake_with_worn_in_clearances
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.norms import relative_error_of_number
-from drumlin.response.response import Merit, Response
+from drumlin.response.response import FiguresOfMeritOnDrum, Response
 
-ALL_LIFTS = ("all",)
+LIFT_OPTION_WITH_ALL_EFFECTS = ("all",)
 """Value of the option `lift` with which the foundation model includes all effects that the
 published model neglects.
 """
 Solver = Callable[[Brake], Response]
 """A function that returns the response of a brake by one model."""
-Offsets = dict[str, dict[str, list[tuple[float, float]]]]
+TorqueDifferencesOverRadiusOffset = dict[str, dict[str, list[tuple[float, float]]]]
 """For each shoe and model a list of pairs: radius of the lining minus radius of the drum [m], and
 relative difference of the shoe's torque from its torque by the sine law.
 """
-Merits = dict[str, dict[str, list[tuple[float, Merit]]]]
+FiguresOfMeritOverFriction = dict[str, dict[str, list[tuple[float, FiguresOfMeritOnDrum]]]]
 """For each shoe and model a list of pairs: coefficient of friction, and the shoe's figures of merit
-(`Merit`).
+(`FiguresOfMeritOnDrum`).
 """
 Curve = tuple[Floats, Floats]
 """Abscissas (n,) and ordinates (n,) of a curve."""
 POST_MODELS: dict[str, Solver] = {
     "foundation": foundation.solve_brake_by_foundation_model,
-    "lifted": partial(foundation.solve_brake_by_foundation_model, lift=ALL_LIFTS),
+    "lifted": partial(
+        foundation.solve_brake_by_foundation_model, lift=LIFT_OPTION_WITH_ALL_EFFECTS
+    ),
     "sine": solve_brake_by_sine_law,
 }
 """Solvers of a post brake by name. "foundation" is the foundation model as published, "lifted" the
 same model with every effect that the published one neglects.
 """
-TILT_AND_MODELS: dict[str, Solver] = {
+POST_MODELS_AND_TILT_MODEL: dict[str, Solver] = {
     "tilt": partial(foundation.solve_brake_by_foundation_model, lift=("tilt",)),
     **POST_MODELS,
 }
@@ -66,7 +68,7 @@ TILT_AND_MODELS: dict[str, Solver] = {
 "tilt" includes the tilt of the beam's sections, and neglects every other effect that the published
 model neglects.
 """
-MATCHED_ASSUMPTIONS = {
+CHANGES_TO_MEET_FOUNDATION_ASSUMPTIONS = {
     "drum.ring": None,
     "shoe.lining.material": {"E": 2e6, "nu": 0.0},
     "shoe.backing.material": {"E": 5e8, "nu": 0.0},
@@ -79,7 +81,7 @@ ratio is zero.
 """
 COMPARED_MODELS = ("foundation", "tilt", "lifted", "sine")
 """The models in the table of brakes that violate assumptions of the foundation model. The names are
-keys of TILT_AND_MODELS.
+keys of POST_MODELS_AND_TILT_MODEL.
 """
 MAPPED_MODELS = ("sine", "foundation", "lifted")
 """The models whose errors are shown as maps, by their names in POST_MODELS."""
@@ -137,7 +139,11 @@ def error_rows_of_foundation_model_effects(brake: Brake, fem: Response) -> list[
     brake : the post brake; fem : its response by finite elements.
     """
     rows = []
-    for lift in ((), *((name,) for name in foundation.LIFTS), ALL_LIFTS):
+    for lift in (
+        (),
+        *((name,) for name in foundation.INCLUDABLE_EFFECTS),
+        LIFT_OPTION_WITH_ALL_EFFECTS,
+    ):
         response = foundation.solve_brake_by_foundation_model(brake, lift=lift)
         row = {"lift": ", ".join(lift) or "none (the paper)", "torque": response.torque}
         for shoe, true in zip(response.shoes, fem.shoes, strict=True):
@@ -199,7 +205,7 @@ def rows_of_post_brake_results_by_clearance(
         "set 1 mm towards the hinge": brake_with_clearances_by_function_of_angle(
             brake, lambda theta: 1e-3 * (np.sin(theta).max() - np.sin(theta))
         ),
-        "worn in": post_brake_with_worn_in_clearances(brake, lift=ALL_LIFTS),
+        "worn in": post_brake_with_worn_in_clearances(brake, lift=LIFT_OPTION_WITH_ALL_EFFECTS),
     }
     nominal, rows = solve_brake_by_sine_law(brake), []
     for case, varied in cases.items():
@@ -224,7 +230,7 @@ def _shoe_rows_of_response(brake: Brake, response: Response, law: Response) -> l
     rows = []
     merits = response_with_figures_of_merit(brake, response).merits
     for shoe, merit, by_law in zip(response.shoes, merits, law.shoes, strict=True):
-        assert isinstance(merit, Merit)
+        assert isinstance(merit, FiguresOfMeritOnDrum)
         arcs = (f"{math.degrees(a):.0f} to {math.degrees(b):.0f}" for a, b in shoe.contact_arcs)
         row: dict[str, Any] = {
             "shoe": shoe.name,
@@ -242,7 +248,7 @@ def _shoe_rows_of_response(brake: Brake, response: Response, law: Response) -> l
 
 def torque_differences_from_sine_law_at_lining_radii(
     brake: Brake, scene: PreparedModel, errors: Floats
-) -> Offsets:
+) -> TorqueDifferencesOverRadiusOffset:
     """Relative torque differences from the sine law, for linings of another radius.
 
     The result has the differences for each shoe and model.
@@ -257,7 +263,7 @@ def torque_differences_from_sine_law_at_lining_radii(
         Radius of the lining minus radius of the drum [m].
     """
     nominal = torques_of_all_shoes_of_response(solve_brake_by_sine_law(brake))
-    found: Offsets = {}
+    found: TorqueDifferencesOverRadiusOffset = {}
     # The sine law does not depend on clearances. Its torque is the reference of all models.
     solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(solve_prepared_model, scene)}
     del solvers["sine"]
@@ -273,7 +279,7 @@ def torque_differences_from_sine_law_at_lining_radii(
 
 def figures_of_merit_at_friction_coefficients(
     brake: Brake, scene: PreparedModel, friction: Floats
-) -> Merits:
+) -> FiguresOfMeritOverFriction:
     """Figures of merit of each shoe and model over the coefficient of friction.
 
     The list of a model ends before the first friction at which the model has no answer, because
@@ -282,7 +288,7 @@ def figures_of_merit_at_friction_coefficients(
     brake : the post brake; scene : its prepared model by finite elements; friction : coefficients
     (n,) in growing order.
     """
-    found: Merits = {}
+    found: FiguresOfMeritOverFriction = {}
     solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(solve_prepared_model, scene)}
     for name, solver in solvers.items():
         for mu in friction.tolist():
@@ -295,7 +301,7 @@ def figures_of_merit_at_friction_coefficients(
             for shoe, merit in zip(
                 brake.shoes, response_with_figures_of_merit(varied, response).merits, strict=True
             ):
-                assert isinstance(merit, Merit)
+                assert isinstance(merit, FiguresOfMeritOnDrum)
                 of_shoe = found.setdefault(shoe.name, {})
                 of_shoe.setdefault(name, []).append((mu, merit))
     return found
@@ -320,7 +326,9 @@ def error_rows_of_violated_assumptions(brake: Brake, elements: int) -> list[dict
 
     brake : the post brake; elements : number of elements along each lining.
     """
-    base = vary(brake, MATCHED_ASSUMPTIONS | brake_changes_for_lining_arc(brake, 15))
+    base = vary(
+        brake, CHANGES_TO_MEET_FOUNDATION_ASSUMPTIONS | brake_changes_for_lining_arc(brake, 15)
+    )
     ring = brake.ring
     assert ring is not None
     cases: dict[str, dict[str, Any]] = {
@@ -349,7 +357,9 @@ def error_rows_of_violated_assumptions(brake: Brake, elements: int) -> list[dict
         fem = solve(varied, elements=elements)
         row: dict[str, Any] = {"case": case}
         for name in COMPARED_MODELS:
-            row[name] = largest_relative_torque_error_of_shoes(TILT_AND_MODELS[name](varied), fem)
+            row[name] = largest_relative_torque_error_of_shoes(
+                POST_MODELS_AND_TILT_MODEL[name](varied), fem
+            )
         rows.append(row)
     return rows
 
@@ -487,7 +497,7 @@ def _torque_normal_force_and_friction_radius(brake: Brake, sections: int) -> Flo
     """
     response = foundation.solve_brake_by_foundation_model(brake, sections=sections)
     merit = response.merits[0]
-    assert isinstance(merit, Merit)
+    assert isinstance(merit, FiguresOfMeritOnDrum)
     return np.array([response.torque, response.shoes[0].normal_force, merit.friction_radius or 0.0])
 
 
@@ -541,7 +551,7 @@ def drum_rim_displacement_curves_by_model(
     turn = np.linspace(0, 2 * np.pi, 400)
     printed = foundation.ring_displacement_under_each_shoe(brake, responses["foundation"], turn)
     lifted = foundation.ring_displacement_under_each_shoe(
-        brake, responses["lifted"], turn, ALL_LIFTS
+        brake, responses["lifted"], turn, LIFT_OPTION_WITH_ALL_EFFECTS
     ).sum(axis=0)
     theta, z = angles_and_inward_displacements_of_ring_surface(
         scene, brake, solve_prepared_model(scene, brake)

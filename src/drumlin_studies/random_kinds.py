@@ -20,21 +20,21 @@ from drumlin.brake.file import make_validated_brake_part, vary
 from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.fem.solve import solve
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
-from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
+from drumlin_studies.random_brake import DRAW_BY_SHAPE_KIND, draw_random_brake
 
-HOLDING_ATTEMPTS = 200
+SUPPORT_KIND_ATTEMPTS = 200
 """Number of brakes that are drawn for one seed before the generator gives up with NoAnswer."""
-HOLDING_FRICTION_MARGIN = 1.2
+SUPPORT_KIND_FRICTION_MARGIN = 1.2
 """Factor by which a random brake's friction is raised for a test, in which all shoes must touch the
 drum.
 
 A brake that locks itself below the raised friction is drawn again.
 """
-HOLDING_TRIAL_ELEMENTS = 10
+SUPPORT_KIND_TRIAL_ELEMENTS = 10
 """Elements along a lining of the mesh on which a drawn brake is tested for contact of all shoes."""
 Rng = np.random.Generator
 """The generator from which random numbers are drawn."""
-Draw = Callable[[Rng], dict[str, Any]]
+DrawSupportKindData = Callable[[Rng], dict[str, Any]]
 """A function that draws the data of a brake file, without title and friction."""
 
 
@@ -43,27 +43,28 @@ def draw_random_brake_of_support_kind(
 ) -> Brake:
     """The random brake of a seed and a kind of support and actuation.
 
-    All shoes press on the drum, even at HOLDING_FRICTION_MARGIN times the friction of the brake.
+    All shoes press on the drum, even at SUPPORT_KIND_FRICTION_MARGIN times the friction of the
+    brake.
 
     Parameters
     ----------
     seed : int
         The same seed always gives the same brake.
     kind : str, optional
-        One of HOLDING_KINDS. By default the seed modulo their number chooses the kind.
+        One of DRAW_BY_SUPPORT_KIND. By default the seed modulo their number chooses the kind.
     rigid : bool
         Whether the shoes have no elastic bodies, and thin linings of one thickness.
 
     Raises
     ------
     NoAnswer
-        No brake of the kind passes in HOLDING_ATTEMPTS draws.
+        No brake of the kind passes in SUPPORT_KIND_ATTEMPTS draws.
     """
-    names = list(HOLDING_KINDS)
+    names = list(DRAW_BY_SUPPORT_KIND)
     kind = names[seed % len(names)] if kind is None else kind
-    for attempt in range(HOLDING_ATTEMPTS):
+    for attempt in range(SUPPORT_KIND_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
-        data = HOLDING_KINDS[kind](rng) | {"title": f"random {kind} {seed}"}
+        data = DRAW_BY_SUPPORT_KIND[kind](rng) | {"title": f"random {kind} {seed}"}
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
@@ -73,20 +74,22 @@ def draw_random_brake_of_support_kind(
             brake = mirror_turn_and_shift_brake(
                 brake, turn=0.0 if brake.surface.is_plane_and_not_drum else turn, mirrored=mirrored
             )
-            for friction in (brake.friction, HOLDING_FRICTION_MARGIN * brake.friction):
+            for friction in (brake.friction, SUPPORT_KIND_FRICTION_MARGIN * brake.friction):
                 _require_contact_of_all_shoes(vary(brake, {"friction": friction}))
             return brake
         except (BadInput, NoAnswer):
             continue
-    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
+    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {SUPPORT_KIND_ATTEMPTS} attempts")
 
 
 def draw_random_brake_of_kind(seed: int, kind: str) -> Brake:
-    """The random brake of a seed and a kind, which is one of SHAPE_KINDS or of HOLDING_KINDS.
+    """The random brake of a seed and a kind.
+
+    The kind is one of DRAW_BY_SHAPE_KIND or of DRAW_BY_SUPPORT_KIND.
 
     Raises NoAnswer where the generator of the kind has no brake of the seed.
     """
-    if kind in SHAPE_KINDS:
+    if kind in DRAW_BY_SHAPE_KIND:
         return draw_random_brake(seed, kind)
     return draw_random_brake_of_support_kind(seed, kind)
 
@@ -94,7 +97,7 @@ def draw_random_brake_of_kind(seed: int, kind: str) -> Brake:
 def _require_contact_of_all_shoes(brake: Brake) -> None:
     """Raise NoAnswer unless all shoes touch the drum by the brake's law and by finite elements."""
     by_law = solve_brake_by_its_rigid_shoe_law(brake)
-    by_elements = solve(brake, elements=HOLDING_TRIAL_ELEMENTS)
+    by_elements = solve(brake, elements=SUPPORT_KIND_TRIAL_ELEMENTS)
     if not all(shoe.contact_arcs for shoe in (*by_law.shoes, *by_elements.shoes)):
         raise NoAnswer("a shoe does not press")
 
@@ -559,7 +562,7 @@ def _draw_clearance_and_misfit_of_pad(
     return {}
 
 
-HOLDING_KINDS: dict[str, Draw] = {
+DRAW_BY_SUPPORT_KIND: dict[str, DrawSupportKindData] = {
     "hinge": lambda rng: _draw_drum_brake_data(
         rng, lambda rng, R: [_draw_data_of_hinged_shoe(rng, R)]
     ),
@@ -646,13 +649,13 @@ class _MirrorTurnAndShift(NamedTuple):
     on_plane: bool
 
     @property
-    def sign(self) -> int:
+    def sign_of_mirrored_angles(self) -> int:
         """Factor on angles and y coordinates: -1 if the shoe is mirrored, else 1."""
         return -1 if self.mirrored else 1
 
     def vector_after_mirror_and_turn(self, x: float, y: float) -> dict[str, float]:
         """The components x and y of a vector after mirroring and turning."""
-        c, s, y = math.cos(self.turn), math.sin(self.turn), self.sign * y
+        c, s, y = math.cos(self.turn), math.sin(self.turn), self.sign_of_mirrored_angles * y
         return {"x": c * x - s * y, "y": s * x + c * y}
 
     def point_after_mirror_turn_and_shift(self, point: dict[str, float]) -> dict[str, float]:
@@ -662,7 +665,7 @@ class _MirrorTurnAndShift(NamedTuple):
 
     def support_data_after_mirror_turn_and_shift(self, part: dict[str, Any]) -> dict[str, Any]:
         """The data of a support or actuation after mirroring, turning and shifting."""
-        moved = part | {"direction": self.turn + self.sign * part["direction"]}
+        moved = part | {"direction": self.turn + self.sign_of_mirrored_angles * part["direction"]}
         return moved | (
             {"point": self.point_after_mirror_turn_and_shift(part["point"])}
             if "point" in part
@@ -675,7 +678,7 @@ class _MirrorTurnAndShift(NamedTuple):
         # shoe about the y axis.
         if self.on_plane:
             return math.cos(self.turn) * place + self.shift
-        return self.turn + self.sign * place
+        return self.turn + self.sign_of_mirrored_angles * place
 
     def lining_data_after_mirror_turn_and_shift(self, part: dict[str, Any]) -> dict[str, Any]:
         """The data of a lining or body with its angles and misfit mirrored, turned and shifted.

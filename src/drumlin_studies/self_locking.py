@@ -32,12 +32,12 @@ from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 from drumlin_studies.random_brake import draw_random_brake
 
-FARTHEST_FRICTION = 3.0
+LARGEST_SEARCHED_LOCKING_FRICTION = 3.0
 """Largest coefficient of friction up to which the self-locking of a brake is searched for."""
-FARTHEST_RANDOM_FRICTION = 100.0
+LARGEST_SEARCHED_FRICTION_OF_RANDOM_BRAKE = 100.0
 """Largest coefficient of friction up to which the self-locking of a random brake is searched for.
 """
-LARGEST_FRICTION = 1.0
+LARGEST_FRICTION_CHECKED_FOR_UNIQUENESS = 1.0
 """Largest coefficient of friction at which the uniqueness of an answer is checked.
 
 It takes the place of the friction limit if a shoe locks itself at a larger friction or never.
@@ -51,7 +51,7 @@ BEYOND_LIMIT = (1 + 1e-6, 1.01, 1.1, 1.5, 2.0, 3.0)
 """
 RANDOM_STARTS = 5
 """Number of random contact sets from which the contact iteration is started."""
-LOCKING_ELEMENTS = 16
+ELEMENTS_OF_UNIQUENESS_CHECK = 16
 """Elements along a lining of the random brakes whose answers are checked for uniqueness."""
 ALL_SETS_ELEMENTS = 4
 """Elements along a lining of the brakes for which all possible contact sets are tried. There must
@@ -64,11 +64,11 @@ AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
 contact iterations from several starting sets end, and are summed over LIMIT_FRACTIONS.
 """
 
-Row = dict[str, Any]
+SelfLockingRow = dict[str, Any]
 """A row of a table: its values by key."""
 
 
-def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
+def row_of_self_locking_friction(brake: Brake, elements: int) -> SelfLockingRow:
     """A row with the friction at which a brake locks itself, by finite elements and by sine law.
 
     Of several groups of shoes, the group that locks at the lowest friction counts.
@@ -77,7 +77,9 @@ def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
     """
     scene = make_prepared_model(brake, elements=elements)
     found = min(
-        self_locking_friction_of_shoe_groups(scene, brake, FARTHEST_FRICTION).values(),
+        self_locking_friction_of_shoe_groups(
+            scene, brake, LARGEST_SEARCHED_LOCKING_FRICTION
+        ).values(),
         key=lambda end: end.friction,
     )
     law = _lowest_locking_friction_by_law(brake)
@@ -93,7 +95,7 @@ def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
     }
 
 
-def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> Row:
+def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> SelfLockingRow:
     """A row with the curves of torque [N m] over friction, by finite elements and by the sine law.
 
     Each curve ends just before the friction at which the brake locks itself by the same model.
@@ -110,7 +112,9 @@ def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> 
     scene = make_prepared_model(brake, elements=elements)
     end = min(
         found.friction
-        for found in self_locking_friction_of_shoe_groups(scene, brake, FARTHEST_FRICTION).values()
+        for found in self_locking_friction_of_shoe_groups(
+            scene, brake, LARGEST_SEARCHED_LOCKING_FRICTION
+        ).values()
     )
     law = _lowest_locking_friction_by_law(brake)
     # Friction coefficients of the curve: even steps up to 0.9 of the limit, then distances from the
@@ -136,7 +140,9 @@ def _lowest_locking_friction_by_law(brake: Brake) -> float:
     return min(self_locking_friction_of_hinged_shoe(brake, shoe) for shoe in brake.shoes)
 
 
-def torque_times_distance_to_locking_friction_and_its_change(row: Row) -> tuple[float, float]:
+def torque_times_distance_to_locking_friction_and_its_change(
+    row: SelfLockingRow,
+) -> tuple[float, float]:
     """The product T (mu_lock - mu) [N m] at the friction limit, and its change near the limit.
 
     If the torque T has a pole at the friction mu_lock, the product is constant near mu_lock. The
@@ -153,7 +159,7 @@ def torque_times_distance_to_locking_friction_and_its_change(row: Row) -> tuple[
     return products[-1], abs(near[-1] / near[0] - 1)
 
 
-def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
+def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> SelfLockingRow:
     """A row on whether a random brake has one answer below its friction limit and none beyond it.
 
     The contact iteration starts from all nodes in contact, from no node in contact, and from random
@@ -167,14 +173,16 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     seed : int
         Seed of the brake.
     way : str
-        Kind of the brake, one of `random_brake.LOCKING_KINDS`.
+        Kind of the brake, one of `random_brake.SELF_LOCKING_AND_OPPOSED_KINDS`.
     """
     brake = draw_random_brake(seed, way)
-    scene = make_prepared_model(brake, elements=LOCKING_ELEMENTS)
+    scene = make_prepared_model(brake, elements=ELEMENTS_OF_UNIQUENESS_CHECK)
     problems = ShoeGroup(scene, brake, (0,)).contact_problem_as_function_of_friction
-    end = find_largest_friction_with_equilibrium(problems, FARTHEST_RANDOM_FRICTION)
+    end = find_largest_friction_with_equilibrium(
+        problems, LARGEST_SEARCHED_FRICTION_OF_RANDOM_BRAKE
+    )
     starts = _starting_contact_sets(len(problems.frictionless.q), seed)
-    top = min(end.friction, LARGEST_FRICTION)
+    top = min(end.friction, LARGEST_FRICTION_CHECKED_FOR_UNIQUENESS)
     counts, disagreeing = _agreement_counts_and_disagreeing_friction_fractions(
         problems, top, starts
     )
@@ -256,7 +264,7 @@ def _count_stable_answers_beyond_friction_limit(
 
 def _agreement_counts_and_disagreeing_friction_fractions(
     problems: FrictionDependentProblem, top: float, starts: list[Bools]
-) -> tuple[Row, list[float]]:
+) -> tuple[SelfLockingRow, list[float]]:
     """Sums of AGREEMENT_COUNTS over LIMIT_FRACTIONS of a friction; fractions with a disagreement.
 
     At a fraction with a disagreement an iteration from one of the contact sets does not end in the
@@ -272,7 +280,7 @@ def _agreement_counts_and_disagreeing_friction_fractions(
     starts : list of array (n,)
         Contact sets from which the iteration starts: whether each of the n nodes touches.
     """
-    counts: Row = dict.fromkeys(AGREEMENT_COUNTS, 0) | {"difference": 0.0}
+    counts: SelfLockingRow = dict.fromkeys(AGREEMENT_COUNTS, 0) | {"difference": 0.0}
     disagreeing = []
     for fraction in LIMIT_FRACTIONS:
         mu = fraction * top
@@ -304,7 +312,9 @@ def _kind_of_first_lining_clearance(brake: Brake) -> str:
     return "uneven" if isinstance(given, tuple) else "none" if given == 0 else "even"
 
 
-def rows_of_torque_slopes_and_differences(brake: Brake, name: str, penalty: float) -> list[Row]:
+def rows_of_torque_slopes_and_differences(
+    brake: Brake, name: str, penalty: float
+) -> list[SelfLockingRow]:
     """A row for each slope of the brake's torque, beside the difference quotient of two solves.
 
     The first row also has the sensitivity S = (mu/T) dT/dmu to friction, by finite elements and by

@@ -14,13 +14,13 @@ from drumlin.base.journal import Journal
 PROCESSES = 2
 """Number of processes of a study. Studies are made for machines with two cores."""
 
-Case = Mapping[str, Any]
+ComputationInput = Mapping[str, Any]
 """The input of one computation: plain data by name."""
 
 
 def compute_cases_in_parallel_with_journal(
-    cases: Sequence[Case],
-    work: Callable[[Case], dict[str, Any]],
+    cases: Sequence[ComputationInput],
+    work: Callable[[ComputationInput], dict[str, Any]],
     journal: Journal,
     say: Callable[[str], None] = lambda _: None,
     processes: int = PROCESSES,

@@ -8,7 +8,8 @@ brakes that FILE already has, so that a long comparison can be made piece by pie
 for each new brake and three tables on all brakes of FILE: the ratios of stated to true errors, the
 brakes that reach the tolerance, and the ratios for the errors that a solve by plane stress states
 for its neglect of the widths. The three steps of a brake (answer, its truth, plane stress) are
-given up after SECONDS of processor time together (by default 120). KIND is a name in DRAWN:
+given up after SECONDS of processor time together (by default 120). KIND is a name in
+DRAW_BY_SOLID_BRAKE_KIND:
 
 - "free": brakes of draw_random_brake whose shoes have parts of several widths
 - "built": steel shoes with a table under the lining and a web, as they are built. The table is as
@@ -19,8 +20,8 @@ The true errors are distances from a reference solution, the truth. A solve with
 the section and a high degree across the width would take minutes. So the truth is a sum of two
 parts. The first part is the answer on the first level of the section's hp elements, with functions
 across the width that are graded to the sides of all parts. The second part is a difference of two
-answers with degree TRUTH_STEP_DEGREE across the width: the answer on the level that follows the
-level of the judged solve, minus the answer on the first level.
+answers with degree WIDTH_DEGREE_OF_TRUTH_MESH_STEP across the width: the answer on the level that
+follows the level of the judged solve, minus the answer on the first level.
 
 Two differences add up to the uncertainty of the truth: the distance between the graded functions
 and the same functions of one degree less, and the distance between the truth and a truth whose
@@ -78,7 +79,7 @@ from drumlin.fem.hp.division import Level
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.functions import (
-    SAME_SIDE,
+    SAME_HALF_WIDTH_TOLERANCE,
     WidthFunctions,
     half_widths_of_parts,
     has_parts_of_different_widths,
@@ -94,15 +95,15 @@ from drumlin.response.resultants import gauss_lobatto_points
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.width_error import KINDS_WITH_WIDTHS
 
-GRADED_DEGREE = 3
+DEGREE_OF_WIDTH_PIECES_IN_TRUTH = 3
 """Degree of the reference solution's functions across the width, in each of their pieces."""
-GIVEN_UP = "given up after"
+FIRST_WORDS_OF_TIMEOUT_REASON = "given up after"
 """First words of the reason why a brake that takes too long has no answer or no truth."""
-OTHER_WIDTHS = "the widths of its parts are those of another kind"
+REASON_OF_WRONG_PART_WIDTHS = "the widths of its parts are those of another kind"
 """The reason why a brake is left out: its shoes' parts have one width where several are asked for,
 or several where one is asked for.
 """
-TRUTH_STEP_DEGREE = 2
+WIDTH_DEGREE_OF_TRUTH_MESH_STEP = 2
 """Degree across the width in the second part of the truth (the reference solution): the answer on a
 finer level of the section minus the answer on its first level.
 
@@ -115,7 +116,7 @@ responses are summed.
 The ends of all elements of these responses divide the lining into pieces. Ends that differ only by
 round-off make such short pieces.
 """
-GRADED_LENGTH = 0.2
+LENGTH_OF_WIDTH_PIECES_BESIDE_SIDES = 0.2
 """Length, across the width, of the pieces beside the side of a part, on which the reference
 solution's functions are polynomials.
 
@@ -125,15 +126,15 @@ add unknowns.
 """
 STEEL = {"E": 210e9, "nu": 0.3}
 """Material of tables and webs of the "built" shoes: Young's modulus [Pa] and Poisson's ratio."""
-TABLE = (1 / 30, 1 / 8)
+RANGE_OF_TABLE_THICKNESS_OVER_LINING_WIDTH = (1 / 30, 1 / 8)
 """Smallest and largest thickness of a "built" shoe's table, relative to the lining's width."""
-WEB = (1 / 12, 1 / 4)
+RANGE_OF_WEB_WIDTH_OVER_LINING_WIDTH = (1 / 12, 1 / 4)
 """Smallest and largest width of a "built" shoe's web, relative to the lining's width."""
-BOUNDED_ERRORS = ("torque", "pressure")
+ERRORS_BOUNDED_BY_TOLERANCE = ("torque", "pressure")
 """Names, in the `error` of a response, of the errors that a tolerance bounds."""
-JUDGED_ERRORS = (*BOUNDED_ERRORS, "reaction")
+JUDGED_ERRORS = (*ERRORS_BOUNDED_BY_TOLERANCE, "reaction")
 """Names, in the `error` of a response, of the stated errors that are compared with true errors."""
-LEAST_MODEL_ERROR = 0.01
+LEAST_JUDGED_MODEL_ERROR = 0.01
 """Smallest true relative error of plane stress for which drumlin's estimate of this error is
 judged.
 """
@@ -143,13 +144,13 @@ GOOD_FACTOR, POOR_FACTOR = 1.5, 3.0
 An estimate within a factor GOOD_FACTOR of the true error tells an engineer whether plane stress is
 good enough. An estimate below the true error divided by POOR_FACTOR would mislead.
 """
-TRUTH_FACTOR = 2.0
+LEAST_TRUE_ERROR_OVER_TRUTH_UNCERTAINTY = 2.0
 """Smallest true error for which a stated error is judged, relative to the uncertainty of the truth.
 
 With a smaller value errors of the truth would be taken for errors of the solve; with a larger value
 few brakes would remain.
 """
-LEAST_TRUE_ERROR = 1e-5
+LEAST_JUDGED_TRUE_ERROR = 1e-5
 """Smallest true relative error for which a stated error is judged; the truth itself is no more
 exact.
 """
@@ -161,7 +162,7 @@ class SolidErrorRow:
 
     Attributes
     ----------
-    kind, seed : how the brake is drawn, a name in DRAWN, and its seed
+    kind, seed : how the brake is drawn, a name in DRAW_BY_SOLID_BRAKE_KIND, and its seed
     tolerance : the tolerance of the solve
     reason : why the brake has no truth; empty if it has one
     title : title of the brake
@@ -191,19 +192,21 @@ class SolidErrorRow:
     @property
     def do_stated_errors_meet_tolerance(self) -> bool:
         """Whether the stated errors meet the tolerance."""
-        return max(self.stated[name] for name in BOUNDED_ERRORS) <= self.tolerance
+        return max(self.stated[name] for name in ERRORS_BOUNDED_BY_TOLERANCE) <= self.tolerance
 
     @property
     def do_true_errors_meet_tolerance(self) -> bool:
         """Whether the true errors meet the tolerance."""
-        return max(self.true[name] for name in BOUNDED_ERRORS) <= self.tolerance
+        return max(self.true[name] for name in ERRORS_BOUNDED_BY_TOLERANCE) <= self.tolerance
 
     def is_true_error_certain_and_large_enough(self, name: str) -> bool:
         """Whether a true error is certain and large enough to judge the stated error.
 
         `name` is one of JUDGED_ERRORS.
         """
-        least = max(LEAST_TRUE_ERROR, TRUTH_FACTOR * self.unsure[name])
+        least = max(
+            LEAST_JUDGED_TRUE_ERROR, LEAST_TRUE_ERROR_OVER_TRUTH_UNCERTAINTY * self.unsure[name]
+        )
         return self.true[name] > least
 
     def is_stated_error_surely_too_small(self, name: str) -> bool:
@@ -211,16 +214,16 @@ class SolidErrorRow:
 
         `name` is one of JUDGED_ERRORS.
         """
-        return self.true[name] - self.unsure[name] > max(LEAST_TRUE_ERROR, self.stated[name])
+        return self.true[name] - self.unsure[name] > max(LEAST_JUDGED_TRUE_ERROR, self.stated[name])
 
     def is_stated_error_at_least_true_error(self, name: str) -> bool:
-        """Whether a stated error is at least the true error, or both are below LEAST_TRUE_ERROR.
+        """Whether a stated error is at least the true error, or both are too small to judge.
 
         `name` is one of JUDGED_ERRORS.
         """
-        return max(LEAST_TRUE_ERROR, self.stated[name]) >= self.true[name]
+        return max(LEAST_JUDGED_TRUE_ERROR, self.stated[name]) >= self.true[name]
 
-    def ratio(self, name: str) -> float:
+    def ratio_of_stated_to_true_error(self, name: str) -> float:
         """The ratio of stated to true error; inf if the true error is 0.
 
         `name` is one of JUDGED_ERRORS.
@@ -235,13 +238,14 @@ class SolidReference(NamedTuple):
     ----------
     truth : the truth
     lower : the truth, computed with graded functions of one degree less across the width
-    other_step : the truth, with the difference to the finer level of one degree less across the
+    truth_with_lower_degree_step : the truth, with the difference to the finer level of one degree
+        less across the
     width
     """
 
     truth: Response
     lower: Response
-    other_step: Response
+    truth_with_lower_degree_step: Response
 
 
 def draw_random_brake_on_rigid_drum(seed: int) -> Brake:
@@ -253,7 +257,13 @@ def draw_random_brake_with_steel_table_and_web(seed: int) -> Brake:
     """Draw the brake of a seed whose shoe is built as usual, of a steel table and a steel web."""
     brake = draw_random_brake(seed, "backed")
     rng = np.random.default_rng([seed, len(KINDS_WITH_WIDTHS)])
-    table, web = (math.exp(rng.uniform(*np.log(part))) for part in (TABLE, WEB))
+    table, web = (
+        math.exp(rng.uniform(*np.log(part)))
+        for part in (
+            RANGE_OF_TABLE_THICKNESS_OVER_LINING_WIDTH,
+            RANGE_OF_WEB_WIDTH_OVER_LINING_WIDTH,
+        )
+    )
     width = brake.shoes[0].lining.width
     changes = {
         "shoe.backing.thickness": table * width,
@@ -272,7 +282,7 @@ def draw_random_brake_with_bodies_as_wide_as_linings(seed: int) -> Brake:
     return vary(brake, {"shoe.body.width": brake.shoes[0].lining.width})
 
 
-DRAWN: dict[str, Callable[[int], Brake]] = {
+DRAW_BY_SOLID_BRAKE_KIND: dict[str, Callable[[int], Brake]] = {
     "free": draw_random_brake_on_rigid_drum,
     "built": draw_random_brake_with_steel_table_and_web,
     "one": draw_random_brake_with_bodies_as_wide_as_linings,
@@ -281,7 +291,7 @@ DRAWN: dict[str, Callable[[int], Brake]] = {
 
 
 def functions_across_width_graded_to_sides(
-    shoe: Shoe, degree: int = GRADED_DEGREE
+    shoe: Shoe, degree: int = DEGREE_OF_WIDTH_PIECES_IN_TRUTH
 ) -> WidthFunctions:
     """Functions across the width of a shoe, with short pieces beside the sides of all its parts.
 
@@ -291,11 +301,11 @@ def functions_across_width_graded_to_sides(
 
     def is_side_of_shoe_part_at_distance_from_mid_plane(place: float) -> bool:
         """Whether the side of a part of the shoe is at this distance [m] from the mid-plane."""
-        return any(abs(place - half) <= SAME_SIDE * half for half in halves)
+        return any(abs(place - half) <= SAME_HALF_WIDTH_TOLERANCE * half for half in halves)
 
     found = set(breaks)
     for inner, outer in pairwise(breaks):
-        size = GRADED_LENGTH * min(outer - inner, shoe.lining.thickness)
+        size = LENGTH_OF_WIDTH_PIECES_BESIDE_SIDES * min(outer - inner, shoe.lining.thickness)
         if is_side_of_shoe_part_at_distance_from_mid_plane(inner):
             found.add(inner + size)
         if is_side_of_shoe_part_at_distance_from_mid_plane(outer):
@@ -304,7 +314,7 @@ def functions_across_width_graded_to_sides(
 
 
 def response_with_width_functions_graded_to_sides(
-    brake: Brake, level: Level, degree: int = GRADED_DEGREE
+    brake: Brake, level: Level, degree: int = DEGREE_OF_WIDTH_PIECES_IN_TRUTH
 ) -> Response:
     """The response of a brake with functions across the width graded to the sides of its parts.
 
@@ -378,13 +388,13 @@ def reference_solution_for_solid_solve(brake: Brake, found: Response) -> SolidRe
     number = [level.degree for level in LEVELS].index(found.shoes[0].order)
     finer = LEVELS[min(number + 1, len(LEVELS) - 1)]
     steps = []
-    for degree in (TRUTH_STEP_DEGREE, TRUTH_STEP_DEGREE - 1):
+    for degree in (WIDTH_DEGREE_OF_TRUTH_MESH_STEP, WIDTH_DEGREE_OF_TRUTH_MESH_STEP - 1):
         start = solve_cross_section_mesh_with_width_degree(brake, LEVELS[0], degree, found).response
         end = solve_cross_section_mesh_with_width_degree(brake, finer, degree, start).response
         steps.append((start, end))
     graded, lower = (
         response_with_width_functions_graded_to_sides(brake, LEVELS[0], degree)
-        for degree in (GRADED_DEGREE, GRADED_DEGREE - 1)
+        for degree in (DEGREE_OF_WIDTH_PIECES_IN_TRUTH, DEGREE_OF_WIDTH_PIECES_IN_TRUTH - 1)
     )
     return SolidReference(
         response_plus_difference_of_two_others(graded, *steps[0]),
@@ -400,14 +410,14 @@ def row_of_stated_and_true_errors_of_random_solid_brake(
 
     Parameters
     ----------
-    kind : how the brake is drawn, a name in DRAWN
+    kind : how the brake is drawn, a name in DRAW_BY_SOLID_BRAKE_KIND
     seed : seed of the brake
     tolerance : allowed relative error of the pressure, averaged over the width, and of the torque
     seconds : processor time [s] after which the brake is given up
     """
     row = SolidErrorRow(kind, seed, tolerance)
     try:
-        brake = DRAWN[kind](seed)
+        brake = DRAW_BY_SOLID_BRAKE_KIND[kind](seed)
         row = replace(row, title=brake.title, reason=reason_why_brake_is_left_out(brake, kind))
         if not row.reason:
             with limit_processor_time_of_block(seconds):
@@ -422,11 +432,12 @@ def reason_why_brake_is_left_out(brake: Brake, kind: str) -> str:
     """The reason why a brake is not compared; empty if it is.
 
     The kind "one" leaves out brakes whose shoes have parts of several widths, and the other kinds
-    leave out brakes whose shoes have parts of one width. `kind` is a name in DRAWN.
+    leave out brakes whose shoes have parts of one width. `kind` is a name in
+    DRAW_BY_SOLID_BRAKE_KIND.
     """
     several = any(map(has_parts_of_different_widths, brake.shoes))
     if several == (kind == "one"):
-        return OTHER_WIDTHS
+        return REASON_OF_WRONG_PART_WIDTHS
     return reason_why_width_model_does_not_apply(brake) or ""
 
 
@@ -457,7 +468,9 @@ def _rows_with_stated_and_then_true_errors(
         ).brake
         return {name: apart[name] for name in JUDGED_ERRORS}
 
-    by_degree, by_step = map(relative_distances_from_truth, (reference.lower, reference.other_step))
+    by_degree, by_step = map(
+        relative_distances_from_truth, (reference.lower, reference.truth_with_lower_degree_step)
+    )
     yield replace(
         row,
         true=relative_distances_from_truth(found),
@@ -479,7 +492,7 @@ def limit_processor_time_of_block(seconds: float) -> Iterator[None]:
 
     def raise_timeout_error_for_signal(number: int, frame: FrameType | None) -> None:
         """Raise TimeoutError; the parameters are those of a handler of signals."""
-        raise TimeoutError(f"{GIVEN_UP} {seconds:g} s of processor time")
+        raise TimeoutError(f"{FIRST_WORDS_OF_TIMEOUT_REASON} {seconds:g} s of processor time")
 
     before = signal.signal(signal.SIGPROF, raise_timeout_error_for_signal)
     signal.setitimer(signal.ITIMER_PROF, seconds)
@@ -513,7 +526,9 @@ def table_lines_of_stated_over_true_quantiles(rows: Sequence[SolidErrorRow]) -> 
         enough = np.mean([row.is_stated_error_at_least_true_error(name) for row in known])
         small = sum(row.is_stated_error_surely_too_small(name) for row in known)
         ratios = [
-            row.ratio(name) for row in known if row.is_true_error_certain_and_large_enough(name)
+            row.ratio_of_stated_to_true_error(name)
+            for row in known
+            if row.is_true_error_certain_and_large_enough(name)
         ]
         half = sum(ratio < 0.5 for ratio in ratios)
         at = np.quantile(ratios, [0.05, 0.5]) if ratios else [math.nan, math.nan]
@@ -527,7 +542,9 @@ def table_lines_of_brakes_within_tolerance(rows: Sequence[SolidErrorRow]) -> lis
     """Table lines: brakes that reach the tolerance, their time, and brakes given up."""
     answered = [row for row in rows if row.stated]
     known = [row for row in answered if row.true]
-    apply = [row for row in rows if row.stated or row.reason.startswith(GIVEN_UP)]
+    apply = [
+        row for row in rows if row.stated or row.reason.startswith(FIRST_WORDS_OF_TIMEOUT_REASON)
+    ]
     lines = []
     if apply:
         share = sum(row.do_stated_errors_meet_tolerance for row in answered) / len(apply)
@@ -542,18 +559,18 @@ def table_lines_of_brakes_within_tolerance(rows: Sequence[SolidErrorRow]) -> lis
     return lines
 
 
-def table_lines_of_stated_plane_stress_errors(rows: Sequence[SolidErrorRow]) -> list[str]:
+def table_lines_that_judge_stated_plane_stress_errors(rows: Sequence[SolidErrorRow]) -> list[str]:
     """Table lines on the stated errors of plane stress: how many are good, and how many are poor.
 
-    Only brakes on which plane stress has a true error of at least LEAST_MODEL_ERROR are judged.
-    GOOD_FACTOR and POOR_FACTOR say what good and poor mean.
+    Only brakes on which plane stress has a true error of at least LEAST_JUDGED_MODEL_ERROR are
+    judged. GOOD_FACTOR and POOR_FACTOR say what good and poor mean.
     """
     lines = ["plane stress: error  brakes  within 1.5  below 1/3  least   half   most"]
     for name in JUDGED_ERRORS:
         ratios = [
             row.plane_stated[name] / row.plane_true[name]
             for row in rows
-            if row.plane_stated and row.plane_true[name] >= LEAST_MODEL_ERROR
+            if row.plane_stated and row.plane_true[name] >= LEAST_JUDGED_MODEL_ERROR
         ]
         if ratios:
             good = np.mean([1 / GOOD_FACTOR <= ratio <= GOOD_FACTOR for ratio in ratios])
@@ -595,7 +612,7 @@ def main() -> None:
         sys.stdout.flush()
     lines = table_lines_of_stated_over_true_quantiles(rows)
     lines += table_lines_of_brakes_within_tolerance(rows)
-    lines += table_lines_of_stated_plane_stress_errors(rows)
+    lines += table_lines_that_judge_stated_plane_stress_errors(rows)
     sys.stdout.write("\n".join(lines) + "\n")
 
 

@@ -26,16 +26,19 @@ from drumlin.fem.width.ladder import (
 from drumlin.models import model_with_name_that_applies_to_brake, reasons_why_models_do_not_apply
 from drumlin.peers.solid_deck import solve_solid_by_calculix
 from drumlin.response.response import Response
-from drumlin_studies.solid_error import GRADED_DEGREE, response_with_width_functions_graded_to_sides
-from drumlin_studies.work_precision import LEAST_SAMPLE
+from drumlin_studies.solid_error import (
+    DEGREE_OF_WIDTH_PIECES_IN_TRUTH,
+    response_with_width_functions_graded_to_sides,
+)
+from drumlin_studies.work_precision import LEAST_SECONDS_OF_ONE_REPEAT
 
 FINE_PLANE_LEVEL = 5
 """Number of the refinement level on which the truth in plane stress is solved. All compared levels
 are coarser.
 """
-FAST = 1.0
+LONGEST_SECONDS_OF_REPEATED_SOLVE = 1.0
 """Processor time [s] up to which a solve is repeated; the median of its times is then taken."""
-REPEATS = 3
+REPEATS_OF_FAST_SOLVE = 3
 """Number of timed repeats of a fast solve, after a first solve that is not counted."""
 
 
@@ -128,8 +131,12 @@ def solve_fine_reference_of_solid_shoes(brake: Brake, level: int) -> SolidTruth:
     return SolidTruth(
         level,
         response_with_width_functions_graded_to_sides(brake, fine),
-        response_with_width_functions_graded_to_sides(brake, fine, GRADED_DEGREE - 1),
-        response_with_width_functions_graded_to_sides(brake, coarse, GRADED_DEGREE - 1),
+        response_with_width_functions_graded_to_sides(
+            brake, fine, DEGREE_OF_WIDTH_PIECES_IN_TRUTH - 1
+        ),
+        response_with_width_functions_graded_to_sides(
+            brake, coarse, DEGREE_OF_WIDTH_PIECES_IN_TRUTH - 1
+        ),
     )
 
 
@@ -246,16 +253,17 @@ class TimedResponse(NamedTuple):
 def solve_and_measure_processor_time(solve_once: Callable[[], Response]) -> TimedResponse:
     """The response of a solve, with its processor time.
 
-    The time of a solve that takes at most FAST is the median of REPEATS repeats.
+    The time of a solve that takes at most LONGEST_SECONDS_OF_REPEATED_SOLVE is the median of
+    REPEATS_OF_FAST_SOLVE repeats.
     """
     start = time.process_time()
     response = solve_once()
     first = time.process_time() - start
-    if first > FAST:
+    if first > LONGEST_SECONDS_OF_REPEATED_SOLVE:
         return TimedResponse(response, first)
-    loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
+    loops = max(1, math.ceil(LEAST_SECONDS_OF_ONE_REPEAT / max(first, 1e-6)))
     samples = []
-    for _ in range(REPEATS):
+    for _ in range(REPEATS_OF_FAST_SOLVE):
         start = time.process_time()
         for _ in range(loops):
             solve_once()

@@ -5,9 +5,10 @@ curved triangles, a method that shares only the brake with the judged hp element
 elements that are some two levels finer, with exact contact. The uncertainty of the truth is the
 remaining distance from the limit of its sequence of meshes, plus the round-off of its elimination.
 
-All errors are relative. The error of the pressure p is an L2 norm that leaves out EDGE_ZONE at the
-lining's ends. The errors of the pressure, of the peak pressure and of the hinge reaction are the
-largest over all shoes. The error of the torque belongs to the torque of the whole brake.
+All errors are relative. The error of the pressure p is an L2 norm that leaves out
+UNCOMPARED_EDGE_ZONE at the lining's ends. The errors of the pressure, of the peak pressure and of
+the hinge reaction are the largest over all shoes. The error of the torque belongs to the torque of
+the whole brake.
 """
 
 import math
@@ -27,10 +28,10 @@ from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh
 from drumlin.fem.hp.corner import NodalPressure
 from drumlin.fem.model import solve_prepared_model
 from drumlin.response.response import (
-    EDGE_ZONE,
-    NO_CHANGE,
+    UNCOMPARED_EDGE_ZONE,
+    ZERO_SHOE_CHANGES,
+    RelativeShoeChanges,
     Response,
-    ShoeChange,
     ShoeResponse,
     length_of_edge_zone_left_out_of_peak_search,
     reference_force_of_reaction_errors,
@@ -40,7 +41,7 @@ from drumlin.verification import triangles
 
 JUDGED_QUANTITIES = ("pressure", "torque", "peak", "reaction")
 """Quantities whose stated errors are compared with true errors."""
-RELEVANT = 1e-6
+SMALLEST_RELEVANT_TRUE_ERROR = 1e-6
 """Relative true error below which any stated error counts as large enough.
 
 The calibration fits no factor to smaller errors: nobody asks for so small an error of the pressure,
@@ -50,12 +51,12 @@ JUDGED_TOLERANCES = (1e-2, 1e-3, 1e-4)
 """Relative tolerances to which each brake is solved before its stated errors are judged."""
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 """Gauss points in [-1, 1] and their weights, for integrals between two nodes of a pressure."""
-TRUTH_FINENESS = 0.1
+TRUTH_PRESSURE_CHANGE_OVER_TOLERANCE = 0.1
 """Fraction of the tolerance by which the pressure may still change on the last level of the truth.
 
 The truth is solved on finer and finer levels until the pressure changes by less than this.
 """
-PEAK_ANGLES = 4001
+NUMBER_OF_PEAK_SEARCH_ANGLES = 4001
 """Number of evenly spaced angles at which the peak pressure is searched, in addition to the nodes.
 """
 
@@ -117,9 +118,10 @@ def solve_fine_reference_by_triangles(brake: Brake) -> Truth:
 def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth:
     """The far finer solution of a brake by hp elements on finer and finer levels, exact contact.
 
-    The brake is solved on finer levels until the pressure changes by less than TRUTH_FINENESS of
-    the tolerance, or on all levels. The level that changed the pressure least becomes the truth. It
-    need not be the finest level, on which round-off may add more error than the refinement removes.
+    The brake is solved on finer levels until the pressure changes by less than
+    TRUTH_PRESSURE_CHANGE_OVER_TOLERANCE of the tolerance, or on all levels. The level that changed
+    the pressure least becomes the truth. It need not be the finest level, on which round-off may
+    add more error than the refinement removes.
 
     Raises NoAnswer where fewer than three levels have an answer.
     """
@@ -135,7 +137,7 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth
                 change = true_errors_of_response(brake, solutions[-1], response.shoes)["pressure"]
             changes.append(change)
             solutions.append(response.shoes)
-            if len(solutions) > 2 and change <= TRUTH_FINENESS * tolerance:
+            if len(solutions) > 2 and change <= TRUTH_PRESSURE_CHANGE_OVER_TOLERANCE * tolerance:
                 break
     except NoAnswer:
         # A fine level may have no answer, because of round-off, although the coarser levels have
@@ -151,14 +153,17 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth
     )
 
 
-def largest_round_off_errors_of_shoes(shoes: Sequence[ShoeResponse]) -> ShoeChange:
+def largest_round_off_errors_of_shoes(shoes: Sequence[ShoeResponse]) -> RelativeShoeChanges:
     """Relative round-off errors of static condensation, by quantity: the largest over all shoes."""
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
-    return ShoeChange(*(max(parts) for parts in by_quantity))
+    return RelativeShoeChanges(*(max(parts) for parts in by_quantity))
 
 
 def reference_from_last_three_meshes(
-    brake: Brake, last: Sequence[Sequence[TrueShoe]], begin: float, lost: ShoeChange = NO_CHANGE
+    brake: Brake,
+    last: Sequence[Sequence[TrueShoe]],
+    begin: float,
+    lost: RelativeShoeChanges = ZERO_SHOE_CHANGES,
 ) -> Truth:
     """The last solution of a sequence of finer and finer meshes, with its uncertainty.
 
@@ -172,7 +177,7 @@ def reference_from_last_three_meshes(
         The shoes of the last three solutions, coarse to fine.
     begin : float
         Processor time at which the sequence began [s].
-    lost : ShoeChange
+    lost : RelativeShoeChanges
         Relative round-off errors of the finest solution, which are added to the uncertainty.
     """
     early = true_errors_of_response(brake, last[0], last[1])
@@ -223,7 +228,8 @@ def true_errors_of_response(
         ),
         "torque": abs(torque_error) / true_torque if true_torque else 0.0,
         "peak": max(
-            _relative_peak_pressure_error(shoe, brake.scale_factor, a, b) for shoe, a, b in trios
+            _relative_peak_pressure_error(shoe, brake.length_per_surface_coordinate, a, b)
+            for shoe, a, b in trios
         ),
         "reaction": max(_relative_hinge_reaction_error(a, b) for _, a, b in trios),
     }
@@ -236,7 +242,7 @@ def _relative_hinge_reaction_error(found: Any, true: TrueShoe) -> float:
 
 
 def relative_pressure_error_of_shoe(
-    found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE
+    found: PressureField, true: TrueShoe, edge: float = UNCOMPARED_EDGE_ZONE
 ) -> float:
     """L2 norm of the error of a shoe's pressure, relative to the L2 norm of the true pressure.
 
@@ -266,7 +272,7 @@ def relative_pressure_error_of_shoe(
 
 
 def computed_peak_outside_edge_zones(
-    shoe: Shoe, scale_factor: float, found: PressureField
+    shoe: Shoe, length_per_surface_coordinate: float, found: PressureField
 ) -> float:
     """Largest pressure [Pa] of a shoe outside the edge zones at the lining's ends.
 
@@ -276,8 +282,8 @@ def computed_peak_outside_edge_zones(
     ----------
     shoe : Shoe
         The shoe of the brake.
-    scale_factor : float
-        Metres per unit of the lining's coordinate (`Brake.scale_factor`).
+    length_per_surface_coordinate : float
+        Metres per unit of the lining's coordinate (`Brake.length_per_surface_coordinate`).
     found : PressureField
         The pressure of the shoe.
     """
@@ -285,28 +291,28 @@ def computed_peak_outside_edge_zones(
         found.theta,
         found.pressure,
         found.order,
-        length_of_edge_zone_left_out_of_peak_search(shoe, scale_factor),
+        length_of_edge_zone_left_out_of_peak_search(shoe, length_per_surface_coordinate),
     )
     start, end = shoe.lining.start + zone, shoe.lining.end - zone
     inside = found.theta[(found.theta > start) & (found.theta < end)]
-    angles = np.concatenate([inside, np.linspace(start, end, PEAK_ANGLES)])
+    angles = np.concatenate([inside, np.linspace(start, end, NUMBER_OF_PEAK_SEARCH_ANGLES)])
     return float(found.pressure_at(angles).max())
 
 
 def _relative_peak_pressure_error(
-    shoe: Shoe, scale_factor: float, found: Any, true: TrueShoe
+    shoe: Shoe, length_per_surface_coordinate: float, found: Any, true: TrueShoe
 ) -> float:
     """Relative error of the peak pressure of a shoe; nan if the shoe does not press on the drum.
 
     A response of drumlin states its peak pressure. The peak of another solution, for example by
     triangles, is found by `computed_peak_outside_edge_zones`.
     """
-    true_peak = computed_peak_outside_edge_zones(shoe, scale_factor, true)
+    true_peak = computed_peak_outside_edge_zones(shoe, length_per_surface_coordinate, true)
     states_peak = hasattr(found, "peak_pressure")
     found_peak = (
         float(found.peak_pressure)
         if states_peak
-        else computed_peak_outside_edge_zones(shoe, scale_factor, found)
+        else computed_peak_outside_edge_zones(shoe, length_per_surface_coordinate, found)
     )
     return abs(found_peak / true_peak - 1) if true_peak else math.nan
 
@@ -395,7 +401,8 @@ def summary_rows_of_stated_errors(rows: Sequence[Mapping[str, Any]]) -> list[dic
     its uncertainty is above twice the stated error; `smallest`: smallest ratio of stated to true
     error; `median`: median of this ratio over the brakes whose true error is more than four times
     its uncertainty; `median_relevant`: the same median over brakes whose true error is also at
-    least RELEVANT; `missed`: share whose true error minus its uncertainty is above the tolerance.
+    least SMALLEST_RELEVANT_TRUE_ERROR; `missed`: share whose true error minus its uncertainty is
+    above the tolerance.
     """
     table = []
     for tolerance in sorted({one["tolerance"] for one in rows}, reverse=True):
@@ -418,7 +425,9 @@ def _summary_row_of_quantity(
     # Medians are taken over the rows whose true error is well above its uncertainty.
     well_known = [one for one in judged_rows if one[true] > 4 * one[unsure]]
     known_ratios = [one[stated] / one[true] for one in well_known]
-    relevant_ratios = [one[stated] / one[true] for one in well_known if one[true] >= RELEVANT]
+    relevant_ratios = [
+        one[stated] / one[true] for one in well_known if one[true] >= SMALLEST_RELEVANT_TRUE_ERROR
+    ]
     missed = sum(one.get(true, 0.0) - one.get(unsure, 0.0) > tolerance for one in rows)
     brakes, judged = max(1, len(rows)), max(1, len(judged_rows))
     return {

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
-from drumlin.report.figures import STYLE, draw_legend_below_figure, make_figure_for_print
+from drumlin.report.figures import PRINT_STYLE, draw_legend_below_figure, make_figure_for_print
 from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 
 PANEL_TITLES = {
@@ -21,13 +21,14 @@ PANEL_TITLES = {
 """Titles of the panels of a figure, by the quantity that a panel shows."""
 PANEL_MARKS = (("o", BLUE), ("s", RED), ("D", PURPLE), ("^", GREEN))
 """Mark and colour of the points of each tolerance, from the largest tolerance on."""
-WELL_KNOWN = 4.0
+LEAST_ERROR_OVER_UNCERTAINTY_OF_DARK_POINT = 4.0
 """Ratio of a true error to its uncertainty above which the true error counts as well known.
 
 Points below this ratio are drawn pale.
 """
 PALE_POINTS_NOTE = (
-    f"pale: the true error is less than {WELL_KNOWN:g} times the uncertainty of the reference "
+    f"pale: the true error is less than {LEAST_ERROR_OVER_UNCERTAINTY_OF_DARK_POINT:g} times "
+    "the uncertainty of the reference "
     "solution\npeak pressure, points on a falling line: drumlin states 100 %, the peak is not known"
 )
 """Note above a figure that explains its pale points and its errors of 100 %."""
@@ -41,7 +42,7 @@ def plot_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
 
     rows : rows of `stated_true.row_of_stated_and_true_errors`.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PRINT_STYLE):
         figure = make_figure_for_print(5.0)
         drawn = None
         for axes, name in zip(figure.subplots(2, 2).flat, PANEL_TITLES, strict=True):
@@ -101,7 +102,10 @@ def _true_error_and_stated_ratio_of_row(
     stated = float(row.get(f"stated_{name}", math.nan))
     true = float(row.get(f"true_{name}", math.nan))
     unsure = float(row.get(f"unsure_{name}", math.nan))
-    if not (stated > 0 and true > 0) or (true > WELL_KNOWN * unsure) != known:
+    if (
+        not (stated > 0 and true > 0)
+        or (true > LEAST_ERROR_OVER_UNCERTAINTY_OF_DARK_POINT * unsure) != known
+    ):
         return None
     return true, stated / true
 
@@ -113,7 +117,7 @@ def plot_cumulative_shares_of_stated_over_true_ratios(ratios: Mapping[str, Float
 
     ratios : the ratios (n,) of stated to true error for each quantity.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PRINT_STYLE):
         figure = make_figure_for_print(3.6)
         axes = figure.subplots()
         for (name, values), (_, color) in zip(ratios.items(), PANEL_MARKS, strict=True):
@@ -134,7 +138,7 @@ def plot_errors_over_unknowns_of_levels(rows: Sequence[Mapping[str, Any]]) -> Fi
 
     rows : rows of `orders.error_rows_of_hp_levels`.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PRINT_STYLE):
         figure = make_figure_for_print(3.6)
         axes = figure.subplots()
         x = [row["root"] for row in rows]

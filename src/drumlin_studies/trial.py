@@ -20,8 +20,8 @@ from drumlin.brake.brake import Brake
 from drumlin.contact.equations import condition_number_on_contact_set
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.model import (
-    DOUBLE_SPACING,
-    REFINED_REMARK,
+    ITERATIVE_REFINEMENT_REMARK,
+    RELATIVE_SPACING_OF_DOUBLES,
     solve_full_system_of_group_by_refinement,
     solve_prepared_model,
 )
@@ -29,11 +29,11 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies import pointwise
-from drumlin_studies.extreme_cases import KnobCase
+from drumlin_studies.extreme_cases import ExtremeCase
 
-ANSWERS = ("answer", "no contact")
+ANSWER_OUTCOMES = ("answer", "no contact")
 """Outcomes in which a solve gives an answer."""
-REFUSALS = {
+REFUSAL_OUTCOMES_BY_MESSAGE_WORDS = {
     "self-locking": "self-locking",
     "to touch the drum": "out of reach",
     "ever touching": "out of reach",
@@ -45,7 +45,12 @@ REFUSALS = {
 """Outcome of a trial that a solve refuses, by words in the error message."""
 TRIAL_FAULTS = ("not converged", "traceback", "inaccurate")
 """Outcomes of a trial that are faults of drumlin and must not occur."""
-TRIAL_OUTCOMES = (*ANSWERS, *dict.fromkeys(REFUSALS.values()), "bad input", *TRIAL_FAULTS)
+TRIAL_OUTCOMES = (
+    *ANSWER_OUTCOMES,
+    *dict.fromkeys(REFUSAL_OUTCOMES_BY_MESSAGE_WORDS.values()),
+    "bad input",
+    *TRIAL_FAULTS,
+)
 """All outcomes of a trial: answers, refusals with a reason, bad input, and faults."""
 LARGEST_RESIDUAL = 1e-8
 """Largest relative residual of a right answer, in the balances of forces and moments and in the
@@ -53,16 +58,16 @@ products of pressure and gap.
 """
 TORQUE_DIGITS = 6
 """Number of digits of the torque that must agree with the refined solution."""
-OTHER_ORDER = "MMD_AT_PLUS_A"
+ELIMINATION_ORDER_OF_REFINED_SOLUTION = "MMD_AT_PLUS_A"
 """Name, in the library SuperLU, of the order in which the refined solution eliminates its unknowns.
 
 It differs from the order that the model uses, so that both solutions have different round-off.
 """
 STIFFEST_PENALTY = 1e16
 """Largest penalty factor of the pointwise penalty; it also replaces an infinite factor."""
-POINTWISE_REFUSALS = {"repeats": "cycles", "singular": "singular"}
+POINTWISE_REFUSAL_OUTCOMES_BY_WORDS = {"repeats": "cycles", "singular": "singular"}
 """Outcome of a trial without an answer by the pointwise penalty, by words in the error message."""
-LARGEST_POINTWISE = 12_000
+MOST_UNKNOWNS_FOR_POINTWISE_PENALTY = 12_000
 """Largest number of unknowns of a shoe for which the pointwise penalty is tried.
 
 The method factorises the whole system up to 60 times.
@@ -74,7 +79,7 @@ A smaller difference can be due to discretisation errors.
 """
 
 
-def solve_and_judge_case(case: KnobCase) -> dict[str, Any]:
+def solve_and_judge_case(case: ExtremeCase) -> dict[str, Any]:
     """Solve a case and return its row: outcome, reason, times, and the accuracy of an answer."""
     row: dict[str, Any] = {
         "knob": case.knob,
@@ -105,7 +110,9 @@ def solve_and_judge_case(case: KnobCase) -> dict[str, Any]:
         row |= _row_with_accuracy_of_answer(row, scene, brake, response, case.penalty)
     # The pointwise penalty is tried as well, unless its system would be too large.
     if brake is not None and scene is not None:
-        too_large = max(body.unknowns for body in scene.bodies) > LARGEST_POINTWISE
+        too_large = (
+            max(body.unknowns for body in scene.bodies) > MOST_UNKNOWNS_FOR_POINTWISE_PENALTY
+        )
         not_tried = {"pointwise": "not tried: too large"}
         row |= not_tried if too_large else compare_with_pointwise_penalty(case, brake, response)
     return row
@@ -116,7 +123,11 @@ def _outcome_and_reason_of_failed_case(error: Exception) -> dict[str, str]:
     if isinstance(error, BadInput):
         return {"outcome": "bad input", "reason": str(error)}
     if isinstance(error, NoAnswer):
-        outcomes = (outcome for words, outcome in REFUSALS.items() if words in str(error))
+        outcomes = (
+            outcome
+            for words, outcome in REFUSAL_OUTCOMES_BY_MESSAGE_WORDS.items()
+            if words in str(error)
+        )
         return {"outcome": next(outcomes, "not converged"), "reason": str(error)}
     return {"outcome": "traceback", "reason": f"{type(error).__name__}: {error}"}
 
@@ -145,16 +156,16 @@ def _row_with_accuracy_of_answer(
         "torque": response.torque,
         "steps": response.iterations,
         "balance": max(response.balance.force, response.balance.moment),
-        "refined": any(REFINED_REMARK in note for note in response.notes),
+        "refined": any(ITERATIVE_REFINEMENT_REMARK in note for note in response.notes),
     }
     if row["outcome"] == "answer":
-        row |= accuracy_of_answer_of_all_groups(scene, brake, response, penalty)
+        row |= worst_numerical_accuracy_of_shoe_groups(scene, brake, response, penalty)
         if not is_answer_accurate(row):
             row |= {"outcome": "inaccurate"}
     return row
 
 
-def text_of_changed_quantities(case: KnobCase) -> str:
+def text_of_changed_quantities(case: ExtremeCase) -> str:
     """Names and values of the quantities ("knobs") that a case changes, as text."""
     words = []
     for key, value in case.parameters_changed_from_default_case.items():
@@ -174,7 +185,7 @@ def is_answer_accurate(row: dict[str, Any]) -> bool:
     return residual <= LARGEST_RESIDUAL and row["digits"] >= min(TORQUE_DIGITS, row["allowed"])
 
 
-def accuracy_of_answer_of_all_groups(
+def worst_numerical_accuracy_of_shoe_groups(
     scene: PreparedModel, brake: Brake, response: Response, penalty: float
 ) -> dict[str, Any]:
     """Residuals, condition numbers and correct digits of an answer: the worst of all shoe groups.
@@ -213,7 +224,7 @@ def accuracy_of_answer_of_all_groups(
 
 
 def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[str, Any]:
-    """The values of `accuracy_of_answer_of_all_groups`, by key, for one group of coupled shoes.
+    """The values of `worst_numerical_accuracy_of_shoe_groups` for one group of coupled shoes.
 
     `whole` is the reason why the refined solution of the group failed, or empty.
     """
@@ -231,7 +242,9 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
     row |= {"digits": None, "whole": ""}
     start = time.perf_counter()
     try:
-        refined = solve_full_system_of_group_by_refinement(group, active, OTHER_ORDER)
+        refined = solve_full_system_of_group_by_refinement(
+            group, active, ELIMINATION_ORDER_OF_REFINED_SOLUTION
+        )
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start
@@ -251,7 +264,9 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
         ),
         "sure": correct_decimal_digits_at_relative_error(refined.correction),
         "allowed": correct_decimal_digits_at_relative_error(
-            DOUBLE_SPACING * refined.condition_number_of_torque if known_condition else 0.0
+            RELATIVE_SPACING_OF_DOUBLES * refined.condition_number_of_torque
+            if known_condition
+            else 0.0
         ),
         "torque_condition": refined.condition_number_of_torque if known_condition else None,
         "pressure_error": float(np.abs(p - exact).max() / exact.max()),
@@ -265,7 +280,7 @@ def correct_decimal_digits_at_relative_error(error: float) -> float:
 
 
 def compare_with_pointwise_penalty(
-    case: KnobCase, brake: Brake, response: Response | None
+    case: ExtremeCase, brake: Brake, response: Response | None
 ) -> dict[str, Any]:
     """Solve a case by the pointwise penalty as well, and compare its torque with drumlin's torque.
 
@@ -274,7 +289,7 @@ def compare_with_pointwise_penalty(
 
     Parameters
     ----------
-    case : KnobCase
+    case : ExtremeCase
         The case.
     brake : Brake
         The brake of the case.
@@ -306,7 +321,9 @@ def compare_with_pointwise_penalty(
     except BadInput:
         row["pointwise"] = "not for rings"
     except NoAnswer as error:
-        outcomes = (why for words, why in POINTWISE_REFUSALS.items() if words in str(error))
+        outcomes = (
+            why for words, why in POINTWISE_REFUSAL_OUTCOMES_BY_WORDS.items() if words in str(error)
+        )
         row["pointwise"] = next(outcomes, "does not end")
     except Exception as error:
         row["pointwise"] = f"{type(error).__name__}"

@@ -26,8 +26,8 @@ from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
+    ContactCouplingMatrices,
     ContactLine,
-    Coupling,
     function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
     weak_coupling_of_contact_line,
@@ -172,7 +172,7 @@ class BodyPair:
     ----------
     inner : ContactBody
         The body whose n contact nodes have the unknown pressures.
-    coupling : Coupling
+    coupling : ContactCouplingMatrices
         Matrices that turn displacements of the inner body's nodes into gaps and slips at the
         contact.
     pressed, dragged : array (m, n)
@@ -185,7 +185,7 @@ class BodyPair:
     """
 
     inner: ContactBody
-    coupling: Coupling
+    coupling: ContactCouplingMatrices
     pressed: Floats
     dragged: Floats
     motions: Floats
@@ -261,7 +261,7 @@ class BodyPair:
 
     def frictional_contact_problem(
         self, gap: Floats, loads: Sequence[float], penalty_compliance: float = 0.0
-    ) -> stick_slip.FrictionalProblem:
+    ) -> stick_slip.StickSlipProblem:
         """The contact problem with friction, whose unknowns are nodal pressures and tractions.
 
         The slip is the tangential motion of the outer body relative to the inner body, positive
@@ -278,7 +278,7 @@ class BodyPair:
         """
         n, B_s = len(gap), -self.coupling.T @ self.motions
         flat = self.frictionless_contact_problem(gap, loads)
-        return stick_slip.FrictionalProblem(
+        return stick_slip.StickSlipProblem(
             A_wp=flat.A,
             A_wt=self.pressed.T @ self.dragged,
             A_sp=-self.dragged.T @ self.pressed,

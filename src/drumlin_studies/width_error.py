@@ -8,7 +8,7 @@ prints a line for each random brake on a rigid drum with a seed from FIRST to LA
 tables. The first table has the ratios of estimated to true error. The second has the true error
 that remains after the correction for the widths, divided by the estimated error. The first table
 separates brakes whose parts have one width from brakes whose parts have several. Both tables leave
-out brakes on which the error of plane stress is less than LEAST_JUDGED.
+out brakes on which the error of plane stress is less than LEAST_JUDGED_PLANE_STRESS_ERROR.
 
 The true error is the difference from a model whose displacements vary across the width as
 polynomials of the degree DEGREE (by default 5). Both models use the first level of hp elements in
@@ -28,27 +28,30 @@ from drumlin.fem.error_control.singular_points import singular_points_of_each_sh
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.fem.width.correction import REMAINING_SHARE, correct_response_for_shoe_widths
+from drumlin.fem.width.correction import (
+    REMAINING_ERROR_OVER_WIDTH_CORRECTION,
+    correct_response_for_shoe_widths,
+)
 from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.functions import piece_ends_across_half_width_of_shoe
 from drumlin.fem.width.prepare import (
     prepare_model_with_shoe_widths,
     reason_why_width_model_does_not_apply,
 )
-from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
+from drumlin_studies.random_brake import DRAW_BY_SHAPE_KIND, draw_random_brake
 
-LEAST_JUDGED = 1e-3
+LEAST_JUDGED_PLANE_STRESS_ERROR = 1e-3
 """Smallest true relative error of plane stress for which the estimate of this error is judged.
 Smaller errors are of no interest.
 """
 TRUE_WIDTH_DEGREE = 5
 """Default degree of the polynomials across the width in the model that serves as the truth."""
-KINDS_WITH_WIDTHS = tuple(kind for kind in SHAPE_KINDS if not kind.endswith("on ring"))
+KINDS_WITH_WIDTHS = tuple(kind for kind in DRAW_BY_SHAPE_KIND if not kind.endswith("on ring"))
 """Kinds of random brakes for which drumlin estimates the error of plane stress: all with a rigid
 drum.
 """
-JUDGED = ("torque", "pressure", "reaction")
-"""The errors of plane stress that are judged, by their names in `ModelError`."""
+JUDGED_PLANE_STRESS_ERRORS = ("torque", "pressure", "reaction")
+"""The errors of plane stress that are judged, by their names in `PlaneStressError`."""
 
 
 class WidthErrorRow(NamedTuple):
@@ -59,7 +62,7 @@ class WidthErrorRow(NamedTuple):
     title : title of the brake
     widths : largest number of intervals across half the width of a shoe. The edges of narrower
         parts, for example of a web, separate the intervals.
-    true, estimated : relative errors by the names of JUDGED
+    true, estimated : relative errors by the names of JUDGED_PLANE_STRESS_ERRORS
     remaining : true relative errors after the correction for the widths
     """
 
@@ -70,7 +73,7 @@ class WidthErrorRow(NamedTuple):
     remaining: dict[str, float]
 
     def estimated_over_true_error(self, name: str) -> float:
-        """The estimated error `name` divided by the true error; name : one of JUDGED."""
+        """The estimated error `name` divided by the true error."""
         return self.estimated[name] / self.true[name]
 
     def error_share_remaining_after_width_correction(self, name: str) -> float:
@@ -140,11 +143,13 @@ def table_lines_of_error_ratios(rows: list[WidthErrorRow]) -> list[str]:
     A line has the number of ratios, their quantiles, and the share of ratios between 1/1.5 and 1.5.
     """
     lines = ["widths  error      brakes  least  5 %   half  95 %  most  within 1.5"]
-    for name in JUDGED:
+    for name in JUDGED_PLANE_STRESS_ERRORS:
         for several in (False, True):
             own = [row for row in rows if (row.widths > 1) == several]
             ratios = [
-                row.estimated_over_true_error(name) for row in own if row.true[name] > LEAST_JUDGED
+                row.estimated_over_true_error(name)
+                for row in own
+                if row.true[name] > LEAST_JUDGED_PLANE_STRESS_ERROR
             ]
             if not ratios:
                 continue
@@ -160,19 +165,20 @@ def table_lines_of_remaining_error_after_correction(rows: list[WidthErrorRow]) -
     """Lines of the table on the error that remains after the correction for the widths.
 
     Each remaining error is divided by the estimated error. The last two columns are the fraction of
-    brakes whose ratio is within `REMAINING_SHARE`, and the fraction of brakes whose error the
-    correction more than halves.
+    brakes whose ratio is within `REMAINING_ERROR_OVER_WIDTH_CORRECTION`, and the fraction of brakes
+    whose error the correction more than halves.
     """
     lines = ["error      brakes  share  half  90 %  95 %  most  within share  halved"]
-    for name in JUDGED:
-        own = [row for row in rows if row.true[name] > LEAST_JUDGED]
+    for name in JUDGED_PLANE_STRESS_ERRORS:
+        own = [row for row in rows if row.true[name] > LEAST_JUDGED_PLANE_STRESS_ERROR]
         if not own:
             continue
         shares = [row.error_share_remaining_after_width_correction(name) for row in own]
         numbers = "  ".join(f"{value:4.2f}" for value in np.quantile(shares, [0.5, 0.9, 0.95, 1.0]))
-        within = np.mean([share <= REMAINING_SHARE[name] for share in shares])
+        within = np.mean([share <= REMAINING_ERROR_OVER_WIDTH_CORRECTION[name] for share in shares])
         halved = np.mean([row.remaining[name] < 0.5 * row.true[name] for row in own])
-        line = f"{name:10} {len(own):6}   {REMAINING_SHARE[name]:4.2f}  {numbers}"
+        remaining = REMAINING_ERROR_OVER_WIDTH_CORRECTION[name]
+        line = f"{name:10} {len(own):6}   {remaining:4.2f}  {numbers}"
         lines.append(f"{line}  {within:12.0%}  {halved:6.0%}")
     return lines
 
@@ -189,7 +195,7 @@ def main() -> None:
         errors = ", ".join(
             f"{name} {row.true[name]:.1e} x {row.estimated[name] / (row.true[name] or 1):.2f}, "
             f"corrected {row.remaining[name]:.1e}"
-            for name in JUDGED
+            for name in JUDGED_PLANE_STRESS_ERRORS
         )
         sys.stdout.write(f"{row.title} ({row.widths}): {errors}\n")
         sys.stdout.flush()

@@ -29,9 +29,9 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_brake_to_tolerance
 from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
-from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
+from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND, parametric_mesh_of_shoe
 from drumlin.fem.mesh.grading import (
-    EDGE_SIZE,
+    RELATIVE_SIZE_OF_LINING_END_ELEMENT,
     LiningDivision,
     integral_of_inverse_graded_step,
     number_of_element_layers_in_lining,
@@ -50,22 +50,22 @@ from drumlin.response.response import Response, length_of_edge_zone_left_out_of_
 from drumlin.verification.reference import ReferenceResponses, peak_pressure_between_edge_zones
 from drumlin_studies import pointwise
 
-TIMED_REPEATS = 5
+LEAST_REPEATS_OF_TIMING = 5
 """Smallest number of repeats of a timing."""
 MOST_REPEATS = 9
 """Largest number of repeats of a timing."""
-LEAST_SECONDS = 0.1
+LEAST_TOTAL_SECONDS_OF_TIMING = 0.1
 """Total time [s] that all repeats of a timing must reach; a timing ends earlier after MOST_REPEATS.
 """
-LEAST_SAMPLE = 2e-3
+LEAST_SECONDS_OF_ONE_REPEAT = 2e-3
 """Shortest time [s] of one repeat of a timing. If a call takes less, a repeat has several calls."""
-EQUAL_TIMES = 1.2
+TIME_RATIO_OF_EQUALLY_FAST_METHODS = 1.2
 """Ratio of the times of two methods up to which both count as equally fast."""
 FURTHER_FRICTION = 0.9
 """Coefficient of friction of the further load case, divided by the coefficient of the first load
 case.
 """
-GRADED_FROM = 36
+MOST_ELEMENTS_OF_WEAK_GRADING = 36
 """Number of elements along a lining above which its mesh is graded more strongly to its ends.
 
 Above this number the size of the smallest elements at the lining's ends falls in inverse proportion
@@ -181,7 +181,8 @@ def divide_lining_graded_to_its_ends(
     """The division of a shoe's lining into elements that become smaller towards its ends.
 
     No element is longer than 1/`elements` of the lining. The smallest elements at the ends have a
-    fixed size up to GRADED_FROM elements, and above it a size proportional to 1/`elements`.
+    fixed size up to MOST_ELEMENTS_OF_WEAK_GRADING elements, and above it a size proportional to
+    1/`elements`.
 
     Parameters
     ----------
@@ -196,8 +197,8 @@ def divide_lining_graded_to_its_ends(
     """
     (start, end), zone = shoe.arc, shoe.lining.thickness / radius
     # The number of inner elements follows from the longest allowed element and from the grading.
-    fineness = max(1.0, elements / GRADED_FROM)
-    half, smallest = (end - start) / 2, EDGE_SIZE / fineness
+    fineness = max(1.0, elements / MOST_ELEMENTS_OF_WEAK_GRADING)
+    half, smallest = (end - start) / 2, RELATIVE_SIZE_OF_LINING_END_ELEMENT / fineness
     step = (end - start) / elements
     count = max(
         2, math.ceil(2 * integral_of_inverse_graded_step(half, half, zone, smallest) / step)
@@ -216,7 +217,7 @@ def _cold_solve_on_mesh(
     brake: Brake,
     *,
     elements: int,
-    kind: str = DEFAULT_KIND,
+    kind: str = DEFAULT_MESH_KIND,
     even: bool = False,
     penalty: float = math.inf,
 ) -> ColdSolve:
@@ -329,7 +330,7 @@ METHOD_FAMILIES: Mapping[str, Callable[..., ColdSolve]] = {
     "pointwise penalty": _cold_solve_by_pointwise_penalty,
 }
 """Function that solves a brake and returns a `ColdSolve`, for each family of drumlin's methods."""
-PEER_FAMILIES = {written: name for name, written in peers.PEERS.items()}
+PEER_FAMILIES = {written: name for name, written in peers.NAMES_OF_PEER_PROGRAMS.items()}
 """Key of each peer in `drumlin.peers`, by its name in tables, for example "CalculiX"."""
 
 
@@ -356,7 +357,9 @@ def relative_errors_against_reference(
     # brake.
     by_key: dict[str, list[float]] = {key: [] for key in ERROR_KEYS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
-        edge = length_of_edge_zone_left_out_of_peak_search(spec, brake.scale_factor)
+        edge = length_of_edge_zone_left_out_of_peak_search(
+            spec, brake.length_per_surface_coordinate
+        )
         by_key["peak_error"].append(
             abs(
                 relative_error_of_number(
@@ -429,16 +432,16 @@ def measure_call_time_over_unit_workload(
     first : float
         Time [s] of a first call. It decides how many calls a repeat has.
     """
-    # A repeat has as many calls as it needs to take at least LEAST_SAMPLE.
-    loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
+    # A repeat has as many calls as it needs to take at least LEAST_SECONDS_OF_ONE_REPEAT.
+    loops = max(1, math.ceil(LEAST_SECONDS_OF_ONE_REPEAT / max(first, 1e-6)))
     samples: list[float] = []
     ratios: list[float] = []
 
     def needs_another_timing_repeat() -> bool:
-        """Whether the total time is below LEAST_SECONDS and MOST_REPEATS are not reached."""
-        return sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
+        """Whether the total time is too short and MOST_REPEATS are not reached."""
+        return sum(samples) * loops < LEAST_TOTAL_SECONDS_OF_TIMING and len(samples) < MOST_REPEATS
 
-    while len(samples) < TIMED_REPEATS or needs_another_timing_repeat():
+    while len(samples) < LEAST_REPEATS_OF_TIMING or needs_another_timing_repeat():
         # The unit is timed just before the call, so that the machine has the same speed for both.
         beside = _processor_time_per_call(unit, 1)
         samples.append(_processor_time_per_call(call, loops))
@@ -553,7 +556,7 @@ def _peak_memory_growth_by_solve_in_this_process(brake: Brake, method: Method) -
 
 
 def wall_seconds_of_solve_command(
-    brake_file: Path, *options: str, repeats: int = TIMED_REPEATS
+    brake_file: Path, *options: str, repeats: int = LEAST_REPEATS_OF_TIMING
 ) -> float:
     """The wall time of a whole `drumlin solve` process [s], the median of several processes.
 
@@ -587,7 +590,7 @@ def measure_peer_program_on_brake(
     method: Method,
     truth: Response,
     unit: Callable[[], object],
-    repeats: int = TIMED_REPEATS,
+    repeats: int = LEAST_REPEATS_OF_TIMING,
 ) -> dict[str, Any]:
     """The row of a peer, another finite element program, on a brake: errors, times and unknowns.
 
@@ -617,7 +620,9 @@ def measure_peer_program_on_brake(
     answers, units = [], []
     try:
         for _ in range(repeats):
-            units.append(median(_processor_time_per_call(unit) for _ in range(TIMED_REPEATS)))
+            units.append(
+                median(_processor_time_per_call(unit) for _ in range(LEAST_REPEATS_OF_TIMING))
+            )
             answers.append(solve())
     except DrumlinError as error:
         return row | {
@@ -652,7 +657,7 @@ def _solver_arguments_of_peer_method(method: Method) -> dict[str, Any]:
     options = dict(method.options)
     even, layers = options.pop("even", False), options.pop("layers", None)
     if even:
-        kind = options.get("kind", DEFAULT_KIND)
+        kind = options.get("kind", DEFAULT_MESH_KIND)
         options["mesher"] = partial(
             mesh_with_equal_elements_on_lining, elements=options["elements"], kind=kind
         )
@@ -693,7 +698,11 @@ def fastest_rows_within_error(
         enough_rows += members[above[-1] + 1 if above else 0 :]
     # Of the rows that are about as fast as the fastest one, the most exact row comes first.
     enough_rows.sort(key=lambda row: row["ratio"])
-    ties = [row for row in enough_rows if row["ratio"] <= EQUAL_TIMES * enough_rows[0]["ratio"]]
+    ties = [
+        row
+        for row in enough_rows
+        if row["ratio"] <= TIME_RATIO_OF_EQUALLY_FAST_METHODS * enough_rows[0]["ratio"]
+    ]
     return sorted(ties, key=lambda row: row[key]) + enough_rows[len(ties) :]
 
 
@@ -728,9 +737,11 @@ def mesh_series_name_of_row(row: Mapping[str, Any]) -> str:
     if row["family"].startswith("columns"):
         return "columns"
     if "penalty" in row:
-        return f"{row.get('kind', DEFAULT_KIND)}, {row['penalty']:g} E/t"
+        return f"{row.get('kind', DEFAULT_MESH_KIND)}, {row['penalty']:g} E/t"
     graded = ", even" if row.get("even") else ", refined" if row.get("layers") else ""
-    return str(row.get("kind", DEFAULT_KIND)) + (graded if row["family"] in PEER_FAMILIES else "")
+    return str(row.get("kind", DEFAULT_MESH_KIND)) + (
+        graded if row["family"] in PEER_FAMILIES else ""
+    )
 
 
 def median_seconds_of_unit_workload(rows: Iterable[Mapping[str, Any]]) -> float:
@@ -741,10 +752,10 @@ def median_seconds_of_unit_workload(rows: Iterable[Mapping[str, Any]]) -> float:
 def median_relative_scatter_of_timings(rows: Iterable[Mapping[str, Any]]) -> float:
     """The typical scatter of timings: interquartile range of the repeats, divided by the median.
 
-    The result is the median over the rows with at least TIMED_REPEATS repeats.
+    The result is the median over the rows with at least LEAST_REPEATS_OF_TIMING repeats.
     """
     return median(
         (row["upper"] - row["lower"]) / row["seconds"]
         for row in rows
-        if row.get("repeats", 0) >= TIMED_REPEATS
+        if row.get("repeats", 0) >= LEAST_REPEATS_OF_TIMING
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.brake.units import quantity_in_si
 from drumlin.laws import self_locking_friction_of_hinged_shoe
 from drumlin.laws.shapes import ratio_of_equivalent_friction
@@ -18,7 +18,7 @@ from drumlin.models import MODELS
 from drumlin.response.merit import brake_scaled_to_peak_pressure
 from drumlin.response.response import Response
 
-Row = dict[str, Any]
+PrintedNumberRow = dict[str, Any]
 """A row of a table: its values by the names of the columns."""
 
 
@@ -60,7 +60,9 @@ PRINTED_QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
 """Quantities that sources print, each with the function of (brake, response) that computes it."""
 
 
-def rows_of_printed_and_computed_numbers(example: Mapping[str, Any], folder: Path) -> list[Row]:
+def rows_of_printed_and_computed_numbers(
+    example: Mapping[str, Any], folder: Path
+) -> list[PrintedNumberRow]:
     """Solve a worked example by a law, and make a row for each of its printed numbers.
 
     Parameters
@@ -75,7 +77,7 @@ def rows_of_printed_and_computed_numbers(example: Mapping[str, Any], folder: Pat
     """
     law, source = example["law"], example["source"]
     solve = MODELS[law].solve
-    brake = vary(read_any(folder / example["file"]), example.get("changes", {}))
+    brake = vary(read_drum_or_plane_brake(folder / example["file"]), example.get("changes", {}))
     if "peak" in example:
         brake = brake_scaled_to_peak_pressure(
             brake, solve, quantity_in_si(example["peak"], "Pa", unit_required=True)
@@ -99,7 +101,7 @@ def row_of_printed_and_computed_number(
     value: float,
     origin: str = "formula",
     remark: str = "",
-) -> Row:
+) -> PrintedNumberRow:
     """The row of a printed number beside a computed value.
 
     The `status` is "agrees" if they differ by at most half a unit of the last printed digit.
@@ -132,7 +134,7 @@ def row_of_printed_and_computed_number(
     }
 
 
-def rows_of_simscape_double_shoe_brake() -> list[Row]:
+def rows_of_simscape_double_shoe_brake() -> list[PrintedNumberRow]:
     """Rows on Simscape's Double-Shoe Brake block, with its default parameters and a force of 1 N.
 
     The angle theta_s in the manual of Simscape can be read as the end or as the span of the lining.
@@ -176,7 +178,7 @@ def rows_of_simscape_double_shoe_brake() -> list[Row]:
     return rows
 
 
-def rows_of_equivalent_block_friction() -> list[Row]:
+def rows_of_equivalent_block_friction() -> list[PrintedNumberRow]:
     """Rows on the ratio mu'/mu of equivalent to real friction of a block, for several half-arcs.
 
     A short block with the friction coefficient mu' would have the same torque under the same normal

@@ -12,8 +12,8 @@ import numpy as np
 
 from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
-from drumlin.fem.error_control.estimate import QUANTITIES, Factors
-from drumlin.fem.width.ladder import SolidFactors
+from drumlin.fem.error_control.estimate import QUANTITIES_WITH_STATED_ERROR, SafetyFactors
+from drumlin.fem.width.ladder import SafetyFactorsOfSolidErrors
 from drumlin.report import figures
 from drumlin.report.page import write_html_page
 from drumlin_studies.calibration import (
@@ -22,23 +22,27 @@ from drumlin_studies.calibration import (
     FIRST_CORNER,
     FIRST_SEED,
     FITTED_BRAKES,
-    STATED_QUANTILE,
+    FRACTION_COVERED_BY_STATED_ERROR,
     LevelRecord,
     Provenance,
-    estimate_factors_as_json_text,
+    error_estimate_factors_as_json_text,
     fit_safety_factors,
     true_and_estimated_errors_of_quantity,
     true_and_estimated_errors_of_random_brake,
 )
-from drumlin_studies.side_by_side import PROCESSES, Case, compute_cases_in_parallel_with_journal
-from drumlin_studies.stated_true import RELEVANT
+from drumlin_studies.side_by_side import (
+    PROCESSES,
+    ComputationInput,
+    compute_cases_in_parallel_with_journal,
+)
+from drumlin_studies.stated_true import SMALLEST_RELEVANT_TRUE_ERROR
 from drumlin_studies.stated_true_figure import plot_cumulative_shares_of_stated_over_true_ratios
 from drumlin_studies.width_calibration import (
+    FRACTION_COVERED_BY_STATED_WIDTH_ERROR,
     SECTION_SEEDS,
     WIDTH_FACTOR_MEANINGS,
-    WIDTH_QUANTILE,
     WIDTH_SEEDS,
-    WidthRow,
+    WidthCalibrationRow,
     fit_safety_factors_of_width_errors,
     width_error_rows_as_csv_text,
     width_error_rows_of_random_brake,
@@ -69,10 +73,10 @@ class Result(NamedTuple):
     """
 
     rows: list[dict[str, Any]]
-    factors: Factors
+    factors: SafetyFactors
     provenance: Provenance
-    width_rows: list[WidthRow]
-    width_factors: SolidFactors
+    width_rows: list[WidthCalibrationRow]
+    width_factors: SafetyFactorsOfSolidErrors
 
 
 def study(
@@ -111,7 +115,7 @@ def study(
 
 def _observe_solid_shoes(
     journal: Journal, say: Callable[[str], None], *, short: bool
-) -> list[WidthRow]:
+) -> list[WidthCalibrationRow]:
     """The rows of random solid shoes; `short` is whether few brakes are enough."""
     cases = []
     for part, kinds in (("width", WIDTH_SEEDS), ("section", SECTION_SEEDS)):
@@ -124,16 +128,16 @@ def _observe_solid_shoes(
     found = compute_cases_in_parallel_with_journal(
         cases, _observe_solid_case, journal, say, 0 if short else PROCESSES, "solid shoes"
     )
-    return [WidthRow(**row) for each in found for row in each["rows"]]
+    return [WidthCalibrationRow(**row) for each in found for row in each["rows"]]
 
 
-def _observe_solid_case(case: Case) -> dict[str, Any]:
+def _observe_solid_case(case: ComputationInput) -> dict[str, Any]:
     """The rows of a case's brake with solid shoes, as plain data."""
     rows = width_error_rows_of_random_brake(**case)
     return {"rows": [row._asdict() for row in rows]}
 
 
-def _observe_case(case: Case) -> dict[str, Any]:
+def _observe_case(case: ComputationInput) -> dict[str, Any]:
     """True and estimated errors of one random brake on all of its meshes (levels)."""
     return true_and_estimated_errors_of_random_brake(case["seed"])
 
@@ -164,7 +168,8 @@ def last_commit() -> tuple[str, str]:
 def report(result: Result, folder: Path) -> Path:
     """Write the file of the factors, figure and page, and return the path of the page."""
     write_text(
-        folder / "factors.json", estimate_factors_as_json_text(result.factors, result.provenance)
+        folder / "factors.json",
+        error_estimate_factors_as_json_text(result.factors, result.provenance),
     )
     provenance = result.provenance
     text = width_safety_factors_as_json_text(
@@ -182,7 +187,7 @@ def report(result: Result, folder: Path) -> Path:
         "peak": (result.factors.peak, 0.0),
     }
     ratios = {}
-    for name in QUANTITIES:
+    for name in QUANTITIES_WITH_STATED_ERROR:
         ratios[name] = true_and_estimated_errors_of_quantity(levels, name).stated_over_true_errors(
             *factors[name]
         )
@@ -212,10 +217,10 @@ def report(result: Result, folder: Path) -> Path:
         result=result,
         spread=spread,
         meaning=FACTOR_MEANINGS,
-        quantile=STATED_QUANTILE,
-        relevant=RELEVANT,
+        quantile=FRACTION_COVERED_BY_STATED_ERROR,
+        relevant=SMALLEST_RELEVANT_TRUE_ERROR,
         failed=failed,
         width_meaning=WIDTH_FACTOR_MEANINGS,
-        width_quantile=WIDTH_QUANTILE,
+        width_quantile=FRACTION_COVERED_BY_STATED_WIDTH_ERROR,
         width_brakes=len({(row.kind, row.seed) for row in result.width_rows}),
     )

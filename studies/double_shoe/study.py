@@ -148,7 +148,7 @@ def report(result: Result, folder: Path) -> Path:
 
 def draw_figures(result: Result, folder: Path) -> None:
     """Write the figures, which are of kinds that several reports share."""
-    panels: dict[str, list[figures.Panel]] = {case: [] for case in FILES.values()}
+    panels: dict[str, list[figures.PressurePanel]] = {case: [] for case in FILES.values()}
     for comparison in result.comparisons:
         panels[comparison.case] += panel_title_and_responses_of_each_shoe(comparison)
     stiff, flexible = panels.values()

@@ -10,8 +10,18 @@ from matplotlib.figure import Figure
 
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake
-from drumlin.report.figures import COLUMN_WIDTH, STYLE, make_figure_for_print
-from drumlin.report.palette import BLUE, GREEN, GREY, INK, OCHRE, PURPLE, RED, SHADE, SKY
+from drumlin.report.figures import COLUMN_WIDTH, PRINT_STYLE, make_figure_for_print
+from drumlin.report.palette import (
+    BLUE,
+    COLOR_OF_SHADED_AREAS,
+    GREEN,
+    GREY,
+    INK,
+    OCHRE,
+    PURPLE,
+    RED,
+    SKY,
+)
 from drumlin_studies.solid_work import (
     SolidSetting,
     measure_models_against_solid_shoes,
@@ -95,7 +105,7 @@ def draw_error_against_solid(
     uncertain : uncertainty of the solid truth
     key : "pressure" or "torque"
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PRINT_STYLE):
         figure = make_figure_for_print(5.4, COLUMN_WIDTH)
         grid = figure.subplots(2, 1, sharex=True, sharey=True)
         for axes, (truth, title) in zip(grid, PANELS.items(), strict=True):
@@ -106,7 +116,7 @@ def draw_error_against_solid(
         grid[1].axhspan(
             50 * LOWEST * uncertain[key],
             100 * uncertain[key],
-            color=SHADE,
+            color=COLOR_OF_SHADED_AREAS,
             alpha=0.7,
             lw=0,
             label="uncertainty of the solid",

@@ -24,7 +24,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import table_as_csv_text
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.solve import solve
 from drumlin.report.figures import save_figure, save_figure_as_files
 from drumlin.report.page import software_versions, write_html_page
@@ -57,8 +57,8 @@ from drumlin_studies.recommendation import (
 )
 from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
 from drumlin_studies.work_precision import (
+    LEAST_REPEATS_OF_TIMING,
     PEER_FAMILIES,
-    TIMED_REPEATS,
     Method,
     measure_drumlin_method_on_brake,
     measure_peer_program_on_brake,
@@ -194,7 +194,7 @@ def _method_row(
 ) -> Row:
     """The row of a method on a brake. CalculiX takes long and runs only once."""
     if method.family in PEER_FAMILIES:
-        repeats = 1 if method.family == "CalculiX" else TIMED_REPEATS
+        repeats = 1 if method.family == "CalculiX" else LEAST_REPEATS_OF_TIMING
         return measure_peer_program_on_brake(brake, method, trio().value, unit, repeats)
     return measure_drumlin_method_on_brake(brake, method, trio().value, unit)
 
@@ -226,7 +226,7 @@ def _omission_rows(journal: Journal, short: bool, say: Callable[[str], None]) ->
     rows: list[Row] = []
     for name, brake, repeats in cases:
         say(f"left out: {name}")
-        elements = 40 if short else ELEMENTS
+        elements = 40 if short else DEFAULT_ELEMENTS_ALONG_LINING
         rows += journal.get_or_compute_result(
             {"left out": name, "short": short},
             lambda b=brake, n=name, e=elements, r=repeats: {
@@ -298,7 +298,7 @@ def report(result: Result, folder: Path) -> Path:
         straight=row_of_largest_straight_edge_effect(left_out),
         values=values,
         spread=median_relative_scatter_of_timings(rows),
-        repeats=TIMED_REPEATS,
+        repeats=LEAST_REPEATS_OF_TIMING,
         unit_elements=UNIT_ELEMENTS,
         versions_text="\n".join(
             f"{name}: {version}" for name, version in software_versions().items()

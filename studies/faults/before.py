@@ -19,7 +19,7 @@ from typing import Any
 
 from studies.faults.study import INPUTS, UNKNOWN
 
-from drumlin.studies import REPOSITORY
+from drumlin.studies import FOLDER_OF_STUDIES_AND_MESHES
 from drumlin_studies.fuzzing import broken_sweeps, endings, trials
 from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, BrokenInput
 
@@ -97,7 +97,7 @@ class EarlierDrumlin:
                 "-P",
                 "-c",
                 PROGRAM,
-                REPOSITORY / "studies" / f"{SOUND_BRAKES[0]}.toml",
+                FOLDER_OF_STUDIES_AND_MESHES / "studies" / f"{SOUND_BRAKES[0]}.toml",
             ],
             env=env,
             stdin=subprocess.PIPE,
@@ -148,12 +148,17 @@ def count_earlier_faults(checkout: Path, share: float = 1.0) -> dict[str, Any]:
     """
     earlier = EarlierDrumlin(checkout)
     end = earlier.end(
-        BrokenInput("sweep", broken_sweeps.files_of_valid_sweep(), broken_sweeps.SWEEP_WORDS)
+        BrokenInput(
+            "sweep", broken_sweeps.files_of_valid_sweep(), broken_sweeps.SWEEP_COMMAND_WORDS
+        )
     )
     if end.status:
         sys.exit(end.err or end.out)
     # Table and journal as the earlier drumlin writes them.
-    table, kept = end.written[broken_sweeps.SWEEP_TABLE], end.written[broken_sweeps.SWEEP_JOURNAL]
+    table, kept = (
+        end.written[broken_sweeps.SWEEP_TABLE_FILE_NAME],
+        end.written[broken_sweeps.SWEEP_JOURNAL_FILE_NAME],
+    )
     rows = []
     for name, whole in INPUTS.items():
         count = round(share * whole)

@@ -100,7 +100,7 @@ def report(result: Result, folder: Path) -> Path:
         killed=kills.killed_sweeps_summary_rows(result.killed),
         refusal_lines=trials.most_frequent_refusals_text(result.within),
         faults=_fault_lines(result),
-        promises=promises.PROMISES,
+        promises=promises.PROMISES_WITH_THEIR_TESTS,
         statuses=promises.STATUS_MEANINGS,
     )
 

@@ -16,8 +16,8 @@ from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import (
-    new_lining_circle_offsets_by_key,
-    new_lining_radii_by_key,
+    lining_circle_offsets_towards_hinge_by_key,
+    lining_radii_with_mismatch_by_key,
 )
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import table_as_csv_text
@@ -30,7 +30,7 @@ from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin.response.response import Response
 from drumlin.sweeps import cases as sweep
-from drumlin.sweeps.cases import Row, SweepCase
+from drumlin.sweeps.cases import CaseResults, SweepCase
 from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from drumlin.sweeps.tolerances import (
     ManufacturingTolerance,
@@ -43,7 +43,11 @@ from drumlin.sweeps.tolerances import (
 )
 from drumlin.sweeps.workers import provide_workers_for_cases_of_sweep
 from drumlin_studies import misfit_rows
-from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
+from drumlin_studies.misfit_rows import (
+    DRAWN_QUANTITIES,
+    LINING_STATES_OF_RANDOM_BRAKES,
+    DrawnBrakes,
+)
 from drumlin_studies.tables import values_of_key_in_rows
 
 HERE = Path(__file__).parent
@@ -123,7 +127,7 @@ class Result:
     turns: dict[str, dict[str, Floats]]
     tolerances: tuple[ManufacturingTolerance, ...]
     deviates: Floats
-    rows: dict[str, list[Row]]
+    rows: dict[str, list[CaseResults]]
     shares: dict[str, dict[str, list[SobolIndices]]]
     healed: dict[str, Floats]
     unit: float
@@ -159,7 +163,7 @@ def study(
     family = {}
     for dr in FAMILY:
         family[dr] = solve_prepared_model(
-            scene, vary(brake, new_lining_radii_by_key(brake, dr * 1e-6))
+            scene, vary(brake, lining_radii_with_mismatch_by_key(brake, dr * 1e-6))
         )
     # Torque over one turn of a drum with lobes, with new and with worn-in linings.
     angles = np.linspace(0, 2 * math.pi, setting.angles, endpoint=False)
@@ -181,7 +185,7 @@ def study(
     )
     with provide_workers_for_cases_of_sweep(setting.jobs) as (pool, workers):
 
-        def solve(what: str, several: Sequence[SweepCase]) -> list[Row]:
+        def solve(what: str, several: Sequence[SweepCase]) -> list[CaseResults]:
             """The rows of some cases, solved by the workers and kept in the journal."""
             return sweep.solve_all_cases_of_sweep(
                 several,
@@ -231,9 +235,9 @@ def _cases_of_map(brake: Brake, sides: tuple[Floats, Floats], elements: int) -> 
     cases = []
     for offset in sides[1]:
         for radius in sides[0]:
-            changes = new_lining_radii_by_key(brake, radius) | new_lining_circle_offsets_by_key(
-                brake, offset
-            )
+            changes = lining_radii_with_mismatch_by_key(
+                brake, radius
+            ) | lining_circle_offsets_towards_hinge_by_key(brake, offset)
             cases.append(SweepCase(brake, changes, options={"elements": elements}))
     return cases
 
@@ -243,8 +247,8 @@ def _rows_of_drawn_brakes(
     tolerances: tuple[ManufacturingTolerance, ...],
     deviates: Floats,
     elements: int,
-    solve: Callable[[str, Sequence[SweepCase]], list[Row]],
-) -> dict[str, list[Row]]:
+    solve: Callable[[str, Sequence[SweepCase]], list[CaseResults]],
+) -> dict[str, list[CaseResults]]:
     """The rows of the brakes drawn from the tolerances: new, worn in, and by the sine law.
 
     Parameters
@@ -306,11 +310,11 @@ def _run_in_brakes(
 
 
 def _sobol_indices_by_state(
-    tolerances: tuple[ManufacturingTolerance, ...], rows: dict[str, list[Row]]
+    tolerances: tuple[ManufacturingTolerance, ...], rows: dict[str, list[CaseResults]]
 ) -> dict[str, dict[str, list[SobolIndices]]]:
     """The Sobol indices of each quantity, for new and for worn-in brakes."""
     indices: dict[str, dict[str, list[SobolIndices]]] = {}
-    for state in STATES:
+    for state in LINING_STATES_OF_RANDOM_BRAKES:
         indices[state] = {}
         for name in DRAWN_QUANTITIES:
             # One row for each of the samples A, B and AB_1 to AB_d.

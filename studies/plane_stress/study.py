@@ -28,10 +28,10 @@ from drumlin.report.solid_picture import draw_solid_shoes_and_return_failure_rea
 from drumlin_studies import plane_stress as rows
 from drumlin_studies.plane_stress import (
     PlaneErrorMap,
+    PressuresOfWornSolidLinings,
     SolidAndPlane,
     TimeAndErrors,
     TorqueOnLevels,
-    WornSolid,
 )
 from drumlin_studies.plane_stress_limits import (
     parameter_ranges_within_error_limits,
@@ -103,7 +103,7 @@ class Result:
     validation: Validation
     maps: tuple[PlaneErrorMap, PlaneErrorMap]
     curves: dict[str, list[tuple[float, list[dict[str, Any]]]]]
-    worn: WornSolid
+    worn: PressuresOfWornSolidLinings
     ladder: dict[str, list[TimeAndErrors]]
     limits: list[dict[str, Any]]
     marked: dict[str, dict[str, float]]
@@ -119,7 +119,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     setting = SHORT if short else FULL
     brake = read_brake(HERE / "brake.toml")
     say("the brake itself")
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], rows.STUDY_DEGREE)
+    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], rows.DEFAULT_DEGREE_ACROSS_SOLID_WIDTH)
     three = rows.solve_by_solid_and_plane_stress(brake)
     # Finer divisions of the section give the uncertainty of the torque in both models.
     say("levels of the section")
@@ -286,7 +286,7 @@ def report(result: Result, folder: Path) -> Path:
                 )
     write_text(folder / "maps.csv", table_as_csv_text(points))
     largest = {}
-    for key in rows.WIDTH_QUANTITIES:
+    for key in rows.WIDTH_ERROR_NAMES_BY_ROW_KEY:
         largest[key] = max(float(np.abs(chart.errors[key]).max()) for chart in result.maps)
     return write_html_page(
         HERE / "page.html",

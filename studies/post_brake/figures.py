@@ -13,14 +13,24 @@ from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
 from drumlin.report.figures import (
     FORMULA_TEXT_SIZE,
+    PRINT_STYLE,
     SMALL_TEXT_SIZE,
-    STYLE,
     draw_legend_below_figure,
     make_figure_for_print,
     title_of_model_in_figures,
 )
-from drumlin.report.palette import FAINT, GRADES, INK, line_style_of_model
-from drumlin_studies.post_brake_rows import Curve, ErrorMap, Merits, Offsets
+from drumlin.report.palette import (
+    COLOR_OF_AXES_AND_NOTES,
+    ERROR_SCALE_COLORS,
+    INK,
+    line_style_of_model,
+)
+from drumlin_studies.post_brake_rows import (
+    Curve,
+    ErrorMap,
+    FiguresOfMeritOverFriction,
+    TorqueDifferencesOverRadiusOffset,
+)
 
 BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)
 """Borders of the regions of a map: errors within 1, 5 and 20 %, and beyond."""
@@ -38,7 +48,7 @@ def draw_beam_deflections(brake: Brake, found: Sequence[Mapping[str, Curve]]) ->
     )
 
 
-def draw_torque_over_radius_error(offsets: Offsets) -> Figure:
+def draw_torque_over_radius_error(offsets: TorqueDifferencesOverRadiusOffset) -> Figure:
     """Relative change of each shoe's torque over the error of the lining's radius."""
     panels = []
     for shoe, models in offsets.items():
@@ -53,7 +63,9 @@ def draw_torque_over_radius_error(offsets: Offsets) -> Figure:
     )
 
 
-def draw_merit_over_friction(brake: Brake, found: Merits, key: str, label: str) -> Figure:
+def draw_merit_over_friction(
+    brake: Brake, found: FiguresOfMeritOverFriction, key: str, label: str
+) -> Figure:
     """One figure of merit of each shoe over friction.
 
     Angles are in degrees from the middle of the lining.
@@ -103,7 +115,7 @@ def draw_curves_of_models(
     zero : bool
         Whether a line marks y = 0.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PRINT_STYLE):
         lines = -(-len(panels) // columns)
         figure = make_figure_for_print(2.2 * lines + 0.3)
         grid = figure.subplots(lines, columns, squeeze=False, sharey=True)
@@ -124,7 +136,7 @@ def draw_curves_of_models(
             axes.set_title(title)
             axes.set_xlabel(xlabel)
             if zero:
-                axes.axhline(0, color=FAINT, lw=0.8)
+                axes.axhline(0, color=COLOR_OF_AXES_AND_NOTES, lw=0.8)
         for axes in grid[:, 0]:
             axes.set_ylabel(ylabel)
         for axes in grid.flat[len(panels) :]:
@@ -153,7 +165,7 @@ def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -
             {f"{model} both shoes": _curve_in_mm(z) for model, z in one.items()},
         ),
     )
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PRINT_STYLE):
         figure = make_figure_for_print(4.2)
         grid = figure.subplots(1, len(panels), squeeze=False, subplot_kw={"projection": "polar"})
         # Room inside and outside the rim for the largest displacement.
@@ -201,11 +213,11 @@ def draw_error_maps(
     mark : sequence of pairs
         In each row the place of the study's own brake.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PRINT_STYLE):
         columns = len(rows[0])
         figure = make_figure_for_print(2.5 * len(rows) + 0.3)
         grid = figure.subplots(len(rows), columns, squeeze=False, sharex=True, sharey=True)
-        shades = ListedColormap(GRADES)
+        shades = ListedColormap(ERROR_SCALE_COLORS)
         norm = BoundaryNorm([0, 1, 2, 3, 4], 4)
         for line, panels, place in zip(grid, rows, mark, strict=True):
             for axes, one in zip(line, panels, strict=True):
@@ -248,7 +260,7 @@ def draw_error_maps(
             axes.set_xlabel(r"beam: $k R^4/EI$ [–]", fontsize=FORMULA_TEXT_SIZE)
         words = ("within 1 %", "within 5 %", "within 20 %", "beyond 20 %")
         handles = []
-        for shade, word in zip(GRADES, words, strict=True):
+        for shade, word in zip(ERROR_SCALE_COLORS, words, strict=True):
             handles.append(mpl.patches.Patch(color=shade, label=word))
         own = mpl.lines.Line2D(
             [], [], marker="s", ms=7, mfc="none", mec=INK, ls="", label="the study's own brake"

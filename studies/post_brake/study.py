@@ -31,7 +31,14 @@ from drumlin.report.page import write_html_page
 from drumlin.report.plane_picture import draw_plane_fields_and_return_failure_reason
 from drumlin.response.norms import relative_error_of_number
 from drumlin_studies import post_brake_rows as post
-from drumlin_studies.post_brake_rows import ALL_LIFTS, POST_MODELS, Curve, ErrorMap, Merits, Offsets
+from drumlin_studies.post_brake_rows import (
+    LIFT_OPTION_WITH_ALL_EFFECTS,
+    POST_MODELS,
+    Curve,
+    ErrorMap,
+    FiguresOfMeritOverFriction,
+    TorqueDifferencesOverRadiusOffset,
+)
 
 HERE = Path(__file__).parent
 MERITS = {
@@ -51,8 +58,8 @@ class Result:
     comparison: Comparison[Brake]
     lifts: list[dict[str, Any]]
     clearances: list[dict[str, Any]]
-    merits: Merits
-    offsets: Offsets
+    merits: FiguresOfMeritOverFriction
+    offsets: TorqueDifferencesOverRadiusOffset
     assumptions: list[dict[str, Any]]
     maps: list[list[ErrorMap]]
     place: list[tuple[float, float]]
@@ -154,7 +161,9 @@ def report(result: Result, folder: Path) -> Path:
         },
         rows=comparison.rows,
         columns=COLUMNS,
-        left_out=foundation.solve_brake_by_foundation_model(brake, lift=ALL_LIFTS).left_out,
+        left_out=foundation.solve_brake_by_foundation_model(
+            brake, lift=LIFT_OPTION_WITH_ALL_EFFECTS
+        ).left_out,
         not_drawn=not_drawn,
         file=(HERE / "brake.toml").read_text(),
     )

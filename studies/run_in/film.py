@@ -18,10 +18,10 @@ from drumlin.base.files import temporary_file_replacing_output
 from drumlin.lining_wear.linings import WearSetup
 from drumlin.lining_wear.run_in import peak_nodal_pressure_of_wear_state
 from drumlin.report.figures import SCREEN_STYLE
-from drumlin_studies.run_in_limits import Run, RunFrame
+from drumlin_studies.run_in_limits import RunFrame, RunInOfBrake
 
 
-def write_film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
+def write_film(one: RunInOfBrake, frames: Sequence[RunFrame], path: Path) -> Path:
     """Write a GIF of shoes that run in, and return its path.
 
     It shows the deformed shoes with their stress, and the pressure on the drum and over the angle.
@@ -53,7 +53,7 @@ def write_film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
 
 
 def _draw_frame(
-    one: Run, frames: Sequence[RunFrame], number: int, scales: tuple[float, float, float]
+    one: RunInOfBrake, frames: Sequence[RunFrame], number: int, scales: tuple[float, float, float]
 ) -> Figure:
     """One picture of the film.
 

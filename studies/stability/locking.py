@@ -9,7 +9,7 @@ import numpy as np
 
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.model import PENALTY
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR
 from drumlin_studies.self_locking import (
     row_of_self_locking_friction,
     row_of_torque_curves_by_friction,
@@ -24,11 +24,11 @@ THICKNESSES = (8e-3, 3e-3, 1e-3)
 RING = {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}, "support": "free"}
 WAYS = ("locking", "opposed")
 SLOPES: dict[str, tuple[dict[str, Any], float]] = {
-    "stiff shoes": ({}, PENALTY),
-    "clockwise": ({"rotation": "clockwise"}, PENALTY),
-    "with a free ring": ({"drum.ring": RING}, PENALTY),
+    "stiff shoes": ({}, DEFAULT_PENALTY_FACTOR),
+    "clockwise": ({"rotation": "clockwise"}, DEFAULT_PENALTY_FACTOR),
+    "with a free ring": ({"drum.ring": RING}, DEFAULT_PENALTY_FACTOR),
     "clearance, soft contact": ({"shoe.lining.clearance": 1e-5}, 100.0),
-    "friction 0.6": ({"friction": 0.6}, PENALTY),
+    "friction 0.6": ({"friction": 0.6}, DEFAULT_PENALTY_FACTOR),
 }
 """Changes of the brake and penalty factor of each table of slopes, by name."""
 

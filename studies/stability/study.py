@@ -37,9 +37,9 @@ from drumlin_studies.tables import (
     values_of_key_in_rows,
 )
 from drumlin_studies.trial import (
-    ANSWERS,
+    ANSWER_OUTCOMES,
     LARGEST_RESIDUAL,
-    REFUSALS,
+    REFUSAL_OUTCOMES_BY_MESSAGE_WORDS,
     TORQUE_DIGITS,
     TRIAL_OUTCOMES,
     solve_and_judge_case,
@@ -75,7 +75,7 @@ class Result(NamedTuple):
         A row for each case.
     locked : locking.Result
         Tables on self-locking.
-    compared : list of Check
+    compared : list of TwoPathComparison
         Comparisons of two paths to one quantity.
     seconds : float
         Run time of the study [s].
@@ -83,7 +83,7 @@ class Result(NamedTuple):
 
     rows: list[Row]
     locked: locking.Result
-    compared: list[consistency.Check]
+    compared: list[consistency.TwoPathComparison]
     seconds: float
 
 
@@ -191,9 +191,9 @@ def _rows_by_ending(rows: list[Row]) -> dict[str, list[Row]]:
     """The rows with an answer, those refused for a stated reason, and all without an answer."""
     endings: dict[str, list[Row]] = {"answers": [], "refused": [], "unanswered": []}
     for row in rows:
-        has_answer = row["outcome"] in ANSWERS
+        has_answer = row["outcome"] in ANSWER_OUTCOMES
         endings["answers" if has_answer else "unanswered"].append(row)
-        if row["outcome"] in (*REFUSALS.values(), "bad input"):
+        if row["outcome"] in (*REFUSAL_OUTCOMES_BY_MESSAGE_WORDS.values(), "bad input"):
             endings["refused"].append(row)
     return endings
 

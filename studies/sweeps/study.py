@@ -17,13 +17,13 @@ from studies.sweeps import figures
 from drumlin.base.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
-from drumlin.sweeps.cases import Row, solve_all_cases_of_sweep
+from drumlin.sweeps.cases import CaseResults, solve_all_cases_of_sweep
 from drumlin.sweeps.file import Sweep, read_sweep_from_toml_file
 from drumlin.sweeps.sample import positions_of_sample_cases
 from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from drumlin_studies.throughput import (
-    KEEP,
-    Kill,
+    ENVIRONMENT_THAT_KEEPS_FREED_MEMORY,
+    KilledSweepRun,
     Throughput,
     kill_and_finish_sweep,
     measure_time_of_sweep_by_dask_keeping_memory,
@@ -49,9 +49,9 @@ class Result:
 
     measured: dict[str, list[Throughput]]
     same: bool
-    sampled: list[Row]
-    meshes: list[Row]
-    kills: list[Kill]
+    sampled: list[CaseResults]
+    meshes: list[CaseResults]
+    kills: list[KilledSweepRun]
     killed_cases: int
     killed_same: bool
     sweeps: dict[str, Sweep]
@@ -156,7 +156,9 @@ def report(result: Result, folder: Path) -> Path:
         ],
         kills=kills,
         with_dask=any(one.by != "processes" for those in result.measured.values() for one in those),
-        keep=" and ".join(f"{name}={value}" for name, value in KEEP.items()),
+        keep=" and ".join(
+            f"{name}={value}" for name, value in ENVIRONMENT_THAT_KEEPS_FREED_MEMORY.items()
+        ),
         fine=FINE,
         files=files,
     )

@@ -25,9 +25,13 @@ from drumlin_studies.orders import (
     largest_pressure_distance_of_shoes,
 )
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
+from drumlin_studies.random_kinds import DRAW_BY_SUPPORT_KIND as KINDS_OF_HOLDING
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
-from drumlin_studies.side_by_side import PROCESSES, Case, compute_cases_in_parallel_with_journal
+from drumlin_studies.side_by_side import (
+    PROCESSES,
+    ComputationInput,
+    compute_cases_in_parallel_with_journal,
+)
 from drumlin_studies.stated_true import (
     JUDGED_TOLERANCES,
     row_of_stated_and_true_errors,
@@ -139,7 +143,7 @@ def study(
     count = 1 if short else CORNERS
     cases = []
     for k in range(count):
-        cases.append({"corner": corner_rows.FIRST_JUDGED + k})
+        cases.append({"corner": corner_rows.SEED_OF_FIRST_CORNER_BRAKE + k})
     say("random corners and tips")
     corners: list[dict[str, Any]] = []
     for found in compute_cases_in_parallel_with_journal(
@@ -166,7 +170,7 @@ def _tolerances_of_seed(seed: int, *, short: bool) -> list[float]:
     return list(JUDGED_TOLERANCES if seed % THIRD == 0 else JUDGED_TOLERANCES[:-1])
 
 
-def _corner_case_rows(case: Case) -> dict[str, Any]:
+def _corner_case_rows(case: ComputationInput) -> dict[str, Any]:
     """Stated and true errors of a brake that presses with a corner or under a tip."""
     return {"rows": corner_rows.rows_of_stated_and_true_errors_of_corner_brake(case["corner"])}
 
@@ -185,7 +189,7 @@ def _draw_brake(seed: int) -> Brake:
     return brake
 
 
-def _stated_and_true_rows(case: Case) -> dict[str, Any]:
+def _stated_and_true_rows(case: ComputationInput) -> dict[str, Any]:
     """Stated and true errors of a random brake, a row for each tolerance."""
     seed, tolerances = case["seed"], case["tolerances"]
     brake, failure, true = _draw_brake(seed), "", None
@@ -238,7 +242,7 @@ def report(result: Result, folder: Path) -> Path:
         cases=list(CASES),
         judged=summary_rows_of_stated_errors(result.judged),
         corners=corner_rows.error_summary_rows_by_kind(result.corners),
-        steep=corner_rows.STEEPEST_JUDGED,
+        steep=corner_rows.SMALLEST_JUDGED_PRESSURE_EXPONENT,
         independent=summary_rows_of_stated_errors(
             rows_with_given_values(result.judged, truth="triangles")
         ),

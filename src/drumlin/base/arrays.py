@@ -16,7 +16,7 @@ Floats = np.ndarray[Any, np.dtype[np.float64]]
 Ints = np.ndarray[Any, np.dtype[np.int64]]
 Bools = np.ndarray[Any, np.dtype[np.bool_]]
 Complexes = np.ndarray[Any, np.dtype[np.complex128]]
-Values = float | Floats
+NumberOrArray = float | Floats
 """The type of a number, or of an array that broadcasts with the other arguments of a function."""
 
 

@@ -15,8 +15,19 @@ from drumlin.base.texts import printable_single_line
 
 # Names in the standard module errno of errors that say: no disk space, memory, open files or
 # processes are left.
-_SHORTAGES = ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
-SHORT_OF = {getattr(errno, name) for name in _SHORTAGES if hasattr(errno, name)}
+_ERRNO_NAMES_OF_SHORTAGE = (
+    "ENOSPC",
+    "EDQUOT",
+    "EFBIG",
+    "EIO",
+    "ENOMEM",
+    "EMFILE",
+    "ENFILE",
+    "EAGAIN",
+)
+ERROR_NUMBERS_OF_SHORTAGE = {
+    getattr(errno, name) for name in _ERRNO_NAMES_OF_SHORTAGE if hasattr(errno, name)
+}
 """Error numbers by which the operating system says that disk, memory, files or processes run out.
 
 drumlin reports them as NoAnswer and not as BadInput, because the user's input does not cause them.
@@ -125,7 +136,7 @@ def exception_for_unusable_file(path: object, doing: str, error: BaseException) 
     doing : "read" or "written", the word in the message for what failed
     error : the exception of the operating system
     """
-    short = isinstance(error, OSError) and error.errno in SHORT_OF
+    short = isinstance(error, OSError) and error.errno in ERROR_NUMBERS_OF_SHORTAGE
     kind = NoAnswer if short else BadInput
     return kind(f"{path}: cannot be {doing} ({system_message_of_error(error)})")
 
@@ -179,7 +190,7 @@ def _error_line_of_any_length_and_exit_status(error: BaseException) -> tuple[str
     elif isinstance(error, OSError):
         where = "" if error.filename is None else f"{error.filename}: "
         line = f"{where}{system_message_of_error(error)}"
-        status = 3 if error.errno in SHORT_OF else 2
+        status = 3 if error.errno in ERROR_NUMBERS_OF_SHORTAGE else 2
     else:
         # An unexpected exception is a fault of drumlin: the line names the file and its line.
         place = traceback.extract_tb(error.__traceback__)[-1:]

@@ -10,9 +10,9 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import PurePath
 
-LONGEST_LINE = 600
+LONGEST_ERROR_MESSAGE = 600
 """Longest error message in characters. A longer message is printed without its middle."""
-LONGEST_QUANTITY = 100
+LONGEST_QUANTITY_TEXT = 100
 """Longest text of a number with its unit in a brake file, in characters; longer is refused."""
 MOST_DIGITS = 308
 """Largest number of consecutive digits of a number in a file, and of an integer in Python.
@@ -28,21 +28,23 @@ The TOML parser walks through all parts of every key: files with long dotted key
 """
 
 # The pattern matches the exponent of a number below ten millions, such as e+05.
-_THOUSANDS = re.compile(r"e\+0[0-6]$")
+_EXPONENT_BELOW_TEN_MILLIONS = re.compile(r"e\+0[0-6]$")
 # The pattern matches a zero with a sign, such as -0.00 or +0%.
-_NOTHING = re.compile(r"[-+]0(\.0*)?%?")
+_ZERO_WITH_SIGN = re.compile(r"[-+]0(\.0*)?%?")
 # The pattern matches a number with too many digits; TOML allows _ between digits.
-_DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
+_TOO_MANY_DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
 # The smallest integer with too many digits.
-_TOO_LARGE = 10**MOST_DIGITS
+_SMALLEST_TOO_LARGE_INTEGER = 10**MOST_DIGITS
 # The pattern matches one part of a dotted TOML key: a bare word, or a text in quotes.
-_PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_PART_OF_TOML_KEY = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 # The pattern matches a dotted key with any number of parts, or a whole comment, so that words in a
 # comment are not taken for keys.
-_KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
+_TOML_KEY_OR_COMMENT = re.compile(
+    rf"#[^\n]*+|{_PART_OF_TOML_KEY}(?:[ \t]*+\.[ \t]*+{_PART_OF_TOML_KEY})*+"
+)
 
 
-def printable_single_line(text: str, most: int = LONGEST_LINE) -> str:
+def printable_single_line(text: str, most: int = LONGEST_ERROR_MESSAGE) -> str:
     """The text as one line; line breaks and other unprintable characters become escape sequences.
 
     A text of more than `most` characters loses its middle.
@@ -91,9 +93,9 @@ def number_as_text(value: float, form: str) -> str:
     ends in "g", a number below ten millions has no exponent.
     """
     text = format(value, form)
-    if form.endswith("g") and _THOUSANDS.search(text):
+    if form.endswith("g") and _EXPONENT_BELOW_TEN_MILLIONS.search(text):
         text = format(float(text), "+.0f" if text.startswith("+") else ".0f")
-    text = text.lstrip("+-") if _NOTHING.fullmatch(text) else text
+    text = text.lstrip("+-") if _ZERO_WITH_SIGN.fullmatch(text) else text
     return f"{text[:-1]} %" if text.endswith("%") else text
 
 
@@ -117,7 +119,7 @@ def did_you_mean_hint(name: str, names: Iterable[str]) -> str:
 
 def check_numbers_have_few_digits(text: str) -> None:
     """Raise ValueError if the text has a number with more than MOST_DIGITS consecutive digits."""
-    if _DIGITS.search(text):
+    if _TOO_MANY_DIGITS.search(text):
         raise ValueError(f"has a number of more than {MOST_DIGITS} digits")
 
 
@@ -127,7 +129,7 @@ def check_integers_have_few_digits(where: str, value: object) -> None:
     An integer may have MOST_DIGITS digits. `where` is the name of the value in the message.
     """
     if isinstance(value, int):
-        if abs(value) >= _TOO_LARGE:
+        if abs(value) >= _SMALLEST_TOO_LARGE_INTEGER:
             raise ValueError(
                 f"{where} = {value_as_text(value)}: must have at most {MOST_DIGITS} digits"
             )
@@ -148,11 +150,11 @@ def check_toml_parses_quickly(text: str) -> None:
     A number may have MOST_DIGITS digits, and a key MOST_KEY_PARTS parts.
     """
     check_numbers_have_few_digits(text)
-    for match in _KEY.finditer(text):
+    for match in _TOML_KEY_OR_COMMENT.finditer(text):
         key = match.group()
         # Counting the parts exactly takes time, since a part in quotes may have dots itself. The
         # parts are therefore counted only if a key has many dots.
         if key.count(".") >= MOST_KEY_PARTS and not key.startswith("#"):
-            parts = len(re.findall(_PART, key))
+            parts = len(re.findall(_PART_OF_TOML_KEY, key))
             if parts > MOST_KEY_PARTS:
                 raise ValueError(f"has a key of {parts} parts; allowed: {MOST_KEY_PARTS}")

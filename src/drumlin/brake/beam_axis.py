@@ -15,7 +15,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 
 
-class Axis(NamedTuple):
+class BeamAxis(NamedTuple):
     """The axis of a straight shoe beam, and the conversion of its coordinates to the brake's.
 
     Attributes
@@ -63,7 +63,7 @@ class Axis(NamedTuple):
         )
 
 
-def make_beam_axis(hinge: Floats, end: Floats) -> Axis:
+def make_beam_axis(hinge: Floats, end: Floats) -> BeamAxis:
     """Make the axis of a beam from the positions of its hinge (2,) and its loaded end (2,) [m].
 
     The two points must differ, and the drum's centre O must not lie on the line through them.
@@ -75,7 +75,7 @@ def make_beam_axis(hinge: Floats, end: Floats) -> Axis:
     side = -1.0 if left @ -hinge < 0 else 1.0
     # The vector across the axis points to the side on which O lies.
     towards = side * left
-    return Axis(
+    return BeamAxis(
         hinge=hinge,
         along=along,
         unit_normal_towards_drum_centre=towards,

@@ -18,7 +18,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
-from drumlin.brake.components import Backing, Bar, Beam, Lining, Lobes, Ring
+from drumlin.brake.components import Backing, Beam, Lining, Lobes, Ring, ShoeBodyOfConstantSection
 from drumlin.brake.drive import Drive, Link, reason_why_forces_follow_from_cam_or_strut
 from drumlin.brake.fields import Part, Point
 from drumlin.brake.friction import (
@@ -29,7 +29,7 @@ from drumlin.brake.friction import (
 )
 from drumlin.brake.further_loads import Gravity, Lever, Spring
 from drumlin.brake.show import html_table_of_brake, text_of_brake
-from drumlin.brake.support import MOVES, Meshed
+from drumlin.brake.support import MOTION_TEXTS_BY_KIND_OF_SUPPORT, ShoeWithOptionalMeshFile
 from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
 
 
@@ -42,7 +42,7 @@ class ShoeFrame(NamedTuple):
 
     Attributes
     ----------
-    origin : coordinate q of the pin (`Held.pin`)
+    origin : coordinate q of the pin (`SupportedShoe.pin`)
     sense : +1 if phi grows with q, -1 if phi falls
     surface_coordinate_per_phi : change of q per unit of phi
     """
@@ -87,7 +87,7 @@ class ShoeFrame(NamedTuple):
         return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
 
 
-class Shoe(Meshed):
+class Shoe(ShoeWithOptionalMeshFile):
     """A shoe with its lining, support and actuation. A shoe without `body` is rigid."""
 
     surface: ClassVar[FrictionSurface]
@@ -102,7 +102,7 @@ class Shoe(Meshed):
         @property
         def backing(self) -> Backing | None: ...
         @property
-        def body(self) -> Bar | Beam | None: ...
+        def body(self) -> ShoeBodyOfConstantSection | Beam | None: ...
 
     @property
     def sign_of_internal_shoe(self) -> int:
@@ -166,7 +166,7 @@ class Shoe(Meshed):
     @property
     @abstractmethod
     def pin_position_in_shoe_frame(self) -> Floats:
-        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
+        """Position (2,) [m] of the pin (`SupportedShoe.pin`) in the frame of the shoe."""
 
     @abstractmethod
     def convert_points_to_shoe_frame(self, xy: Floats) -> Floats:
@@ -205,7 +205,7 @@ class Shoe(Meshed):
         """
 
     @abstractmethod
-    def surface_coordinate_of_point(self, point: Point) -> float:
+    def drum_angle_or_plane_x_of_point(self, point: Point) -> float:
         """Coordinate q of a point along the surface (theta on a drum, x on a plane).
 
         On a drum whole turns are added to bring the angle nearest to the lining's middle.
@@ -238,7 +238,7 @@ class Shoe(Meshed):
         With `loaded` it is the middle of the other end face, which the actuation pushes. `size` is
         the size of the brake [m].
         """
-        assert isinstance(self.body, Bar)
+        assert isinstance(self.body, ShoeBodyOfConstantSection)
         ends = self.frame.phi_coordinates_as_list((self.body.start, self.body.end))
         # phi counts from the pin, so that the supported end is the nearer one.
         phi = max(ends, key=abs) if loaded else min(ends, key=abs)
@@ -253,10 +253,10 @@ class Shoe(Meshed):
         support nearer to the pin pushes on the other end of the body, which is held rigidly. `size`
         is the size of the brake [m].
         """
-        # The actuation loads a body of constant section (`Bar`) on its end face. On any other shoe
-        # the loaded end is the point of the actuation.
+        # The actuation loads a body of constant section (`ShoeBodyOfConstantSection`) on its end
+        # face. On any other shoe the loaded end is the point of the actuation.
         loaded = self.convert_points_to_shoe_frame(self.actuation.point.xy)
-        if isinstance(self.body, Bar) and self.mesh is None:
+        if isinstance(self.body, ShoeBodyOfConstantSection) and self.mesh is None:
             loaded = self.middle_of_supported_or_loaded_end_face_of_body(size, loaded=True)
         at = self.convert_points_to_shoe_frame(point.xy)
         return math.dist(at, loaded) < math.dist(at, self.pin_position_in_shoe_frame)
@@ -267,18 +267,18 @@ class Shoe(Meshed):
 
         A pivot and a guide do so, and a hinge does if the body has a `grip`.
         """
-        has_grip = isinstance(self.body, Bar) and self.body.grip is not None
+        has_grip = isinstance(self.body, ShoeBodyOfConstantSection) and self.body.grip is not None
         return self.kind_of_support in {"pivot", "guide"} or has_grip
 
     def interval_of_body_back_held_by_support(self, size: float) -> tuple[float, float] | None:
         """Interval (phi_1, phi_2) of the back of an elastic body that the support holds.
 
-        phi is the coordinate in the frame of the shoe, and `Bar.grip` gives the interval's length.
-        The result is None if the support holds an end face, or if the shoe is rigid, has a mesh
-        file or is a straight beam. `size` is the size of the brake [m].
+        phi is the coordinate in the frame of the shoe, and `ShoeBodyOfConstantSection.grip` gives
+        the interval's length. The result is None if the support holds an end face, or if the shoe
+        is rigid, has a mesh file or is a straight beam. `size` is the size of the brake [m].
         """
         if (
-            not isinstance(self.body, Bar)
+            not isinstance(self.body, ShoeBodyOfConstantSection)
             or self.mesh is not None
             or not self.has_support_on_back_of_body
         ):
@@ -287,7 +287,7 @@ class Shoe(Meshed):
         place = (
             self.lining.middle
             if self.pivot is None
-            else self.surface_coordinate_of_point(self.pivot)
+            else self.drum_angle_or_plane_x_of_point(self.pivot)
         )
         # The held interval has at most 60 % of the lining's length.
         wanted = (
@@ -375,7 +375,7 @@ class Brake(Part):
         """Reference length of the brake [m]: the drum's radius, or the first lining's length."""
 
     @property
-    def scale_factor(self) -> float:
+    def length_per_surface_coordinate(self) -> float:
         """Length along the surface per unit of its coordinate: R [m] on a drum, 1 on a plane.
 
         It is also the lever arm that converts a friction force to the torque on a drum, or to the
@@ -386,7 +386,7 @@ class Brake(Part):
     @property
     def surface_coordinate_per_phi(self) -> float:
         """Change of the surface's coordinate q per unit of phi, see `ShoeFrame`."""
-        return self.size / self.scale_factor
+        return self.size / self.length_per_surface_coordinate
 
     @property
     def ring(self) -> Ring | None:
@@ -644,7 +644,9 @@ class Brake(Part):
             return self.reason_why_cam_or_strut_sets_forces
         for shoe in self.shoes:
             if shoe.kind_of_support != "hinge":
-                return f"shoe {shoe.name!r}: {MOVES[shoe.kind_of_support]}"
+                return (
+                    f"shoe {shoe.name!r}: {MOTION_TEXTS_BY_KIND_OF_SUPPORT[shoe.kind_of_support]}"
+                )
         return None
 
     def check_all_shoes_are_hinged(self, what: str) -> None:

@@ -167,7 +167,7 @@ def solve_brake_at_angular_drum_positions(
     return [solve(vary(brake, {"drum.angle": angle})) for angle in angles]
 
 
-def new_lining_radii_by_key(brake: Brake, mismatch: float) -> dict[str, float]:
+def lining_radii_with_mismatch_by_key(brake: Brake, mismatch: float) -> dict[str, float]:
     """New lining radii, for `vary`: every lining is ground to the drum's radius plus `mismatch`.
 
     The result has the new radius [m] by the key in the brake file, such as
@@ -178,7 +178,7 @@ def new_lining_radii_by_key(brake: Brake, mismatch: float) -> dict[str, float]:
     }
 
 
-def new_lining_circle_offsets_by_key(brake: Brake, size: float) -> dict[str, float]:
+def lining_circle_offsets_towards_hinge_by_key(brake: Brake, size: float) -> dict[str, float]:
     """New offsets of the lining circles, for `vary`: each is moved by `size` [m] towards the hinge.
 
     The circle to which the lining is ground moves along the line from the drum's centre to the

@@ -26,14 +26,14 @@ from drumlin.brake.fields import (
     AngularSpeed,
     AnyMaterial,
     BendingStiffness,
+    CartesianOrPolarPoint,
     Expansion,
     Force,
+    InterpolationTable,
     Length,
     Material,
     Part,
-    Place,
     Point,
-    Rows,
     TemperatureRise,
     Thickness,
     interpolate_number_or_table,
@@ -65,7 +65,7 @@ class Section(NamedTuple):
         return self.material.E_along * self.width * self.thickness**3 / 12
 
 
-class Bonded(NamedTuple):
+class BondedPlates(NamedTuple):
     """The neutral axis and the stiffnesses of bonded plates that bend as one beam.
 
     Attributes
@@ -82,7 +82,7 @@ class Bonded(NamedTuple):
     GA: float
 
 
-def stiffnesses_of_bonded_plates(plates: Sequence[Section]) -> Bonded:
+def stiffnesses_of_bonded_plates(plates: Sequence[Section]) -> BondedPlates:
     """The stiffnesses of plates that are bonded to each other and bend as one beam.
 
     `plates` are the cross-sections in the order in which they lie on each other.
@@ -99,7 +99,7 @@ def stiffnesses_of_bonded_plates(plates: Sequence[Section]) -> Bonded:
     depth = float(EA @ middle / EA.sum())
     # By Steiner's theorem a plate off the neutral axis adds EA times the square of its distance.
     EI = own + EA * (middle - depth) ** 2
-    return Bonded(depth, float(EI.sum()), float(EA.sum()), float(GA.sum()))
+    return BondedPlates(depth, float(EI.sum()), float(EA.sum()), float(GA.sum()))
 
 
 ASSUMED_STEEL = Material(E=210e9, nu=0.3)
@@ -111,7 +111,7 @@ because plane stress depends only on its product with the width.
 
 
 def _cross_section_or_none_if_unknown(
-    part: "Ring | Beam | Bar", EI: float | None
+    part: "Ring | Beam | ShoeBodyOfConstantSection", EI: float | None
 ) -> Section | None:
     """The cross-section of a ring, a beam or an arc; None if it is unknown.
 
@@ -141,7 +141,7 @@ def _check_section_or_stiffness_is_given(part: "Ring | Beam") -> None:
         )
 
 
-PLAIN_SUPPORTS = ("fixed", "free")
+RING_EDGE_SUPPORTS_OF_ALL_MODELS = ("fixed", "free")
 """Supports of the ring's far edge (away from the shoes) that every model can take."""
 
 
@@ -172,7 +172,7 @@ class Ring(Part):
         Some models refuse a ring with any other support, see
         `ring_support.reason_if_ring_edge_is_not_fixed_or_free`.
         """
-        return self.support in PLAIN_SUPPORTS
+        return self.support in RING_EDGE_SUPPORTS_OF_ALL_MODELS
 
     @property
     def section(self) -> Section | None:
@@ -229,13 +229,14 @@ class Drum(Part):
 # Types of quantities that are a number or a table: for a beam a table over the distance from the
 # hinge, for a lining a table over the angle.
 StiffnessAlong = Annotated[
-    float | Rows, make_validator_of_number_or_table("distance", "m", "bending stiffness", "N m^2")
+    float | InterpolationTable,
+    make_validator_of_number_or_table("distance", "m", "bending stiffness", "N m^2"),
 ]
 OffsetAlong = Annotated[
-    float | Rows, make_validator_of_number_or_table("distance", "m", "offset", "m")
+    float | InterpolationTable, make_validator_of_number_or_table("distance", "m", "offset", "m")
 ]
 Clearance = Annotated[
-    float | Rows,
+    float | InterpolationTable,
     make_validator_of_number_or_table("angle", "rad", "clearance", "m"),
     make_validator_that_tabulates_function_along_lining(),
 ]
@@ -247,7 +248,7 @@ LARGEST_MISFIT = 0.05
 A misfit is added to the gap along the drum's radii, which is right for small misfits only.
 """
 
-ROUNDED_STEP = math.radians(1.0)
+LENGTH_OF_STEP_BETWEEN_BLOCKS = math.radians(1.0)
 """Length [rad] over which the face of a lining rises smoothly from one block to the next.
 
 On a plane it is relative to the lining's length. The edges of blocks are rounded because under a
@@ -266,10 +267,11 @@ class Misfit(Part):
     """
 
     radius: Thickness | None = None
-    offset: Place = Point(x=0.0, y=0.0)
+    offset: CartesianOrPolarPoint = Point(x=0.0, y=0.0)
     taper: Length = 0.0
     blocks: Annotated[
-        Rows, make_validator_of_table_with_growing_coordinates("angle", "rad", "depth", "m")
+        InterpolationTable,
+        make_validator_of_table_with_growing_coordinates("angle", "rad", "depth", "m"),
     ] = ()
 
     def check_misfit_size_and_blocks(
@@ -328,7 +330,7 @@ class Lining(Part):
         @property
         def material(self) -> AnyMaterial: ...
         @property
-        def clearance(self) -> float | Rows: ...
+        def clearance(self) -> float | InterpolationTable: ...
         @property
         def misfit(self) -> Misfit: ...
         @property
@@ -381,7 +383,9 @@ class Lining(Part):
         """
         return self.model_copy(update=dict(changes))
 
-    def copy_of_lining_with_other_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
+    def copy_of_lining_with_other_clearances(
+        self, clearances: "Sequence[float | InterpolationTable]"
+    ) -> Self:
         """A copy with other clearances, one for each lining; linings that touch count as one.
 
         A clearance is a length [m] or a table of rows (coordinate, clearance).
@@ -433,7 +437,7 @@ class DrumLining(Lining):
     @property
     def length_of_step_between_blocks(self) -> float:
         """Angle [rad] over which the face rises smoothly from one block's height to the next."""
-        return ROUNDED_STEP
+        return LENGTH_OF_STEP_BETWEEN_BLOCKS
 
     @model_validator(mode="after")
     def _check_end_follows_start(self) -> Self:
@@ -454,7 +458,7 @@ SMALLEST_SLOT = 1e-3
 A shorter slot is narrower than a saw cut. The two linings could touch each other under load, which
 no model computes. The value is a judgement.
 """
-TOUCHING = 1e-9
+LARGEST_GAP_OF_TOUCHING_LININGS = 1e-9
 """Largest distance [rad] between two linings that touch and count as one lining.
 
 Equal angles that a file gives in degrees differ by less, due to round-off.
@@ -491,14 +495,14 @@ class DrumLiningRow(Lining):
         for k, (before, part) in enumerate(pairwise(self.parts), start=1):
             _check_lining_is_like_first_one(f"lining[{k}]", part, first)
             apart = part.start - before.end
-            if apart < -TOUCHING:
+            if apart < -LARGEST_GAP_OF_TOUCHING_LININGS:
                 raise ValueError(
                     f"lining[{k}].start = {text_in_degrees(part.start)}: must not be less than "
                     f"lining[{k - 1}].end = {text_in_degrees(before.end)}; "
                     "linings stand side by side in the order of growing angles"
                 )
             fits = before.clearance == part.clearance and before.misfit == part.misfit == Misfit()
-            if apart <= TOUCHING and not fits:
+            if apart <= LARGEST_GAP_OF_TOUCHING_LININGS and not fits:
                 raise ValueError(
                     f"lining[{k}].start = {text_in_degrees(part.start)}: linings that touch are "
                     "one "
@@ -521,7 +525,7 @@ class DrumLiningRow(Lining):
         """The linings by growing angle, where linings that touch are joined to one lining."""
         found = [self.parts[0]]
         for part in self.parts[1:]:
-            if part.start - found[-1].end <= TOUCHING:
+            if part.start - found[-1].end <= LARGEST_GAP_OF_TOUCHING_LININGS:
                 found[-1] = found[-1].model_copy(update={"end": part.end})
             else:
                 found.append(part)
@@ -570,14 +574,16 @@ class DrumLiningRow(Lining):
     @property
     def length_of_step_between_blocks(self) -> float:
         """Angle [rad] over which a face rises smoothly from one block's height to the next."""
-        return ROUNDED_STEP
+        return LENGTH_OF_STEP_BETWEEN_BLOCKS
 
     def copy_of_lining_with_changed_fields(self, changes: Mapping[str, object]) -> Self:
         """A copy with other values of some fields of every lining, by the names of the fields."""
         parts = tuple(part.model_copy(update=dict(changes)) for part in self.parts)
         return self.model_copy(update={"parts": parts})
 
-    def copy_of_lining_with_other_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
+    def copy_of_lining_with_other_clearances(
+        self, clearances: "Sequence[float | InterpolationTable]"
+    ) -> Self:
         """A copy with other clearances, one for each lining; linings that touch count as one.
 
         A clearance is a length [m] or a table of rows (angle, clearance).
@@ -607,7 +613,7 @@ def indices_of_linings_at_coordinates(lining: Lining, theta: Floats) -> Ints:
     linings to the first lining.
     """
     # A node on the edge of a lining may lie before its start by round-off.
-    starts = [part.start - TOUCHING for part in lining.linings[1:]]
+    starts = [part.start - LARGEST_GAP_OF_TOUCHING_LININGS for part in lining.linings[1:]]
     return np.searchsorted(np.array(starts), theta, side="right")
 
 
@@ -673,7 +679,7 @@ class Table(Part):
     width: Thickness
 
 
-class Bar(Part):
+class ShoeBodyOfConstantSection(Part):
     """An elastic shoe body of constant cross-section behind lining and backing.
 
     Without a `table` (flange) the section is a rectangle of the `thickness` and `width` [m]. With a
@@ -743,7 +749,7 @@ class Bar(Part):
         return self.thickness + (self.table.thickness if self.table else 0.0)
 
 
-class ArcBody(Bar):
+class ArcBody(ShoeBodyOfConstantSection):
     """An elastic shoe body that is an arc of constant section from angle `start` to `end` [rad]."""
 
     shape: Literal["arc"] = "arc"
@@ -853,7 +859,7 @@ class Actuation(Part):
 
     force: Force = 0.0
     direction: Angle
-    point: Place
+    point: CartesianOrPolarPoint
 
     @property
     def unit_vector_of_force(self) -> Floats:

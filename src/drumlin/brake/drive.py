@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import (
-    PURE_NUMBER,
+    PURE_NUMBER_VALIDATOR,
     Angle,
     Area,
     Force,
@@ -25,9 +25,9 @@ from drumlin.brake.fields import (
     Thickness,
     Torque,
 )
-from drumlin.brake.support import Held
+from drumlin.brake.support import SupportedShoe
 
-Efficiency = Annotated[float, Field(gt=0, le=1, strict=True), PURE_NUMBER]
+Efficiency = Annotated[float, Field(gt=0, le=1, strict=True), PURE_NUMBER_VALIDATOR]
 """The type of the efficiency of a drive, a number above 0 and up to 1."""
 
 
@@ -233,7 +233,7 @@ def _strut_actuations_by_shoe_index(
     return lines
 
 
-LARGEST_BEND_OF_STRUT = 1e-9
+LARGEST_ANGLE_BETWEEN_STRUT_FORCES = 1e-9
 """Largest angle [rad] between the forces at the two ends of a strut that counts as round-off.
 
 The lines of action of the two forces may also be this far apart, relative to the distance of the
@@ -243,7 +243,7 @@ degrees differ by less.
 
 
 def _check_strut_joins_two_shoes_on_anchors(
-    key: str, source: Held, to: Held, before: tuple[Link, ...], link: Link
+    key: str, source: SupportedShoe, to: SupportedShoe, before: tuple[Link, ...], link: Link
 ) -> None:
     """Raise ValueError unless a strut pushes apart the abutments of two shoes on anchors.
 
@@ -269,8 +269,8 @@ def _check_strut_joins_two_shoes_on_anchors(
     along = source.unit_vector_of_smooth_abutment_force
     off = abs(float(between[0] * along[1] - between[1] * along[0]))
     if (
-        abs(turn) > LARGEST_BEND_OF_STRUT
-        or off > LARGEST_BEND_OF_STRUT * math.hypot(*between)
+        abs(turn) > LARGEST_ANGLE_BETWEEN_STRUT_FORCES
+        or off > LARGEST_ANGLE_BETWEEN_STRUT_FORCES * math.hypot(*between)
         or between @ along <= 0
     ):
         raise ValueError(
@@ -310,7 +310,7 @@ def _actuation_of_shoe_without_strut(
 
 
 def _actuation_of_shoe_pushed_by_strut(
-    key: str, source: Held, link: Link, before: tuple[Link, ...]
+    key: str, source: SupportedShoe, link: Link, before: tuple[Link, ...]
 ) -> Actuation:
     """Actuation of the shoe that a strut pushes: the strut's line of action, with the force 0.
 

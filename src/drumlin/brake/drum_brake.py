@@ -25,12 +25,12 @@ from drumlin.brake.components import (
     AnyDrumLining,
     ArcBody,
     Backing,
-    Bar,
     Beam,
     Drum,
     Lining,
     Lobes,
     Ring,
+    ShoeBodyOfConstantSection,
     Table,
     did_you_mean_hint_for_angles_of_arc,
 )
@@ -49,7 +49,7 @@ from drumlin.brake.pattern import (
     brake_data_with_patterned_shoes_repeated,
     rotation_about_drum_centre,
 )
-from drumlin.brake.support import Held, check_rigid_body_modes_close_gap_differently
+from drumlin.brake.support import SupportedShoe, check_rigid_body_modes_close_gap_differently
 from drumlin.brake.surface import DRUM
 from drumlin.brake.units import text_in_degrees, text_in_mm
 
@@ -75,7 +75,7 @@ class DrumShoe(Shoe):
 
     @property
     def pin_position_in_shoe_frame(self) -> Floats:
-        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
+        """Position (2,) [m] of the pin (`SupportedShoe.pin`) in the frame of the shoe."""
         return np.array([self.pin.radius, 0.0])
 
     def convert_points_to_shoe_frame(self, xy: Floats) -> Floats:
@@ -115,7 +115,7 @@ class DrumShoe(Shoe):
         """
         return polar_angles_within_half_turn_of_angle(0.5 * sum(self.arc), xy)
 
-    def surface_coordinate_of_point(self, point: Point) -> float:
+    def drum_angle_or_plane_x_of_point(self, point: Point) -> float:
         """Polar angle [rad] of a point, within half a turn of the middle of the lining."""
         return self.surface.coordinate_plus_turns_nearest_to_middle(point.angle, self.lining.middle)
 
@@ -321,7 +321,7 @@ def _check_lining_misfit_is_small(key: str, lining: Lining, radius: float) -> No
     )
 
 
-THINNEST = 1e-9
+SMALLEST_RELATIVE_PART_THICKNESS = 1e-9
 """Smallest allowed thickness of a part in the brake's plane, relative to the drum's radius.
 
 A thinner part is refused, because round-off would distort its finite elements.
@@ -331,12 +331,16 @@ A thinner part is refused, because round-off would distort its finite elements.
 def _check_part_is_thick_enough(
     key: str, part: "Lining | Backing | ArcBody | Beam | Ring | Table | None", radius: float
 ) -> None:
-    """Raise ValueError for a part thinner than THINNEST times the drum's radius [m]."""
+    """Raise ValueError for a part that is too thin for the drum's radius [m].
+
+    The limit is SMALLEST_RELATIVE_PART_THICKNESS times the radius.
+    """
     thickness = None if part is None else part.thickness
-    if thickness is not None and thickness < THINNEST * radius:
+    if thickness is not None and thickness < SMALLEST_RELATIVE_PART_THICKNESS * radius:
         raise ValueError(
             f"{key}.thickness = {text_in_mm(thickness)}: "
-            f"must be at least {THINNEST:g} of drum.radius = {text_in_mm(radius)}"
+            f"must be at least {SMALLEST_RELATIVE_PART_THICKNESS:g} of drum.radius = "
+            f"{text_in_mm(radius)}"
         )
 
 
@@ -397,13 +401,17 @@ def _check_arc_carries_lining(key: str, body: ArcBody, lining: Lining) -> None:
         )
 
 
-def check_shoe_on_abutment_has_no_grip(key: str, shoe: Held) -> None:
+def check_shoe_on_abutment_has_no_grip(key: str, shoe: SupportedShoe) -> None:
     """Raise ValueError if a shoe on an abutment has a `grip`, which only other supports use.
 
     An abutment holds the end face of the shoe's body, and a grip is a length of its back.
     """
     body = getattr(shoe, "body", None)
-    if shoe.abutment is not None and isinstance(body, Bar) and body.grip is not None:
+    if (
+        shoe.abutment is not None
+        and isinstance(body, ShoeBodyOfConstantSection)
+        and body.grip is not None
+    ):
         raise ValueError(
             f"{key}.body.grip = {text_in_mm(body.grip)}: "
             "an abutment holds the body's end face; leave it out"

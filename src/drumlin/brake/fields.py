@@ -28,7 +28,7 @@ from pydantic import (
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.base.written_numbers import number_without_unit_from_text
-from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, quantity_in_si
+from drumlin.brake.units import EXAMPLES_OF_QUANTITIES, QUANTITY_NAMES, quantity_in_si
 
 
 def _quantity_of_brake_key_in_si(
@@ -89,7 +89,7 @@ def check_shoe_names_differ(names: Sequence[str]) -> None:
         )
 
 
-PURE_NUMBER = BeforeValidator(number_without_unit_from_text)
+PURE_NUMBER_VALIDATOR = BeforeValidator(number_without_unit_from_text)
 """The validator that reads a number without unit, which a file may write as "30 %" or "0,3"."""
 
 # Types of the quantities of a brake file: each converts a text with a unit to a number in SI units.
@@ -181,7 +181,7 @@ class Material(Part):
     """
 
     E: Modulus
-    nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True), PURE_NUMBER]
+    nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True), PURE_NUMBER_VALIDATOR]
     expansion: Expansion | None = None
 
     @property
@@ -228,12 +228,18 @@ class Material(Part):
         return {"E": self.E}
 
 
-PoissonRatio = Annotated[float, Field(strict=True), PURE_NUMBER]
+PoissonRatio = Annotated[float, Field(strict=True), PURE_NUMBER_VALIDATOR]
 """The type of a Poisson's ratio; its bounds depend on the other constants of the material."""
-ACROSS = ("E_across", "G_along_across", "G_through_across", "nu_along_across", "nu_through_across")
+ORTHOTROPIC_KEYS_ACROSS_PLANE = (
+    "E_across",
+    "G_along_across",
+    "G_through_across",
+    "nu_along_across",
+    "nu_through_across",
+)
 """Constants of an orthotropic material across the brake's plane, which only solids need."""
 
-DEFINITE_WITHIN = 1e-12
+SMALLEST_COMPLIANCE_DETERMINANT = 1e-12
 """Smallest allowed determinant of the scaled compliance matrix of an orthotropic material.
 
 The matrix is scaled to a unit diagonal: entry (i, j) is divided by the square root of the product
@@ -276,12 +282,13 @@ class Orthotropic(Part):
             ("along", "through"),
         )
         # A solid needs all five constants across the layer, plane stress needs none of them.
-        missing = [key for key in ACROSS if getattr(self, key) is None]
-        if len(missing) == len(ACROSS):
+        missing = [key for key in ORTHOTROPIC_KEYS_ACROSS_PLANE if getattr(self, key) is None]
+        if len(missing) == len(ORTHOTROPIC_KEYS_ACROSS_PLANE):
             return self
         if missing:
             raise ValueError(
-                f"{missing[0]} is missing: {', '.join(ACROSS)} go together; give all of them "
+                f"{missing[0]} is missing: {', '.join(ORTHOTROPIC_KEYS_ACROSS_PLANE)} go together; "
+                f"give all of them "
                 f"or none"
             )
         # No constant across the layer is missing, which was checked above.
@@ -322,7 +329,7 @@ class Orthotropic(Part):
         # The determinant is a quadratic function of c. The bounds of c are its two zeros.
         a = self.nu_along_through * math.sqrt(self.E_through / self.E_along)
         b = nu_along_across * math.sqrt(E_across / self.E_along)
-        reach = math.sqrt(max((1 - a**2) * (1 - b**2) - DEFINITE_WITHIN, 0.0))
+        reach = math.sqrt(max((1 - a**2) * (1 - b**2) - SMALLEST_COMPLIANCE_DETERMINANT, 0.0))
         # Poisson's ratio is c times this factor.
         unit = math.sqrt(self.E_through / E_across)
         return (-a * b - reach) * unit, (-a * b + reach) * unit
@@ -362,7 +369,7 @@ def _check_poisson_ratio_is_small_enough(
     names : names of the two axes
     """
     most = math.sqrt(E / other)
-    if 1 - (nu / most) ** 2 <= DEFINITE_WITHIN:
+    if 1 - (nu / most) ** 2 <= SMALLEST_COMPLIANCE_DETERMINANT:
         raise ValueError(
             f"{key} = {nu:g}: must be greater than {-most:.6g} and less than {most:.6g}, "
             f"the root of E_{names[0]} / E_{names[1]}"
@@ -437,10 +444,10 @@ def _point_from_polar_coordinates(data: object, info: ValidationInfo) -> object:
     return point
 
 
-Place = Annotated[Point, BeforeValidator(_point_from_polar_coordinates)]
+CartesianOrPolarPoint = Annotated[Point, BeforeValidator(_point_from_polar_coordinates)]
 """The type of a point that a brake file gives by { x, y } or by { radius, angle }."""
 
-Rows = tuple[tuple[float, float], ...]
+InterpolationTable = tuple[tuple[float, float], ...]
 """The type of a table of rows (coordinate, value), between which values are interpolated."""
 
 
@@ -489,7 +496,7 @@ def array_as_list_of_rows_or_number(value: object) -> object:
 
 def _convert_number_or_table_to_si(
     value: object, info: ValidationInfo, *, si: str, place: str, name: str, row: tuple[str, str]
-) -> float | Rows:
+) -> float | InterpolationTable:
     """Convert a number, or a table of rows (coordinate, value), to SI units.
 
     Raises ValueError for other data and for a table of fewer than two rows. `si` is the SI unit of
@@ -514,7 +521,7 @@ def _convert_table_rows_to_si(
     name: str,
     row: tuple[str, str],
     kinds: str = "rows",
-) -> Rows:
+) -> InterpolationTable:
     """Convert the rows (coordinate, value) of a table to SI units.
 
     Raises ValueError for other data and for coordinates that do not grow.
@@ -531,7 +538,10 @@ def _convert_table_rows_to_si(
     rows: list[tuple[float, float]] = []
     for item in items:
         if not isinstance(item, list | tuple) or len(item) != 2:
-            raise ValueError(f'must be {kinds} like ["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]')
+            raise ValueError(
+                f'must be {kinds} like ["{EXAMPLES_OF_QUANTITIES[row[0]]}", '
+                f'"{EXAMPLES_OF_QUANTITIES[row[1]]}"]'
+            )
         coordinate = _quantity_of_brake_key_in_si(item[0], info, row[0], place)
         rows.append((coordinate, _quantity_of_brake_key_in_si(item[1], info, row[1], name)))
     # Interpolation between the rows needs coordinates that grow from row to row.
@@ -592,7 +602,7 @@ def _validator_argument_in_field_type(annotation: Any, key: str, pure: Any = Non
     return None
 
 
-def table_rows_from_coordinates_and_values(places: Floats, values: Floats) -> Rows:
+def table_rows_from_coordinates_and_values(places: Floats, values: Floats) -> InterpolationTable:
     """Make the table of rows (coordinate, value) from two arrays (n,).
 
     `places` are the coordinates of the rows; they must grow.
@@ -600,7 +610,7 @@ def table_rows_from_coordinates_and_values(places: Floats, values: Floats) -> Ro
     return tuple(zip(places.tolist(), values.tolist(), strict=True))
 
 
-ROWS_OF_FUNCTION = 1001
+ROWS_OF_TABULATED_FUNCTION = 1001
 """Number of rows of the table, along the lining, that replaces a clearance given as a function.
 
 Between the rows the clearance is linear. A sine whose period is the length of the lining is met
@@ -627,7 +637,9 @@ def _table_rows_of_function_along_lining(value: object, info: ValidationInfo) ->
     if not callable(value) or not {"start", "end"} <= set(info.data):
         return value
     ends = info.data["start"], info.data["end"]
-    return table_rows_of_function_at_coordinates(value, np.linspace(*ends, ROWS_OF_FUNCTION))
+    return table_rows_of_function_at_coordinates(
+        value, np.linspace(*ends, ROWS_OF_TABULATED_FUNCTION)
+    )
 
 
 def table_rows_of_function_at_coordinates(
@@ -645,7 +657,7 @@ def table_rows_of_function_at_coordinates(
     return np.column_stack([places, values]).tolist()
 
 
-def interpolate_number_or_table(values: float | Rows, places: Floats) -> Floats:
+def interpolate_number_or_table(values: float | InterpolationTable, places: Floats) -> Floats:
     """Interpolate a table linearly at the coordinates `places`; the result has their shape.
 
     Beyond its first and last row a table is constant. A number in place of a table is constant.

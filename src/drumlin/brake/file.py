@@ -90,12 +90,16 @@ def _error_line_about_invalid_brake_data(error: ValidationError, data: Any) -> s
     return " ".join(f"{key}{shown}: {message}".removeprefix(": ").split())
 
 
-P = TypeVar("P", bound=Part)
+PartType = TypeVar("PartType", bound=Part)
 
 
 def make_validated_brake_part(
-    kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
-) -> P:
+    kind: type[PartType],
+    data: Mapping[str, Any],
+    *,
+    unit_required: bool = False,
+    base: Path | None = None,
+) -> PartType:
     """Make a brake, or a part of a brake, from nested data as a brake file has them.
 
     Parameters
@@ -187,7 +191,7 @@ def read_brake(path: Path, text: str | None = None) -> Brake:
         raise BadInput(f"{path}: {error}") from error
 
 
-def vary(brake: P, changes: Mapping[str, Any]) -> P:
+def vary(brake: PartType, changes: Mapping[str, Any]) -> PartType:
     """Make a brake in which some keys have other values; it is checked like a brake file.
 
     Parameters

@@ -17,7 +17,7 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag,
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import (
-    PURE_NUMBER,
+    PURE_NUMBER_VALIDATOR,
     Part,
     PressureOfTable,
     SpeedOfTable,
@@ -25,7 +25,7 @@ from drumlin.brake.fields import (
     array_as_list_of_rows_or_number,
     table_rows_of_function_at_coordinates,
 )
-from drumlin.brake.units import SMALLEST
+from drumlin.brake.units import SMALLEST_NUMBER_SI
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
@@ -33,15 +33,22 @@ if TYPE_CHECKING:
 Friction = Annotated[
     float,
     Field(ge=0, le=1e6, strict=True),
-    AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0),
-    PURE_NUMBER,
+    AfterValidator(lambda mu: mu if mu >= SMALLEST_NUMBER_SI else 0.0),
+    PURE_NUMBER_VALIDATOR,
 ]
-"""The type of a friction coefficient. A value below SMALLEST is set to 0, as for all quantities."""
+"""The type of a friction coefficient. A value below SMALLEST_NUMBER_SI is set to 0.
 
-MeasuredFriction = Annotated[float, Field(ge=1e-6, le=1e6, strict=True), PURE_NUMBER]
+This holds for all quantities of a brake.
+"""
+
+FrictionOfTable = Annotated[float, Field(ge=1e-6, le=1e6, strict=True), PURE_NUMBER_VALIDATOR]
 """The type of a friction coefficient of a table, which must be greater than 0."""
 
-COLUMN_TEXTS = {"pressure": "pressures", "speed": "speeds", "temperature_rise": "temperatures"}
+WORDS_FOR_FRICTION_TABLE_COLUMNS = {
+    "pressure": "pressures",
+    "speed": "speeds",
+    "temperature_rise": "temperatures",
+}
 """Columns of a table of friction: the words for their values in messages, by the column's key."""
 
 
@@ -89,7 +96,7 @@ class FrictionTable(Part):
     coefficient is linear in each of these three quantities, and constant beyond them.
     """
 
-    mu: tuple[MeasuredFriction, ...]
+    mu: tuple[FrictionOfTable, ...]
     pressure: tuple[PressureOfTable, ...] = ()
     speed: tuple[SpeedOfTable, ...] = ()
     temperature_rise: tuple[TemperatureRise, ...] = ()
@@ -97,13 +104,19 @@ class FrictionTable(Part):
     @property
     def given_columns(self) -> dict[str, tuple[float, ...]]:
         """The columns of the table that are given, by key, without the coefficients `mu`."""
-        return {key: values for key in COLUMN_TEXTS if (values := getattr(self, key))}
+        return {
+            key: values
+            for key in WORDS_FOR_FRICTION_TABLE_COLUMNS
+            if (values := getattr(self, key))
+        }
 
     @model_validator(mode="after")
     def _check_rows_hold_each_combination_once(self) -> Self:
         """Raise ValueError unless the rows have each combination of the columns' values once."""
         if not self.given_columns:
-            raise ValueError(f"mu: give a column beside it: {', '.join(COLUMN_TEXTS)}")
+            raise ValueError(
+                f"mu: give a column beside it: {', '.join(WORDS_FOR_FRICTION_TABLE_COLUMNS)}"
+            )
         for key, values in self.given_columns.items():
             if len(values) != len(self.mu):
                 raise ValueError(
@@ -116,7 +129,9 @@ class FrictionTable(Part):
         rows = list(zip(*self.given_columns.values(), strict=True))
         grid = math.prod(len(set(values)) for values in self.given_columns.values())
         if len(set(rows)) != len(rows) or len(rows) != grid:
-            words = " at each of the ".join(COLUMN_TEXTS[key] for key in self.given_columns)
+            words = " at each of the ".join(
+                WORDS_FOR_FRICTION_TABLE_COLUMNS[key] for key in self.given_columns
+            )
             raise ValueError(
                 f"mu: has {len(rows)} rows, of which {len(set(rows))} differ; must have {grid}: "
                 f"each of the {words} once"
@@ -148,7 +163,7 @@ def _tag_for_friction_number_or_table(data: object) -> str:
     return "friction table" if isinstance(data, dict | FrictionTable) else "friction number"
 
 
-PRESSURES_OF_FUNCTION = np.append(0.0, np.geomspace(1e3, 1e8, 801))
+PRESSURES_OF_TABULATED_FRICTION = np.append(0.0, np.geomspace(1e3, 1e8, 801))
 """Pressures [Pa] of the table that replaces a function of the pressure as `friction`.
 
 Two neighbours differ by 1.4 %. Between them the coefficient is linear, so that 1/(1 + p/p_0) with
@@ -164,7 +179,7 @@ def _friction_table_from_array_or_function(data: object) -> object:
     [Pa] and returns the coefficient. Other data are returned unchanged.
     """
     if callable(data):
-        rows: object = table_rows_of_function_at_coordinates(data, PRESSURES_OF_FUNCTION)
+        rows: object = table_rows_of_function_at_coordinates(data, PRESSURES_OF_TABULATED_FRICTION)
     else:
         rows = array_as_list_of_rows_or_number(data)
     if not isinstance(rows, list) or rows is data:

@@ -19,11 +19,11 @@ from drumlin.brake.components import Actuation
 from drumlin.brake.fields import (
     Acceleration,
     Angle,
+    CartesianOrPolarPoint,
     Force,
     Mass,
     Name,
     Part,
-    Place,
     SpringRate,
 )
 
@@ -44,7 +44,7 @@ class ForceAtPoint(NamedTuple):
         return np.array([fx, fy, self.point[0] * fy - self.point[1] * fx])
 
 
-class LoadsOfBrake(NamedTuple):
+class SpringLeverAndMassLoads(NamedTuple):
     """The loads on a shoe that follow from keys of the whole brake.
 
     Attributes
@@ -63,8 +63,8 @@ class LoadsOfBrake(NamedTuple):
         return np.array(self.gravity) + self.square_of_speed * point
 
 
-NO_LOADS = LoadsOfBrake()
-"""LoadsOfBrake of a shoe without springs, levers, weight and centrifugal force."""
+NO_LOADS = SpringLeverAndMassLoads()
+"""SpringLeverAndMassLoads of a shoe without springs, levers, weight and centrifugal force."""
 
 
 class ShoeForce(Actuation):
@@ -77,7 +77,7 @@ class ShoeMass(Part):
     """The mass [kg] of a shoe with its lining, and its centre of mass."""
 
     mass: Mass
-    point: Place
+    point: CartesianOrPolarPoint
 
 
 class Gravity(Part):
@@ -102,9 +102,9 @@ class Spring(Part):
     """
 
     shoe: Name
-    point: Place
+    point: CartesianOrPolarPoint
     to: Name | None = None
-    end: Place
+    end: CartesianOrPolarPoint
     preload: Force
     rate: Annotated[SpringRate, Field(ge=0)] = 0.0
 
@@ -147,10 +147,10 @@ class Lever(ShoeForce):
     """
 
     shoe: Name
-    pivot: Place
+    pivot: CartesianOrPolarPoint
     to: Name
-    strut: Place
-    end: Place
+    strut: CartesianOrPolarPoint
+    end: CartesianOrPolarPoint
 
     @model_validator(mode="after")
     def _check_strut_of_lever_pushes(self) -> Self:
@@ -224,7 +224,7 @@ def brake_with_loads_assigned_to_shoes(brake: Any, pulls: Sequence[float] | None
             for spring, pull in zip(brake.springs, pulls, strict=True)
         ]
         acting += [lever.spring_or_lever_force_on_shoe(shoe.name) for lever in brake.levers]
-        loads = LoadsOfBrake(tuple(force for force in acting if force is not None))
+        loads = SpringLeverAndMassLoads(tuple(force for force in acting if force is not None))
         if shoe.mass is not None:
             loads = loads._replace(
                 gravity=(0.0, 0.0) if gravity is None else tuple(gravity.tolist()),

@@ -204,7 +204,7 @@ def brake_with_heat_only_in_given_parts(brake: "Brake", keys: Collection[str]) -
         parts = {}
         for layer in heated_layers_of_shoe(shoe):
             if layer.key not in keys:
-                # If the shoe has several linings, `copy_of_lining_with_changed_fields` cools each.
+                # A shoe with several linings has one part "lining" here. The copy is cold in all of them.
                 part = layer.part
                 is_lining = isinstance(part, Lining)
                 changed = (

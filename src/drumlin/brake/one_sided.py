@@ -16,16 +16,16 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import Point
-from drumlin.brake.support import Held, work_of_force_in_rigid_body_motions
+from drumlin.brake.support import SupportedShoe, work_of_force_in_rigid_body_motions
 
-LARGEST_PULL = 1e-9
+LARGEST_ROUND_OFF_PULL_OF_SUPPORT = 1e-9
 """Largest pull of a support that counts as round-off, relative to the largest force of the brake.
 
 A larger pull means that the support does not bear. An overlap of shoe and support counts as
 round-off up to the same fraction of the largest displacement. The value is far above the round-off
 of an equilibrium, 1e-12, and far below any force in a brake file.
 """
-SINGULAR_SUPPORT = 1e-9
+SINGULAR_VALUE_OF_REDUNDANT_SUPPORT = 1e-9
 """Singular value [m] at or below which one of the bearing supports of a shoe is redundant.
 
 It is the smallest singular value of the matrix that has the opening of each bearing support in each
@@ -40,7 +40,7 @@ NOT_HELD_TEXT = (
 """Error text for a shoe that its anchors, abutments and struts cannot hold by pushing."""
 
 
-class SideOfSupport(NamedTuple):
+class SupportPushOnShoe(NamedTuple):
     """The push of a one-sided support on one shoe.
 
     `shoe` is the index of the shoe in the brake, `unit_push` a force of 1 N with its line of
@@ -62,7 +62,7 @@ class OneSidedSupport(NamedTuple):
     """
 
     name: str
-    sides: tuple[SideOfSupport, ...]
+    sides: tuple[SupportPushOnShoe, ...]
     clearance: float
 
     @property
@@ -87,7 +87,7 @@ def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
             assert shoe.abutment is not None
             on_strut.add(shoe.name)
             push = _force_of_one_newton_at_point(shoe.abutment.point, shoe.abutment.direction)
-            sides.append(SideOfSupport(numbers[shoe.name], push))
+            sides.append(SupportPushOnShoe(numbers[shoe.name], push))
         name = f"the strut from {link.source!r} to {link.to!r}"
         found.append(OneSidedSupport(name, tuple(sides), 0.0))
     for i, shoe in enumerate(brake.shoes):
@@ -95,11 +95,13 @@ def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
             continue
         if shoe.abutment is not None and shoe.name not in on_strut:
             push = _force_of_one_newton_at_point(shoe.abutment.point, shoe.abutment.direction)
-            side = SideOfSupport(i, push)
+            side = SupportPushOnShoe(i, push)
             found.append(OneSidedSupport(f"the abutment of {shoe.name!r}", (side,), 0.0))
         for j, anchor in enumerate(shoe.anchors):
             number = f" {j + 1}" if len(shoe.anchors) > 1 else ""
-            side = SideOfSupport(i, _force_of_one_newton_at_point(anchor.point, anchor.direction))
+            side = SupportPushOnShoe(
+                i, _force_of_one_newton_at_point(anchor.point, anchor.direction)
+            )
             name = f"anchor{number} of {shoe.name!r}"
             found.append(OneSidedSupport(name, (side,), anchor.clearance))
     return tuple(found)
@@ -146,11 +148,13 @@ class SupportForce(NamedTuple):
     push: Actuation
 
 
-Bearing = tuple[bool, ...]
+WhichSupportsBear = tuple[bool, ...]
 """Whether each one-sided support bears on its shoes, in the order of the supports."""
 
 
-def all_choices_of_bearing_supports(count: int, first: Bearing = ()) -> Iterator[Bearing]:
+def all_choices_of_bearing_supports(
+    count: int, first: WhichSupportsBear = ()
+) -> Iterator[WhichSupportsBear]:
     """Yield every combination of bearing and open supports, for `count` supports.
 
     Each combination comes once, and the combination `first` before all others.
@@ -179,7 +183,7 @@ def forces_of_one_sided_supports_on_shoe(
     return tuple(found)
 
 
-def work_of_support_push_in_rigid_body_modes(shoe: Held, push: Actuation) -> Floats:
+def work_of_support_push_in_rigid_body_modes(shoe: SupportedShoe, push: Actuation) -> Floats:
     """The work (k,) of a support's push in each rigid-body mode of a shoe.
 
     For a push of 1 N it is also the distance by which the support opens, per unit of each mode.
@@ -220,7 +224,7 @@ def divide_motions_into_held_and_free(opening: Floats, sizes: Floats) -> HeldMot
     if not count:
         return HeldMotions(np.diag(sizes), np.zeros((len(sizes), 0)))
     left, values, right = np.linalg.svd(opening * sizes)
-    if values.min() <= SINGULAR_SUPPORT:
+    if values.min() <= SINGULAR_VALUE_OF_REDUNDANT_SUPPORT:
         return None
     held = sizes[:, None] * right[:count].T @ (left / values).T
     return HeldMotions(sizes[:, None] * right[count:].T, held)
@@ -237,7 +241,7 @@ def do_linings_resist_free_motions(closing: Floats, scale: float) -> bool:
     scale : largest decrease of a gap in a motion that displaces points of the brake by about 1 m
     """
     values = np.linalg.svd(closing, compute_uv=False)
-    return bool(values.min(initial=math.inf) > SINGULAR_SUPPORT * scale)
+    return bool(values.min(initial=math.inf) > SINGULAR_VALUE_OF_REDUNDANT_SUPPORT * scale)
 
 
 def require_no_shoe_on_anchors(brake: Brake, what: str) -> None:
@@ -251,7 +255,7 @@ def require_no_shoe_on_anchors(brake: Brake, what: str) -> None:
 
 
 def text_with_names_of_bearing_supports(
-    supports: Sequence[OneSidedSupport], bearing: Bearing
+    supports: Sequence[OneSidedSupport], bearing: WhichSupportsBear
 ) -> str:
     """The names of the supports that bear, as a text; "none" if no support bears."""
     names = [support.name for support, bears in zip(supports, bearing, strict=True) if bears]

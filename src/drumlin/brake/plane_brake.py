@@ -19,20 +19,20 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
     LARGEST_MISFIT,
-    ROUNDED_STEP,
+    LENGTH_OF_STEP_BETWEEN_BLOCKS,
     Backing,
-    Bar,
     Lining,
     Misfit,
+    ShoeBodyOfConstantSection,
 )
 from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive_and_struts
 from drumlin.brake.drum_brake import DrumBrake, check_shoe_on_abutment_has_no_grip
 from drumlin.brake.fields import (
     AnyMaterial,
+    InterpolationTable,
     Length,
     Part,
     Point,
-    Rows,
     Speed,
     TemperatureRise,
     Thickness,
@@ -81,7 +81,8 @@ class FlatMisfit(Misfit):
 
     radius: Length | None = None
     blocks: Annotated[
-        Rows, make_validator_of_table_with_growing_coordinates("place", "m", "depth", "m")
+        InterpolationTable,
+        make_validator_of_table_with_growing_coordinates("place", "m", "depth", "m"),
     ] = ()
 
 
@@ -101,7 +102,7 @@ class FlatLining(Lining):
     thickness: Thickness | None = None  # type: ignore[assignment]
     material: AnyMaterial | None = None  # type: ignore[assignment]
     clearance: Annotated[
-        float | Rows,
+        float | InterpolationTable,
         make_validator_of_number_or_table("place", "m", "clearance", "m"),
         make_validator_that_tabulates_function_along_lining(),
     ] = 0.0
@@ -142,10 +143,10 @@ class FlatLining(Lining):
     @property
     def length_of_step_between_blocks(self) -> float:
         """Length [m] over which the face rises smoothly from one block's height to the next."""
-        return ROUNDED_STEP * (self.end - self.start)
+        return LENGTH_OF_STEP_BETWEEN_BLOCKS * (self.end - self.start)
 
 
-class FlatBody(Bar):
+class FlatBody(ShoeBodyOfConstantSection):
     """An elastic shoe body on a plane: a straight bar from x = `start` to x = `end` [m]."""
 
     start: Length
@@ -226,7 +227,7 @@ class FlatShoe(Shoe):
 
     @property
     def pin_position_in_shoe_frame(self) -> Floats:
-        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
+        """Position (2,) [m] of the pin (`SupportedShoe.pin`) in the frame of the shoe."""
         return np.array([0.0, self.pin.y])
 
     def convert_points_to_shoe_frame(self, xy: Floats) -> Floats:
@@ -257,7 +258,7 @@ class FlatShoe(Shoe):
         """
         return np.asarray(xy[0] / size)
 
-    def surface_coordinate_of_point(self, point: Point) -> float:
+    def drum_angle_or_plane_x_of_point(self, point: Point) -> float:
         """Coordinate x [m] of a point, which is its coordinate along the plane."""
         return point.x
 
@@ -353,7 +354,8 @@ class FlatBrake(Brake):
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
         check_friction_tables_have_sliding_speed(self, "plane.speed", self.plane.speed is not None)
         self.check_brake_has_friction_if_lining_has()
-        # Data of a file need units, which `unit_required` tells; data of a program do not.
+        # Numbers of a brake file need a unit, and numbers that a program gives do not. The entry
+        # `unit_required` of the context is true for a brake file.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive_and_struts(self, file=from_file)
         # The length of the first lining is the size of the brake, which all its shoes must know.
@@ -390,7 +392,7 @@ def make_drum_or_plane_brake_from_data(
     )
 
 
-def read_any(path: Path | str, text: str | None = None) -> Brake:
+def read_drum_or_plane_brake(path: Path | str, text: str | None = None) -> Brake:
     """Read a brake from a TOML file: with the table [plane] a brake on a plane, else on a drum.
 
     Parameters
@@ -425,10 +427,10 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
 def brake_itself_or_read_from_file(brake: Any) -> Brake:
     """The brake that is given itself, or by the path of its brake file.
 
-    Raises BadInput for any other argument, and for a file that `read_any` refuses.
+    Raises BadInput for any other argument, and for a file that `read_drum_or_plane_brake` refuses.
     """
     if isinstance(brake, str | Path):
-        return read_any(brake)
+        return read_drum_or_plane_brake(brake)
     if not isinstance(brake, Brake):
         raise BadInput(
             f"brake: must be a Brake or the path of a brake file, not {type(brake).__name__}"
@@ -439,10 +441,11 @@ def brake_itself_or_read_from_file(brake: Any) -> Brake:
 def read_brake_that_must_be_on_drum(path: Path, what: str, text: str | None = None) -> Brake:
     """Read a brake from a TOML file and require that it is a brake on a drum.
 
-    `text` is the content of the file if it has been read already. Raises BadInput as `read_any`
-    does, and for a brake on a plane; `what` names the computation that needs a drum.
+    `text` is the content of the file if it has been read already. Raises BadInput as
+    `read_drum_or_plane_brake` does, and for a brake on a plane; `what` names the computation that
+    needs a drum.
     """
-    brake = read_any(path, text)
+    brake = read_drum_or_plane_brake(path, text)
     if not isinstance(brake, DrumBrake):
         raise BadInput(f"{path}: is a brake on a plane; {what} takes brakes on a drum")
     return brake

@@ -17,23 +17,23 @@ from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import Material, Orthotropic, Part, Point, si_unit_of_field_type
 from drumlin.brake.units import text_in_mm
 
-FAR_AWAY = 20.0
+LARGEST_USUAL_RELATIVE_DISTANCE = 20.0
 """Distance or length, relative to the brake's size, above which a note questions its unit.
 
 The size is the drum's radius, or on a plane the length of the longest lining. Points of random
 brakes are at most 3 radii from the drum's centre, or 9 lengths from the nearest pad.
 """
-NARROW = 1e-3
+SMALLEST_USUAL_RELATIVE_WIDTH = 1e-3
 """Width or diameter, relative to the brake's size, below which a note questions its unit.
 
 The widths of random brakes are at least 0.02 of the size.
 """
-THIN = 1e-4
+SMALLEST_USUAL_RELATIVE_THICKNESS = 1e-4
 """Thickness, relative to the brake's size, below which a note questions its unit.
 
 The thicknesses of random brakes are at least 0.001 of the size.
 """
-DRUM_RADII = (1e-3, 30.0)
+USUAL_DRUM_RADII = (1e-3, 30.0)
 """A note questions the unit of a drum's radius [m] outside these two limits.
 
 Drums have radii of some 20 mm to 5 m.
@@ -66,9 +66,9 @@ STIFFEST_USUAL_LINING = 2e10
 If a lining has the modulus of a metal, and its shoe at most this one, a note asks whether the two
 materials were exchanged.
 """
-HOTTEST = 1200.0
+LARGEST_USUAL_TEMPERATURE_RISE = 1200.0
 """Temperature rise [K] above which a note asks whether it is meant. Cast iron melts at 1400 K."""
-LARGEST_EXPANSION = 1e-3
+LARGEST_USUAL_THERMAL_EXPANSION = 1e-3
 """Coefficient of thermal expansion [1/K] above which a note questions its unit.
 
 Steel has 1.2e-5 1/K, rubber 2e-4 1/K. A coefficient in 1e-6/K that was written in 1/K is a million
@@ -80,7 +80,7 @@ LARGE_EVEN_CLEARANCE = 1e-3
 Linings that do not fit are some 50 micrometres off drums of 150 mm, 3e-4 of the radius. Adjusters
 leave gaps of 0.2 to 0.5 mm, more than 1e-3, and are not meant by the key.
 """
-CYLINDER_PRESSURES = (1e4, 1e9)
+USUAL_CYLINDER_PRESSURES = (1e4, 1e9)
 """A note questions the unit of a wheel cylinder's pressure [Pa] outside these two limits.
 
 Wheel cylinders have some 1 to 20 MPa, and vacuum brakes 5e4 Pa.
@@ -182,8 +182,8 @@ def _notes_on_too_high_friction(brake: Brake) -> Iterator[str]:
 
 
 def _notes_on_unusual_drum_radius(brake: Brake) -> Iterator[str]:
-    """Yield a note if the drum's radius is outside DRUM_RADII."""
-    low, high = DRUM_RADII
+    """Yield a note if the drum's radius is outside USUAL_DRUM_RADII."""
+    low, high = USUAL_DRUM_RADII
     if isinstance(brake, DrumBrake) and not low <= brake.drum.radius <= high:
         meant = _text_of_length_with_unit_that_may_be_meant(
             brake.drum.radius, small=brake.drum.radius < low
@@ -202,7 +202,7 @@ def _notes_on_far_points(brake: Brake, size: float) -> Iterator[str]:
     """
     for key, point in _points_of_supports_and_loads(brake):
         away = 0.0 if point is None else _distance_from_drum_centre_or_nearest_pad(brake, point)
-        if away > FAR_AWAY * size:
+        if away > LARGEST_USUAL_RELATIVE_DISTANCE * size:
             words = _text_of_brake_size_with_its_key(brake, size)
             meant = _text_of_length_with_unit_that_may_be_meant(away, small=False)
             yield (
@@ -264,11 +264,16 @@ def _notes_on_unusual_length(value: _Quantity, brake: Brake, size: float) -> Ite
 
     `size` is the drum's radius [m], or on a plane the length of the longest lining.
     """
-    least = {"thickness": THIN, "width": NARROW, "grip": THIN, "diameter": NARROW}.get(value.name)
+    least = {
+        "thickness": SMALLEST_USUAL_RELATIVE_THICKNESS,
+        "width": SMALLEST_USUAL_RELATIVE_WIDTH,
+        "grip": SMALLEST_USUAL_RELATIVE_THICKNESS,
+        "diameter": SMALLEST_USUAL_RELATIVE_WIDTH,
+    }.get(value.name)
     if least is None or value.unit != "m":
         return
     words = _text_of_brake_size_with_its_key(brake, size)
-    if value.value > FAR_AWAY * size:
+    if value.value > LARGEST_USUAL_RELATIVE_DISTANCE * size:
         yield (
             f"{value.key} = {value.value:.4g} m is {value.value / size:.3g} times {words}; "
             f"did you mean {_text_of_length_with_unit_that_may_be_meant(value.value, small=False)}?"
@@ -308,7 +313,7 @@ def _notes_on_unit_of_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
     """Yield a note on a modulus or pressure if N/m^2 and N/mm^2 were probably confused."""
     if value.unit != "Pa":
         return
-    low, high = CYLINDER_PRESSURES
+    low, high = USUAL_CYLINDER_PRESSURES
     what = "a wheel cylinder"
     if isinstance(value.part, Material | Orthotropic):
         of_lining = ".lining." in value.key or ".backing." in value.key
@@ -328,9 +333,9 @@ def _notes_on_unit_of_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
 
 def _notes_on_temperature_or_expansion(value: _Quantity) -> Iterator[str]:
     """Yield a note on a too large temperature rise or coefficient of thermal expansion."""
-    if value.unit == "K" and abs(value.value) > HOTTEST:
+    if value.unit == "K" and abs(value.value) > LARGEST_USUAL_TEMPERATURE_RISE:
         yield f"{value.key} = {value.value:.4g} K is more than the materials of a brake bear"
-    if value.unit == "1/K" and abs(value.value) > LARGEST_EXPANSION:
+    if value.unit == "1/K" and abs(value.value) > LARGEST_USUAL_THERMAL_EXPANSION:
         yield (
             f"{value.key} = {value.value:.4g} 1/K is large for a solid; "
             f"did you mean {value.value * 1e-6:.4g} 1/K?"

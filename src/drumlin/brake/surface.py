@@ -8,7 +8,8 @@ The coordinate q counts along the surface: it is the angle theta [rad] on a drum
 plane. Ends of linings, tables of clearances, pressures and contact arcs of a shoe are given in q.
 Three numbers of a brake relate q to lengths:
 
-- `Brake.scale_factor` is ds/dq, the length along the surface per unit of q: the radius R on a drum,
+- `Brake.length_per_surface_coordinate` is ds/dq, the length along the surface per unit of q: the
+radius R on a drum,
   1 on a plane. By virtual work it also converts a friction force to the effect of the brake, which
   is a torque on a drum and a braking force on a plane.
 - `Brake.size` [m] is the reference length of the brake: R on a drum, the length of the first lining
@@ -131,7 +132,7 @@ class FrictionSurface:
             return np.array([-np.asarray(q), zero])
         return np.array([zero, zero + size])
 
-    def round_half_distance_to_whole_turns(self, twice: float) -> float:
+    def half_distance_rounded_to_whole_turns(self, twice: float) -> float:
         """Round the distance `twice`/2 between two coordinates q to a multiple of a full turn.
 
         On a plane the result is 0. `twice` is given in place of the distance because, for the

@@ -9,7 +9,7 @@ import re
 from typing import Any
 
 from drumlin.base.errors import BadInput
-from drumlin.base.texts import LONGEST_QUANTITY
+from drumlin.base.texts import LONGEST_QUANTITY_TEXT
 from drumlin.base.written_numbers import (
     NUMBER_PATTERN,
     number_from_text_as_people_write_it,
@@ -40,14 +40,14 @@ LARGEST_NUMBER_SI = 1e30
 No brake needs a larger number, and products of such numbers stay finite.
 """
 
-SMALLEST = 1e-30
+SMALLEST_NUMBER_SI = 1e-30
 """Smallest absolute value of a number of a brake in SI units; a smaller number is set to 0.
 
 The square of a number below some 1e-162 is 0 in floating point although the number is not 0.
 """
 
 # Examples of quantities in error messages, by SI unit.
-EXAMPLES = {
+EXAMPLES_OF_QUANTITIES = {
     "m": "8 mm",
     "N": "2 kN",
     "Pa": "300 MPa",
@@ -84,7 +84,7 @@ QUANTITY_NAMES = {
 }
 # Factors that convert the usual units to SI, by SI unit. With them most files are read without the
 # package pint, which takes long to load. The tests compare them with the factors of pint.
-COMMON = {
+COMMON_UNIT_FACTORS = {
     "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254},
     "N": {"N": 1.0, "kN": 1e3, "lbf": 4.4482216152605},
     "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9, "N/mm^2": 1e6, "bar": 1e5, "psi": 6894.757293168361},
@@ -121,7 +121,7 @@ _OTHER_MEANINGS = {"lb": "lbf", "lbs": "lbf", "mil": "thou", "mils": "thou"}
 def _pint_unit_registry() -> Any:
     """The registry of units of the package pint, with drumlin's further units.
 
-    pint takes 0.25 s to load. It is loaded only for a unit that is not in COMMON.
+    pint takes 0.25 s to load. It is loaded only for a unit that is not in COMMON_UNIT_FACTORS.
     """
     import pint  # noqa: PLC0415
 
@@ -137,7 +137,7 @@ def _si_factor_of_unit(unit: str, si: str) -> float:
 
     Raises ValueError if `unit` is unknown or has another dimension than `si`.
     """
-    common = COMMON.get(si, {}).get(unit.strip())
+    common = COMMON_UNIT_FACTORS.get(si, {}).get(unit.strip())
     return _si_factor_of_unit_by_pint(unit.strip(), si) if common is None else common
 
 
@@ -158,7 +158,7 @@ def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
     for factor_and_dimension in found:
         if factor_and_dimension is not None and factor_and_dimension[1] == needed[1]:
             return factor_and_dimension[0] / needed[0]
-    wanted = f"{QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}"
+    wanted = f"{QUANTITY_NAMES[si]} such as {EXAMPLES_OF_QUANTITIES[si]!r}"
     if found[0] is None:
         raise ValueError(
             f"unknown unit {unit!r}{_hint_about_wrong_capitals_in_unit(unit, si)}; allowed: "
@@ -210,7 +210,7 @@ def _second_meaning_of_unit_word(match: re.Match[str]) -> str:
 
 def _hint_about_wrong_capitals_in_unit(unit: str, si: str) -> str:
     """The hint "(did you mean ...?)" for a unit whose capital letters are wrong, or ""."""
-    for known in COMMON.get(si, {}):
+    for known in COMMON_UNIT_FACTORS.get(si, {}):
         if known.casefold() == unit.casefold():
             return f" (did you mean {known!r}?)"
     return ""
@@ -233,32 +233,37 @@ def quantity_in_si(value: object, si: str, *, unit_required: bool) -> float:
     if isinstance(value, str):
         number = _quantity_text_in_si(value, si)
     elif isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES_OF_QUANTITIES[si]!r}")
     elif unit_required:
-        raise ValueError(f"has no unit; write {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(
+            f"has no unit; write {QUANTITY_NAMES[si]} such as {EXAMPLES_OF_QUANTITIES[si]!r}"
+        )
     else:
         number = value
     # For nan the comparison is false, so that nan is refused. Python compares integers of any size
     # exactly.
     if not abs(number) <= LARGEST_NUMBER_SI:
         raise ValueError(f"must be finite and at most {LARGEST_NUMBER_SI:g} in SI units")
-    return float(number) if abs(number) >= SMALLEST else 0.0
+    return float(number) if abs(number) >= SMALLEST_NUMBER_SI else 0.0
 
 
 def _quantity_text_in_si(text: str, si: str) -> float:
     """Convert the text of a quantity to a number in SI units. Raises ValueError for other texts."""
     name = QUANTITY_NAMES[si]
-    if len(text) > LONGEST_QUANTITY:
+    if len(text) > LONGEST_QUANTITY_TEXT:
         raise ValueError(
-            f"must be {name} in at most {LONGEST_QUANTITY} characters, such as {EXAMPLES[si]!r}"
+            f"must be {name} in at most {LONGEST_QUANTITY_TEXT} characters, "
+            f"such as {EXAMPLES_OF_QUANTITIES[si]!r}"
         )
     plain = _quantity_text_with_keyboard_signs(text)
     # The text "3e8" would otherwise be the number 3 with the unit e8.
     if _NUMBER_WITHOUT_UNIT.fullmatch(plain):
-        raise ValueError(f"has no unit; write {name} such as {EXAMPLES[si]!r}")
+        raise ValueError(f"has no unit; write {name} such as {EXAMPLES_OF_QUANTITIES[si]!r}")
     match = _QUANTITY.fullmatch(plain)
     if match is None:
-        raise ValueError(f"must be {name}: a number and its unit, such as {EXAMPLES[si]!r}")
+        raise ValueError(
+            f"must be {name}: a number and its unit, such as {EXAMPLES_OF_QUANTITIES[si]!r}"
+        )
     return number_from_text_as_people_write_it(match.group(1)) * _si_factor_of_unit(
         match.group(2), si
     )

@@ -20,13 +20,13 @@ from drumlin.brake.fields import (
     si_units_of_table_field,
 )
 from drumlin.brake.friction import FrictionTable
-from drumlin.brake.support import Held
-from drumlin.brake.units import COMMON, quantity_in_si
+from drumlin.brake.support import SupportedShoe
+from drumlin.brake.units import COMMON_UNIT_FACTORS, quantity_in_si
 
-INLINE = (Material, Orthotropic, Point, Misfit, Lobes, Table, FrictionTable)
+PARTS_WRITTEN_IN_ONE_LINE = (Material, Orthotropic, Point, Misfit, Lobes, Table, FrictionTable)
 """Classes of parts that are written as { key = value, ... } in one line of a brake file."""
 
-READABLE = {
+UNITS_WRITTEN_IN_BRAKE_FILES = {
     "m": ("mm", "m"),
     "rad": ("deg",),
     "Pa": ("GPa", "MPa"),
@@ -68,7 +68,7 @@ def _brake_without_forces_of_drive_and_struts(brake: Part) -> Part:
     for shoe in brake.shoes:
         actuation = shoe.actuation
         if shoe.name in pushed:
-            actuation = Held.model_fields["actuation"].default
+            actuation = SupportedShoe.model_fields["actuation"].default
         elif brake.actuation:
             actuation = actuation.model_copy(update={"force": math.nan})
         shoes.append(shoe.model_copy(update={"actuation": actuation}))
@@ -98,7 +98,10 @@ def _toml_lines_of_part(part: Part, path: str) -> Iterator[str]:
     for key, given, field in part_values_other_than_defaults(part):
         value: Any = given.parts if isinstance(given, DrumLiningRow) else given
         parts = value if isinstance(value, tuple) else (value,)
-        tables = [isinstance(item, Part) and not isinstance(item, INLINE) for item in parts]
+        tables = [
+            isinstance(item, Part) and not isinstance(item, PARTS_WRITTEN_IN_ONE_LINE)
+            for item in parts
+        ]
         if value != () and all(tables):
             below.append((key, value))
         else:
@@ -177,8 +180,8 @@ def quoted_toml_text_of_quantity(value: float, si: str) -> str:
     if not si:
         return repr(value)
     # A readable unit is used only if reading the text gives exactly the same number.
-    for unit in READABLE.get(si, ()):
-        text = f"{value / COMMON[si][unit]:.12g} {unit}"
+    for unit in UNITS_WRITTEN_IN_BRAKE_FILES.get(si, ()):
+        text = f"{value / COMMON_UNIT_FACTORS[si][unit]:.12g} {unit}"
         if (
             quantity_in_si(text, si, unit_required=True) == value
             and "e" not in text.split(maxsplit=1)[0]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from drumlin.brake.brake import Brake
-    from drumlin.response.response import FlatMerit, Merit, Response
+    from drumlin.response.response import FiguresOfMeritOnDrum, FiguresOfMeritOnPlane, Response
 
 SHOE_COLUMNS_LEFT_OUT_FIRST = ["shoe_factor", "reaction", "normal_force", "at"]
 """Columns of the printed table of shoes that a narrow terminal has no room for.
@@ -32,9 +32,9 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
     Lines on shoes that do not touch the drum are printed first. `verbose` is whether reactions,
     figures of merit, solution steps, times and neglected effects are printed, too.
     """
-    from drumlin.laws.rigid import UNUSED_KEYS
+    from drumlin.laws.rigid import UNUSED_KEYS_LINE_START
 
-    notes = _Notes.notes_of_response_by_place_in_printout(response)
+    notes = _NotesByPlaceInPrintout.notes_of_response_by_place_in_printout(response)
     print_line_folded_to_terminal_width(
         f"{brake.title}: {response.model}, {brake.motion_as_text}, "
         f"{brake.friction_coefficients_as_text}"
@@ -53,7 +53,7 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
     for line in notes.warnings:
         print_line_folded_to_terminal_width(line)
     for line in response.left_out:
-        if line.startswith(UNUSED_KEYS):
+        if line.startswith(UNUSED_KEYS_LINE_START):
             print_line_folded_to_terminal_width(line)
     if response.error is not None:
         print_line_folded_to_terminal_width(
@@ -69,7 +69,7 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
         _print_lines_of_verbose_answer(response, notes.lines_of_verbose_answer)
 
 
-class _Notes(NamedTuple):
+class _NotesByPlaceInPrintout(NamedTuple):
     """The notes of a response, sorted by the place where the notes are printed.
 
     Attributes
@@ -87,7 +87,9 @@ class _Notes(NamedTuple):
     lines_of_verbose_answer: list[str]
 
     @classmethod
-    def notes_of_response_by_place_in_printout(cls, response: "Response") -> "_Notes":
+    def notes_of_response_by_place_in_printout(
+        cls, response: "Response"
+    ) -> "_NotesByPlaceInPrintout":
         """The notes of a response, sorted by the place of the printed answer where they stand.
 
         Some notes stand above the table, some below it, some at the end, and some are printed only
@@ -235,7 +237,7 @@ def _columns_of_shoe_table(
     }
     for i, shoe in enumerate(response.shoes):
         effect = response.effects[i]
-        force = abs(brake.shoes[i].actuation.force) * brake.scale_factor
+        force = abs(brake.shoes[i].actuation.force) * brake.length_per_surface_coordinate
         cells = {
             "shoe": shoe.name,
             "effect": f"{effect:.6g}",
@@ -258,7 +260,7 @@ def _print_lines_of_verbose_answer(response: "Response", notes: list[str]) -> No
     They give hinge reaction and figures of merit of each shoe, solution steps, balance of forces,
     computing times, the given notes and neglected effects.
     """
-    from drumlin.laws.rigid import UNUSED_KEYS
+    from drumlin.laws.rigid import UNUSED_KEYS_LINE_START
 
     # One line for each shoe: the force of its hinge and its figures of merit.
     for shoe, merit in zip(response.shoes, response.merits, strict=True):
@@ -279,11 +281,11 @@ def _print_lines_of_verbose_answer(response: "Response", notes: list[str]) -> No
         print_line_folded_to_terminal_width(line)
     # The last lines name effects that the model neglects.
     for line in response.left_out:
-        if not line.startswith(UNUSED_KEYS):
+        if not line.startswith(UNUSED_KEYS_LINE_START):
             print_line_folded_to_terminal_width(f"left out: {line}")
 
 
-def _figures_of_merit_as_line(merit: "Merit | FlatMerit") -> str:
+def _figures_of_merit_as_line(merit: "FiguresOfMeritOnDrum | FiguresOfMeritOnPlane") -> str:
     """The figures of merit of one shoe as a line of text; unknown figures are left out.
 
     The figures have the same names as in the JSON file. The angle of the resultant force is in

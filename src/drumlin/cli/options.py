@@ -18,13 +18,13 @@ BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake
 # Options of the finite-element model.
 
 Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
-Kind = Annotated[
+ParametricMeshKind = Annotated[
     str | None, typer.Option(metavar="quad2|quad1|tri2|tri1", help="kind of the parametric mesh")
 ]
 Penalty = Annotated[
     str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")
 ]
-Tolerance = Annotated[
+ErrorTolerance = Annotated[
     float | None,
     typer.Option(
         help="refine until the estimated errors of p (L2) and torque are below it; on mesh files "
@@ -46,12 +46,14 @@ NoModelError = Annotated[
 
 # Options of the elastic foundation and of solid shoes.
 
-Sections = Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")]
-Lift = Annotated[
+FoundationSections = Annotated[
+    int | None, typer.Option(help="sections of each beam of the foundation model")
+]
+LiftedSimplifications = Annotated[
     list[str] | None,
     typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift"),
 ]
-Across = Annotated[
+DegreeAcrossWidth = Annotated[
     int | None, typer.Option(help="degree of the polynomials across the width of solid shoes")
 ]
 FieldsFile = Annotated[
@@ -99,14 +101,14 @@ Rotation = Annotated[
         "default: to full slip",
     ),
 ]
-Distance = Annotated[
+SlidingDistance = Annotated[
     str | None,
     typer.Option(
         help='sliding distance, such as "20 km", or a number of 1/(k K), K = E/t; '
         "default: until settled"
     ),
 ]
-Coefficient = Annotated[
+WearCoefficient = Annotated[
     str | None,
     typer.Option(
         metavar="K", help='of wear, such as "1e-5 mm^3/(N m)"; with an exponent: at 1 MPa'
@@ -133,8 +135,10 @@ WantedPeakPressure = Annotated[
 SizedFile = Annotated[
     Path | None, typer.Option("--write", metavar="FILE.toml", help="write the sized brake")
 ]
-Reverse = Annotated[str | None, typer.Option(help="the drum turns back after every such distance")]
-Guided = Annotated[
+ReversalDistance = Annotated[
+    str | None, typer.Option(help="the drum turns back after every such distance")
+]
+GuidedAlongMiddleRadius = Annotated[
     bool, typer.Option("--guided", help="rigid shoes moving along their middle radius")
 ]
 ReportFolder = Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")]

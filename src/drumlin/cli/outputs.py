@@ -8,7 +8,12 @@ import typer
 
 import drumlin
 from drumlin.base.errors import BadInput
-from drumlin.cli.options import BrakeFile, Elements, Kind, command_options_given_by_user
+from drumlin.cli.options import (
+    BrakeFile,
+    Elements,
+    ParametricMeshKind,
+    command_options_given_by_user,
+)
 from drumlin.cli.terminal import print_line_folded_to_terminal_width, show_spinner_beside_words
 
 if TYPE_CHECKING:
@@ -21,7 +26,7 @@ def view(
         Path | None, typer.Option(metavar="FILE", help="the picture, .png or .svg")
     ] = None,
     elements: Elements = None,
-    kind: Kind = None,
+    kind: ParametricMeshKind = None,
 ) -> None:
     """Draw a brake and its mesh."""
     from drumlin.base.files import check_output_files_are_writable
@@ -57,7 +62,7 @@ def mesh(
         typer.Option(help="first word of the file names; default: that of the brake file"),
     ] = None,
     elements: Elements = None,
-    kind: Kind = None,
+    kind: ParametricMeshKind = None,
     suffix: Annotated[
         str | None, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")
     ] = None,
@@ -151,7 +156,7 @@ def export(
     ],
     output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the files")] = Path(),
     elements: Elements = None,
-    kind: Kind = None,
+    kind: ParametricMeshKind = None,
     model: Annotated[
         str, typer.Option(metavar="fem|solid", help="plane stress or solid shoes")
     ] = "fem",

@@ -13,7 +13,7 @@ import drumlin
 from drumlin.base.errors import BadInput, NoAnswer, text_of_error_for_command_line
 from drumlin.cli import options as of
 from drumlin.cli.answer import print_response
-from drumlin.cli.options import BrakeFile, Elements, FiniteWidth, Kind, Penalty
+from drumlin.cli.options import BrakeFile, Elements, FiniteWidth, ParametricMeshKind, Penalty
 from drumlin.cli.terminal import (
     Column,
     print_line_folded_to_terminal_width,
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from drumlin.door import HoldingRun
     from drumlin.response.response import Response
 
-ERRORS_OF_COMPARISON = (
+TEXT_ON_COMPARISON_ERRORS = (
     "errors: differences from the model fem; of p (L2): the root of the mean square along a "
     "lining, without its ends"
 )
@@ -41,14 +41,14 @@ def solve(
     json_file: of.ResponseJson = None,
     pressure: of.PressureFile = None,
     elements: Elements = None,
-    kind: Kind = None,
+    kind: ParametricMeshKind = None,
     penalty: Penalty = None,
-    tolerance: of.Tolerance = None,
-    sections: of.Sections = None,
-    lift: of.Lift = None,
+    tolerance: of.ErrorTolerance = None,
+    sections: of.FoundationSections = None,
+    lift: of.LiftedSimplifications = None,
     finite_width: FiniteWidth = False,
     no_model_error: of.NoModelError = False,
-    across: of.Across = None,
+    across: of.DegreeAcrossWidth = None,
     fields: of.FieldsFile = None,
     verbose: of.Verbose = False,
 ) -> None:
@@ -197,7 +197,7 @@ def compare(
     brake_file: BrakeFile,
     output: of.ReportFolder = None,
     elements: Elements = None,
-    kind: Kind = None,
+    kind: ParametricMeshKind = None,
     penalty: Penalty = None,
     finite_width: FiniteWidth = False,
     solid: of.AlsoSolid = False,
@@ -227,7 +227,7 @@ def compare(
         f"{brake.title}: {brake.motion_as_text}, {brake.friction_coefficients_as_text}"
     )
     print_table_of_compared_models(result.table, result.columns)
-    print_line_folded_to_terminal_width(ERRORS_OF_COMPARISON)
+    print_line_folded_to_terminal_width(TEXT_ON_COMPARISON_ERRORS)
     for line in result.notes:
         print_line_folded_to_terminal_width(line)
     print_line_folded_to_terminal_width(f"report: {result.page}")
@@ -240,7 +240,7 @@ def hold(
     steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
     json_file: of.StatesJson = None,
     elements: Elements = None,
-    kind: Kind = None,
+    kind: ParametricMeshKind = None,
     penalty: Penalty = None,
 ) -> None:
     """Turn the drum against its shoes, from rest through partial slip to full slip."""
@@ -293,7 +293,7 @@ def sensitivity(
     model: of.AnalysisModel = "fem",
     json_file: of.SlopesJson = None,
     elements: Elements = None,
-    kind: Kind = None,
+    kind: ParametricMeshKind = None,
     penalty: Penalty = None,
 ) -> None:
     """How the torque changes with friction, force, moduli, clearance and hinge, by its slopes."""
@@ -325,12 +325,12 @@ def size(
     json_file: of.ResponseJson = None,
     write: of.SizedFile = None,
     elements: Elements = None,
-    kind: Kind = None,
+    kind: ParametricMeshKind = None,
     penalty: Penalty = None,
-    tolerance: of.Tolerance = None,
+    tolerance: of.ErrorTolerance = None,
     finite_width: FiniteWidth = False,
-    sections: of.Sections = None,
-    lift: of.Lift = None,
+    sections: of.FoundationSections = None,
+    lift: of.LiftedSimplifications = None,
 ) -> None:
     """Find the value of a key for a wanted torque or peak pressure, by any model."""
     from drumlin.base.files import check_output_files_are_writable, write_json
@@ -373,18 +373,18 @@ def size(
 def wear(
     brake_file: BrakeFile,
     model: of.WearingModel = "fem",
-    distance: of.Distance = None,
-    coefficient: of.Coefficient = None,
+    distance: of.SlidingDistance = None,
+    coefficient: of.WearCoefficient = None,
     exponent: Annotated[float, typer.Option(help="of the pressure in the rate of wear")] = 1.0,
     torque: of.HeldTorque = None,
-    reverse: of.Reverse = None,
-    guided: of.Guided = False,
+    reverse: of.ReversalDistance = None,
+    guided: of.GuidedAlongMiddleRadius = False,
     tolerance: Annotated[float | None, typer.Option(help="relative error of p (L2) a step")] = None,
     json_file: of.StatesJson = None,
     elements: Elements = None,
-    kind: Kind = None,
-    sections: of.Sections = None,
-    lift: of.Lift = None,
+    kind: ParametricMeshKind = None,
+    sections: of.FoundationSections = None,
+    lift: of.LiftedSimplifications = None,
 ) -> None:
     """Wear the linings by Archard's law until the pressure is that of the rigid-shoe law."""
     from drumlin.base.files import check_output_files_are_writable, write_json

@@ -18,7 +18,7 @@ from drumlin.cli.terminal import (
 )
 
 if TYPE_CHECKING:
-    from drumlin.sweeps.cases import Row
+    from drumlin.sweeps.cases import CaseResults
     from drumlin.sweeps.sweep_table import SweepTable
 
 STATISTICS_LEFT_OUT_FIRST = ["most", "least"]
@@ -77,7 +77,7 @@ def sweep(
     check_table_file_is_writable(table_file)
     check_output_files_are_writable(table_file)
 
-    def write_table(rows: "list[Row]") -> "SweepTable":
+    def write_table(rows: "list[CaseResults]") -> "SweepTable":
         """Write the table with the results of all cases, and return it."""
         solved = table_of_solved_sweep(made, rows, sweep_file.parent)
         with show_spinner_beside_words(f"writing {table_file.name}"):

@@ -29,7 +29,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.contact.equations import (
-    TINY,
+    SMALLEST_NORMAL_DOUBLE,
     BorderedEquations,
     ContactProblem,
     ContactSetEquations,
@@ -758,8 +758,8 @@ def _which_matrices_are_nonsingular(matrices: Floats) -> Bools:
     """
     # The rows and columns are scaled, because the modes have different units (rotations and
     # translations).
-    largest = np.maximum(np.abs(matrices).max(axis=(0, 2)), TINY)
+    largest = np.maximum(np.abs(matrices).max(axis=(0, 2)), SMALLEST_NORMAL_DOUBLE)
     scaled = matrices / largest[:, None]
-    length = np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), TINY)
+    length = np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), SMALLEST_NORMAL_DOUBLE)
     scaled = scaled / length
     return np.asarray(np.abs(np.linalg.det(scaled)) > SET_ROUND_OFF)

@@ -27,7 +27,7 @@ The dense matrices of a contact problem, and those of the ring, have two rows fo
 more nodes they take gigabytes of memory.
 """
 
-TINY = np.finfo(float).tiny
+SMALLEST_NORMAL_DOUBLE = np.finfo(float).tiny
 """Smallest normal double, 2.2e-308; no scale factor is computed with a smaller divisor.
 
 A row of zeros in a matrix therefore causes no division by 0.
@@ -140,10 +140,10 @@ def _row_and_column_scale_factors_of_contact_problem(
     k = B.shape[1]
     # With these factors A gets a unit diagonal. The largest entry of each column of B and of each
     # row of C becomes 1.
-    of_nodes = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), TINY))
+    of_nodes = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), SMALLEST_NORMAL_DOUBLE))
     modes = np.concatenate([B, C.T], axis=1)
     largest = np.abs(modes * of_nodes[:, None]).max(axis=0)
-    of_modes = 1 / np.maximum(largest, TINY)
+    of_modes = 1 / np.maximum(largest, SMALLEST_NORMAL_DOUBLE)
     rows = np.concatenate([of_nodes, of_modes[k:]])
     return rows, np.concatenate([of_nodes, of_modes[:k]])
 

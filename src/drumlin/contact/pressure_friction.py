@@ -31,15 +31,15 @@ from drumlin.contact.equations import ContactProblem
 from drumlin.contact.self_locking import (
     LARGEST_FORCE_GROWTH,
     LARGEST_FRICTION_STEP,
-    POLE_DISTANCE,
+    TEST_DISTANCE_BELOW_SINGULAR_FRICTION,
     FrictionDependentProblem,
 )
 from drumlin.contact.stick_slip import (
     BACKWARD,
     FORWARD,
-    FrictionalProblem,
-    Increment,
+    LoadIncrementSolution,
     SlipHistory,
+    StickSlipProblem,
     solve_stick_slip_load_increment,
 )
 
@@ -116,7 +116,7 @@ def find_largest_friction_factor_with_equilibrium(
             step = min(2 * step, LARGEST_FRICTION_STEP * factor)
             continue
         step = 0.5 * (target - factor)
-        if step < POLE_DISTANCE * factor:
+        if step < TEST_DISTANCE_BELOW_SINGULAR_FRICTION * factor:
             # Beyond the last pressure of its table friction is constant. If the pressures grow
             # without bound, all of them end there.
             slopes = friction(found.p).slope[found.active]
@@ -166,12 +166,12 @@ def _continued_to_friction_factor_or_none(
 
 
 def solve_stick_slip_increment_with_pressure_dependent_friction(
-    problem: FrictionalProblem,
+    problem: StickSlipProblem,
     friction: FrictionAtPressures,
     history: SlipHistory,
     start: Ints,
     p: Floats,
-) -> Increment:
+) -> LoadIncrementSolution:
     """Solve a load increment of contact that sticks and slips, whose friction depends on pressure.
 
     A node that slips has the friction stress of the tangent of mu(p) p at the last pressures. The

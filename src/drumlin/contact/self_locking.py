@@ -53,7 +53,7 @@ determinant shows the limit. On 30 brakes the number of factorisations is 1.07 t
 a step of 0.025, the same with a step of 0.1, and 1.1 times as large with a step of 0.4.
 """
 
-POLE_DISTANCE = 1e-8
+TEST_DISTANCE_BELOW_SINGULAR_FRICTION = 1e-8
 """Relative distance below a singular friction coefficient at which the contact set is tested.
 
 At the singular friction the pressures of the contact set would be infinite. If the contact set
@@ -281,7 +281,7 @@ def _is_contact_set_valid_up_to_singular_friction(
     # The present mu may itself be the friction at which the equations are singular.
     if singular_friction - mu < FRICTION_RESOLUTION * max(mu, 1e-3):
         return True
-    near = mu + (singular_friction - mu) * (1 - POLE_DISTANCE)
+    near = mu + (singular_friction - mu) * (1 - TEST_DISTANCE_BELOW_SINGULAR_FRICTION)
     return _find_stable_contact_or_none(problem, near, active, 1) is not None
 
 

@@ -67,7 +67,7 @@ traction, or the largest gap or slip, of all nodes.
 """
 
 
-class FrictionalProblem(NamedTuple):
+class StickSlipProblem(NamedTuple):
     """The equations of a load increment of contact that sticks and slips.
 
     The n nodes have pressures p and tangential tractions t. The shoes have k rigid-body modes. The
@@ -107,7 +107,7 @@ class SlipHistory(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Increment:
+class LoadIncrementSolution:
     """The solution of a load increment of contact that sticks and slips.
 
     Attributes
@@ -133,8 +133,8 @@ class Increment:
 
 
 def solve_stick_slip_load_increment(
-    problem: FrictionalProblem, mu: float | Floats, history: SlipHistory, start: Ints
-) -> Increment:
+    problem: StickSlipProblem, mu: float | Floats, history: SlipHistory, start: Ints
+) -> LoadIncrementSolution:
     """Solve one load increment of contact that sticks and slips, and return its solution.
 
     Parameters
@@ -170,11 +170,11 @@ def solve_stick_slip_load_increment(
         p, t = np.split(scales * point.z, 2)
         w, slip = np.split(point.v / scales, 2)
         s = slip + history.s + problem.Q @ (t - history.t)
-        return Increment(p, t, s, w, point.y, state, steps)
+        return LoadIncrementSolution(p, t, s, w, point.y, state, steps)
     raise NoAnswer(reason)
 
 
-class _FrictionalSystem(NamedTuple):
+class _ScaledIncrementEquations(NamedTuple):
     """The scaled equations of an increment: v = q + A z + B y and C z = h.
 
     The unknowns are z = (p, t) and v = (w, ds - Q dt), both (2n,). Scaling makes the diagonal
@@ -190,7 +190,7 @@ class _FrictionalSystem(NamedTuple):
     mu: Floats
 
 
-class _IncrementSolution(NamedTuple):
+class _ScaledIncrementSolution(NamedTuple):
     """A solution of the scaled equations: z (2n,), v (2n,) and rigid-body motions y (k,)."""
 
     z: Floats
@@ -202,13 +202,13 @@ class _SettledStates(NamedTuple):
     """The final states (n,) of the nodes in a load increment, the solution and the step count."""
 
     state: Ints
-    solution: _IncrementSolution
+    solution: _ScaledIncrementSolution
     steps: int
 
 
 def _scaled_increment_equations_and_factors(
-    problem: FrictionalProblem, mu: float | Floats, history: SlipHistory
-) -> tuple[_FrictionalSystem, Floats]:
+    problem: StickSlipProblem, mu: float | Floats, history: SlipHistory
+) -> tuple[_ScaledIncrementEquations, Floats]:
     """Return the scaled equations of a load increment, and the scale factors (2n,).
 
     Pressures and tractions are z = scales z_scaled.
@@ -222,7 +222,7 @@ def _scaled_increment_equations_and_factors(
     C = np.hstack([problem.C_p, problem.C_t])
     d = 1 / np.sqrt(np.maximum(np.abs(np.diagonal(A)), np.finfo(float).tiny))
     n = len(q) // 2
-    system = _FrictionalSystem(
+    system = _ScaledIncrementEquations(
         A=d[:, None] * A * d,
         q=d * q,
         B=d[:, None] * B,
@@ -239,7 +239,7 @@ class _StateEquations:
     The equations are factorised once. Raises NoAnswer if they are singular.
     """
 
-    def __init__(self, system: _FrictionalSystem, state: Ints) -> None:
+    def __init__(self, system: _ScaledIncrementEquations, state: Ints) -> None:
         self.system, self.state = system, state
         n, k = len(state), len(system.h)
         self.pressed_nodes = np.flatnonzero(state != OPEN)
@@ -266,7 +266,7 @@ class _StateEquations:
         )
         self._factors = _scale_matrix_and_compute_lu_factors(matrix)
 
-    def solve_increment_under_loads(self, q: Floats, h: Floats) -> _IncrementSolution:
+    def solve_increment_under_loads(self, q: Floats, h: Floats) -> _ScaledIncrementSolution:
         """Return the solution of the increment under its constant terms q (2n,) and loads h (k,).
 
         q holds the gaps and slips that are there without pressures, tractions and motions.
@@ -280,10 +280,10 @@ class _StateEquations:
         z = np.zeros(2 * n)
         z[self.unknown_numbers] = basic
         z[n + self.pressed_nodes] += self.traction_per_pressure * basic[:m]
-        return _IncrementSolution(z, v, y)
+        return _ScaledIncrementSolution(z, v, y)
 
     def distances_of_nodes_from_their_two_state_changes(
-        self, solution: _IncrementSolution
+        self, solution: _ScaledIncrementSolution
     ) -> Floats:
         """Return the distances (2, n) of each node from its two possible changes of state.
 
@@ -313,8 +313,8 @@ table corrects it.
 
 
 def _solution_and_violated_conditions(
-    system: _FrictionalSystem, state: Ints
-) -> tuple[_IncrementSolution, Bools]:
+    system: _ScaledIncrementEquations, state: Ints
+) -> tuple[_ScaledIncrementSolution, Bools]:
     """The solution of the increment in the given states (n,), and the conditions it violates.
 
     The conditions are a mask (2, n): True where a node violates the first or the second condition
@@ -329,7 +329,7 @@ def _solution_and_violated_conditions(
 
 
 def _find_stick_slip_states_by_slowed_newton(
-    system: _FrictionalSystem, start: Ints
+    system: _ScaledIncrementEquations, start: Ints
 ) -> _SettledStates:
     """Find the states of the nodes by Newton's method, made slow enough not to go in circles.
 
@@ -351,7 +351,9 @@ def _find_stick_slip_states_by_slowed_newton(
     raise NoAnswer("not converged: stick and slip do not settle")
 
 
-def _find_stick_slip_states_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledStates:
+def _find_stick_slip_states_by_newton(
+    system: _ScaledIncrementEquations, start: Ints
+) -> _SettledStates:
     """Find open, sticking and slipping nodes by Newton's method, in which all nodes change at once.
 
     `start` (n,) are the states of the first step. Raises NoAnswer if the number of nodes in a wrong
@@ -375,7 +377,10 @@ def _find_stick_slip_states_by_newton(system: _FrictionalSystem, start: Ints) ->
 
 
 def _next_stick_slip_states_by_newton(
-    system: _FrictionalSystem, state: Ints, solution: _IncrementSolution, outside: Bools
+    system: _ScaledIncrementEquations,
+    state: Ints,
+    solution: _ScaledIncrementSolution,
+    outside: Bools,
 ) -> Ints:
     """Return the states (n,) of the nodes for the next step of Newton's method.
 
@@ -398,7 +403,9 @@ def _next_stick_slip_states_by_newton(
 
 
 def _sizes_to_which_round_off_of_margins_is_relative(
-    system: _FrictionalSystem, equations: _StateEquations, solution: _IncrementSolution
+    system: _ScaledIncrementEquations,
+    equations: _StateEquations,
+    solution: _ScaledIncrementSolution,
 ) -> Floats:
     """The sizes (2, n) to which the round-off of each node's two margins is relative.
 
@@ -415,7 +422,7 @@ def _sizes_to_which_round_off_of_margins_is_relative(
 
 
 def _find_stick_slip_states_from_balanced_load(
-    system: _FrictionalSystem, start: Ints
+    system: _ScaledIncrementEquations, start: Ints
 ) -> _SettledStates:
     """Find open, sticking and slipping nodes on a path of solutions.
 
@@ -425,7 +432,7 @@ def _find_stick_slip_states_from_balanced_load(
 
 
 def _find_stick_slip_states_from_widened_gaps(
-    system: _FrictionalSystem, start: Ints
+    system: _ScaledIncrementEquations, start: Ints
 ) -> _SettledStates:
     """Find open, sticking and slipping nodes on a path of solutions from widened gaps.
 
@@ -467,7 +474,7 @@ class _StateChange(NamedTuple):
 
 
 def _follow_stick_slip_states_to_true_load(
-    system: _FrictionalSystem, state: Ints, *, from_wide_gaps: bool
+    system: _ScaledIncrementEquations, state: Ints, *, from_wide_gaps: bool
 ) -> _SettledStates:
     """Follow the path of solutions under the loads q + r e and h + r f from r = 1 to r = 0.
 
@@ -536,7 +543,7 @@ def _next_stick_slip_state_change_on_path(
 
 
 def _added_gaps_and_loads_that_make_stick_slip_states_valid(
-    system: _FrictionalSystem, equations: _StateEquations, from_wide_gaps: bool
+    system: _ScaledIncrementEquations, equations: _StateEquations, from_wide_gaps: bool
 ) -> tuple[Floats, Floats]:
     """Return terms to add to q (2n,) and h (k,) that make the present states a solution.
 
@@ -580,9 +587,9 @@ class _StateDistances(NamedTuple):
 
 
 def _distances_from_state_change_made_positive(
-    system: _FrictionalSystem,
+    system: _ScaledIncrementEquations,
     equations: _StateEquations,
-    solution: _IncrementSolution,
+    solution: _ScaledIncrementSolution,
     from_wide_gaps: bool,
 ) -> _StateDistances:
     """Return the distances (2, n) of nodes from a change of state, negative ones made positive.

@@ -34,7 +34,7 @@ from drumlin.models import MODELS, model_with_name_that_applies_to_brake
 from drumlin.response import Response
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
-from drumlin.response.response import ModelError
+from drumlin.response.response import PlaneStressError
 
 EXPLORE_LEVEL = LEVELS[1]
 """The fixed division of the shoes into hp elements, for shoes without a mesh file.
@@ -51,16 +51,16 @@ The stiffness of their shoes takes 9 to 50 ms and the contact 4 to 40 ms. With t
 the stiffness takes up to 180 ms.
 """
 
-WIDTH_TOLERANCE = 5e-3
+TOLERANCE_OF_ACCURATE_SOLID_SOLUTION = 5e-3
 """Relative tolerance of p and torque in the accurate solution by solid shoes.
 
 The page shows the difference of its own answer by solid shoes from this solution.
 """
 
-HIGHEST_FRICTION = 5.0
+HIGHEST_SOUGHT_LOCKING_FRICTION = 5.0
 """Friction coefficient up to which self-locking is searched; no real lining comes near it."""
 
-WEAR_TOLERANCE = 1e-2
+ERROR_OF_ONE_WEAR_INCREMENT = 1e-2
 """Relative error of the pressure (L2) that one increment of the sliding distance may make by wear.
 
 The error of the torque is then some 0.01 %.
@@ -87,7 +87,8 @@ class ExploredAnswer:
     law_name : name of the rigid-shoe law whose answer is shown beside the finite elements
     law_response : response of the law; None where the law has no answer
     law_failure : reason why the law has no answer; "" where it has one
-    law_locking : smallest friction at which a shoe locks itself by the law; None on a plane
+    locking_friction_by_law : smallest friction at which a shoe locks itself by the law; None on a
+        plane
     distance : sliding distance [m] over which the linings are worn
     """
 
@@ -98,7 +99,7 @@ class ExploredAnswer:
     law_name: str | None = None
     law_response: Response | None = None
     law_failure: str = ""
-    law_locking: float | None = None
+    locking_friction_by_law: float | None = None
     distance: float = 0.0
 
 
@@ -122,7 +123,7 @@ class _WornBrake(NamedTuple):
     distance: float
 
 
-class StatedError(NamedTuple):
+class DifferenceFromAccurateAnswer(NamedTuple):
     """The difference between the page's answer and the accurate answer of `drumlin.solve`.
 
     Attributes
@@ -137,7 +138,7 @@ class StatedError(NamedTuple):
     torque: float
     pressure: float
     errors_stated_by_accurate_answer: Mapping[str, float] | None
-    plane_stress: ModelError | None
+    plane_stress: PlaneStressError | None
 
 
 class LatestValueCache:
@@ -159,7 +160,7 @@ class LatestValueCache:
         return self._value
 
 
-class Explorer:
+class SliderSolver:
     """A solver for one brake at all positions of the page's sliders.
 
     To save time it keeps the prepared model, the wear and the limits of self-locking that it
@@ -255,7 +256,7 @@ class Explorer:
         """The friction coefficient at which each group of shoes locks itself, by finite elements.
 
         The keys are the positions of the shoes that lock together. Shoes that do not lock up to
-        HIGHEST_FRICTION have no entry. The result is empty where no
+        HIGHEST_SOUGHT_LOCKING_FRICTION have no entry. The result is empty where no
         shoe touches the drum. `model` is "fem" for plane stress and "solid" for solid shoes.
         """
 
@@ -267,7 +268,9 @@ class Explorer:
             rough = brake.brake_with_new_friction_coefficient(1.0)
             try:
                 found = self_locking_friction_of_shoe_groups(
-                    self.prepared_model_of_brake(brake, model), rough, HIGHEST_FRICTION
+                    self.prepared_model_of_brake(brake, model),
+                    rough,
+                    HIGHEST_SOUGHT_LOCKING_FRICTION,
                 )
             except NoAnswer:
                 return {}
@@ -291,7 +294,9 @@ class Explorer:
         )
         return known
 
-    def difference_from_accurate_answer(self, answer: ExploredAnswer) -> StatedError | None:
+    def difference_from_accurate_answer(
+        self, answer: ExploredAnswer
+    ) -> DifferenceFromAccurateAnswer | None:
         """The difference between an answer of the page and the accurate answer of `drumlin.solve`.
 
         The accurate answer takes seconds to minutes. The result is None where the page or
@@ -302,9 +307,9 @@ class Explorer:
             return None
         options: dict[str, Any] = {"model_error": True}
         if model == "solid":
-            options = {"tolerance": WIDTH_TOLERANCE}
+            options = {"tolerance": TOLERANCE_OF_ACCURATE_SOLID_SOLUTION}
 
-        def solve_accurately_and_compare() -> StatedError | None:
+        def solve_accurately_and_compare() -> DifferenceFromAccurateAnswer | None:
             """Solve the brake accurately and compare; None if the accurate solution fails."""
             try:
                 finer = MODELS[model].solve(brake, **options)
@@ -312,14 +317,14 @@ class Explorer:
                 return None
             # The stated error of the pressure is the largest difference of all shoes.
             apart = max(map(relative_distance_of_pressures, found.shoes, finer.shoes))
-            return StatedError(
+            return DifferenceFromAccurateAnswer(
                 abs(relative_error_of_number(found.effect, finer.effect)),
                 apart,
                 finer.error,
                 finer.plane_stress_error,
             )
 
-        known: StatedError | None = self._stated.stored_or_new_value(
+        known: DifferenceFromAccurateAnswer | None = self._stated.stored_or_new_value(
             (brake, model), solve_accurately_and_compare
         )
         return known
@@ -334,7 +339,7 @@ def _wear_linings_over_distance(scene: PreparedModel, brake: Brake, distance: fl
     """The wear of a brake's linings up to a sliding distance [m]."""
     setup, law = wear_setup_by_finite_elements(scene, brake), WearLaw(DEFAULT_WEAR_COEFFICIENT)
     states = wear_brake_linings_until_worn_in(
-        setup, law, distance=distance, tolerance=WEAR_TOLERANCE
+        setup, law, distance=distance, tolerance=ERROR_OF_ONE_WEAR_INCREMENT
     )
     return _WearRun(setup, states)
 
@@ -352,7 +357,7 @@ def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> Explored
             for shoe in brake.shoes:
                 own = self_locking_friction_of_hinged_shoe(brake, shoe, LAWS[name])
                 limits.append(brake.brake_friction_that_gives_shoe_friction(shoe, own))
-            answer = replace(answer, law_locking=min(limits))
+            answer = replace(answer, locking_friction_by_law=min(limits))
         return replace(
             answer, law_response=model_with_name_that_applies_to_brake(name, brake).solve(brake)
         )

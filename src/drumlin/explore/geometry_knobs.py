@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import Bar
+from drumlin.brake.components import ShoeBodyOfConstantSection
 from drumlin.explore.knob import (
     Changes,
     Knob,
@@ -42,7 +42,7 @@ def geometry_sliders_for_brake(brake: Brake) -> tuple[Knob, ...]:
         if lining.thickness:
             linings[f"{key}.thickness"] = lining.thickness
     for i, shoe in enumerate(brake.shoes):
-        if isinstance(shoe.body, Bar):
+        if isinstance(shoe.body, ShoeBodyOfConstantSection):
             bodies[f"shoe[{i}].body.thickness"] = shoe.body.thickness
     knobs = (
         _drum_radius_slider(brake),
@@ -59,7 +59,10 @@ def _drum_radius_slider(brake: Brake) -> Knob:
     R = brake.size * 1e3
 
     def new_drum_radius_at_slider_value(value: float) -> Changes:
-        """New radius of the drum; `brake_at_slider_setting` keeps the misfits of the linings."""
+        """The change of the drum's radius [m] to `value` [mm].
+
+        `brake_at_slider_setting` changes the radii of the linings by the same length.
+        """
         return {"drum.radius": value * 1e-3}
 
     return Knob(

@@ -31,7 +31,7 @@ from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT
 from drumlin.models import applicable_models
 
-LARGEST_WEAR = 50.0
+REACH_OF_WEAR_SLIDER = 50.0
 """Sliding distance that the slider of wear reaches at least, as a multiple of 1/(k K).
 
 k is the wear coefficient, and K = E/t the stiffness of the lining in the brake file. After some 46
@@ -384,7 +384,7 @@ def _wear_distance_slider(brake: Brake) -> Knob | None:
             units.append(1e-3 / (DEFAULT_WEAR_COEFFICIENT * K))
     if not units:
         return None
-    least = LARGEST_WEAR * max(units)
+    least = REACH_OF_WEAR_SLIDER * max(units)
     high = next(number for number in four_round_numbers_around_value(least) if number >= least)
     return Knob(
         name="wear",

@@ -22,7 +22,7 @@ from drumlin.brake import vary
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Part, Point
 from drumlin.brake.writing import brake_file_text
-from drumlin.explore.answers import ExploredAnswer, Explorer
+from drumlin.explore.answers import ExploredAnswer, SliderSolver
 from drumlin.explore.geometry_knobs import geometry_sliders_for_brake
 from drumlin.explore.knob import (
     Knob,
@@ -40,9 +40,9 @@ from drumlin.explore.knobs import (
     slider_setting_from_link_query,
 )
 from drumlin.explore.picture import (
-    PLACE_STEP,
     PRESSURE_SCALE_DISTANCE,
-    PRESSURE_STEP,
+    RESOLUTION_OF_CURVE_POSITIONS,
+    RESOLUTION_OF_SENT_PRESSURES,
     centre_of_picture,
     drawing_lines_of_brake,
     error_of_finite_elements_as_html,
@@ -99,13 +99,13 @@ class _Request(NamedTuple):
     name : beginning of the name of a file that the browser saves
     """
 
-    explorer: Explorer
+    explorer: SliderSolver
     setting: KnobSetting
     refusal_messages: tuple[str, ...]
     name: str
 
 
-def http_reply_to_requested_address(explorer: Explorer, address: str, name: str) -> Reply:
+def http_reply_to_requested_address(explorer: SliderSolver, address: str, name: str) -> Reply:
     """The reply to an address, which consists of a path and a query.
 
     No address raises an error: unreadable parts are ignored, and the reply says so. `name` is the
@@ -167,7 +167,7 @@ def _reply_with_html_page(request: _Request) -> Reply:
         flat=is_flat,
         size=size,
         petal=PRESSURE_SCALE_DISTANCE,
-        units=(PLACE_STEP, PRESSURE_STEP),
+        units=(RESOLUTION_OF_CURVE_POSITIONS, RESOLUTION_OF_SENT_PRESSURES),
         rings=rings,
         place=brake.surface.axis_label_in_explorer,
         low=low,
@@ -205,7 +205,7 @@ def _slider_data_for_html_page(setting: KnobSetting, knob: Knob) -> dict[str, An
     A slider that changes its value by factors is logarithmic.
     """
 
-    def place_of_value_on_slider(value: float) -> float:
+    def value_or_its_logarithm_on_slider(value: float) -> float:
         """The place of a value on the slider: the value itself or its decimal logarithm."""
         return math.log10(value) if knob.log else value
 
@@ -216,11 +216,11 @@ def _slider_data_for_html_page(setting: KnobSetting, knob: Knob) -> dict[str, An
         "value": value,
         "file": knob.start,
         "changed": knob.name in setting.values,
-        "low": place_of_value_on_slider(knob.low),
-        "high": place_of_value_on_slider(knob.high),
+        "low": value_or_its_logarithm_on_slider(knob.low),
+        "high": value_or_its_logarithm_on_slider(knob.high),
         "step": knob.step,
-        "start": place_of_value_on_slider(knob.start),
-        "place": place_of_value_on_slider(value),
+        "start": value_or_its_logarithm_on_slider(knob.start),
+        "place": value_or_its_logarithm_on_slider(value),
         "log": knob.log,
     }
 
@@ -239,7 +239,7 @@ def _reply_with_picture_data(request: _Request) -> Reply:
     whole_numbers = partial(
         pressure_curve_as_whole_numbers, scale=picture.highest_pressure_of_scale
     )
-    arcs = np.rint(np.array(picture.arcs) / PLACE_STEP).astype(int)
+    arcs = np.rint(np.array(picture.arcs) / RESOLUTION_OF_CURVE_POSITIONS).astype(int)
     # The texts of the reply are finished HTML, its curves are whole numbers.
     data = {
         "fem": list(map(whole_numbers, picture.fem)),

@@ -17,14 +17,14 @@ from drumlin.base.arrays import Floats
 from drumlin.base.round_numbers import four_round_numbers_around_value
 from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Bar, Beam
+from drumlin.brake.components import Beam, ShoeBodyOfConstantSection
 from drumlin.explore.answers import (
-    HIGHEST_FRICTION,
-    WEAR_TOLERANCE,
-    WIDTH_TOLERANCE,
+    ERROR_OF_ONE_WEAR_INCREMENT,
+    HIGHEST_SOUGHT_LOCKING_FRICTION,
+    TOLERANCE_OF_ACCURATE_SOLID_SOLUTION,
+    DifferenceFromAccurateAnswer,
     ExploredAnswer,
     LockingFriction,
-    StatedError,
 )
 from drumlin.explore.geometry_knobs import ARC_REACH, RADIUS_REACH
 from drumlin.report.figures import evenly_spaced_pressure_curve_of_shoe, title_of_model_in_figures
@@ -54,13 +54,13 @@ It is relative to the drum's radius, on a plane to the length of the first linin
 SMALLEST_SHOWN_ERROR = 1e-6
 """Relative error below which the page writes "less than 0.0001 %" in place of the number."""
 
-PLACE_STEP = 1e-3
+RESOLUTION_OF_CURVE_POSITIONS = 1e-3
 """Resolution [deg, on a plane mm] of the places of a pressure curve.
 
 The places are sent to the page as whole numbers, in units of this step.
 """
 
-PRESSURE_STEP = 1e-4
+RESOLUTION_OF_SENT_PRESSURES = 1e-4
 """Resolution of pressures, which are sent to the page as whole numbers.
 
 It is relative to the highest pressure of the scale.
@@ -170,10 +170,13 @@ def _arrow_character_of_motion(brake: Brake) -> str:
 def pressure_curve_as_whole_numbers(curve: PressureCurve, scale: float) -> dict[str, Any]:
     """A pressure curve as whole numbers, which are short to send and fast to read.
 
-    Places are in units of PLACE_STEP. Pressures are in units of PRESSURE_STEP times `scale` [MPa],
-    the highest pressure of the scale.
+    Places are in units of RESOLUTION_OF_CURVE_POSITIONS. Pressures are in units of
+    RESOLUTION_OF_SENT_PRESSURES times `scale` [MPa], the highest pressure of the scale.
     """
-    at, p = np.rint(curve.positions / PLACE_STEP), np.rint(curve.p / scale / PRESSURE_STEP)
+    at, p = (
+        np.rint(curve.positions / RESOLUTION_OF_CURVE_POSITIONS),
+        np.rint(curve.p / scale / RESOLUTION_OF_SENT_PRESSURES),
+    )
     return {"at": at.astype(int).tolist(), "p": p.astype(int).tolist(), "sign": curve.sign}
 
 
@@ -302,8 +305,8 @@ def self_locking_as_html(answer: ExploredAnswer, locking: LockingFriction | None
         limit = min(locking.values(), default=math.inf)
         words = f"at friction <b>{limit:.4g}</b>, {limit - friction:+.4g} from {friction:.4g}"
         if math.isinf(limit):
-            words = f"none up to friction {HIGHEST_FRICTION:g}"
-    law = answer.law_locking
+            words = f"none up to friction {HIGHEST_SOUGHT_LOCKING_FRICTION:g}"
+    law = answer.locking_friction_by_law
     if law is not None:
         name = escape(title_of_model_in_figures(answer.law_name or ""))
         words += f"; by the {name} " + ("never" if math.isinf(law) else f"at {law:.4g}")
@@ -311,7 +314,7 @@ def self_locking_as_html(answer: ExploredAnswer, locking: LockingFriction | None
 
 
 def error_of_finite_elements_as_html(
-    answer: ExploredAnswer, stated: StatedError | None, *, asked: bool
+    answer: ExploredAnswer, stated: DifferenceFromAccurateAnswer | None, *, asked: bool
 ) -> str:
     """Lines of HTML on the errors of the finite elements and of plane stress.
 
@@ -328,7 +331,7 @@ def error_of_finite_elements_as_html(
     lines = [f"this quick answer is off by {torque} ({effect}) and {pressure} (pressure)"]
     command = "drumlin solve"
     if answer.fem_response.model == "solid":
-        command += f" --model solid --tolerance {WIDTH_TOLERANCE:g}"
+        command += f" --model solid --tolerance {TOLERANCE_OF_ACCURATE_SOLID_SOLUTION:g}"
     if stated.errors_stated_by_accurate_answer is not None:
         own = (
             stated.errors_stated_by_accurate_answer["torque"],
@@ -352,7 +355,10 @@ def error_of_finite_elements_as_html(
             f"error because the shoes are computed as flat plates: not known, {plane.unknown}"
         )
     if answer.distance:
-        lines[0] += f"; wear adds some {_relative_error_as_text(WEAR_TOLERANCE)} of the pressure"
+        lines[0] += (
+            f"; wear adds some {_relative_error_as_text(ERROR_OF_ONE_WEAR_INCREMENT)} "
+            "of the pressure"
+        )
     return "".join(f"<p>{escape(line)}</p>" for line in lines)
 
 
@@ -390,7 +396,7 @@ def _page_table_row_of_shoe(brake: Brake, response: Response, i: int) -> tuple[s
     shoe, effect = response.shoes[i], response.effects[i]
     # The shoe factor is torque / (F R), on a plane braking force / F, with the actuation force F.
     force = abs(brake_with_forces_of_response(brake, response).shoes[i].actuation.force)
-    force *= brake.scale_factor
+    force *= brake.length_per_surface_coordinate
     return (
         shoe.name,
         title_of_model_in_figures(response.model),
@@ -426,7 +432,7 @@ def drawing_lines_of_brake(brake: Brake) -> Mapping[str, Lines]:
         lining, depth = shoe.lining, shoe.lining.thickness or 0.0
         for ends in lining.arcs:
             linings.append(_outline_of_shoe_layer(shoe, brake.size, ends, (0.0, depth)))
-        if shoe.mesh is None and isinstance(shoe.body, Bar):
+        if shoe.mesh is None and isinstance(shoe.body, ShoeBodyOfConstantSection):
             depth += shoe.backing.thickness if shoe.backing else 0.0
             ends = shoe.body.start, shoe.body.end
             bodies.append(

@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, LostDigits, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Bar
+from drumlin.brake.components import ShoeBodyOfConstantSection
 from drumlin.brake.heat import note_on_heated_parts_of_brake
 from drumlin.brake.one_sided import SupportForce
 from drumlin.brake.units import text_in_mm
@@ -32,13 +32,13 @@ from drumlin.fem.equilibrium.springs import (
 from drumlin.fem.error_control.singular_points import reason_if_contact_is_too_short
 from drumlin.fem.mesh.from_file import notes_on_mesh_file
 from drumlin.fem.preparation.bodies import (
-    load_column_factors_under_all_loads,
+    force_resultant_of_unit_load_factors,
     moment_of_loads_besides_actuation_about_pin,
-    sum_of_forces_with_load_column_factors,
     support_reaction_of_shoe,
+    unit_load_factors_under_all_loads,
 )
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
-from drumlin.fem.preparation.load_places import has_load_columns_of_forces_and_mass
+from drumlin.fem.preparation.load_places import has_unit_loads_of_forces_at_points_or_mass
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time_of_block_to_phase
 from drumlin.laws.rigid import notes_on_cam_force_of_unlike_linings
 from drumlin.response.balance import (
@@ -47,10 +47,10 @@ from drumlin.response.balance import (
     relative_magnitudes_of_force_and_moment_sums,
 )
 from drumlin.response.response import (
-    NEITHER,
-    Balance,
+    LARGEST_NEUTRAL_FRICTION_WORK_RATIO,
+    ForceAndMomentImbalance,
+    RelativeShoeChanges,
     Response,
-    ShoeChange,
     ShoeResponse,
     length_of_uncompared_edge_zone,
     notes_on_forces_of_one_sided_supports,
@@ -63,12 +63,12 @@ from drumlin.response.resultants import planar_cross_product
 if TYPE_CHECKING:
     from drumlin.fem.error_control.refinement import RefinedSolution
 
-DOUBLE_SPACING = float(np.finfo(float).eps)
+RELATIVE_SPACING_OF_DOUBLES = float(np.finfo(float).eps)
 """Relative spacing of double-precision numbers.
 
 No smaller relative error is stated for a solution that iterative refinement has corrected.
 """
-LONG_DOUBLE_IS_WIDER = float(np.finfo(np.longdouble).eps) < DOUBLE_SPACING
+LONG_DOUBLE_IS_WIDER = float(np.finfo(np.longdouble).eps) < RELATIVE_SPACING_OF_DOUBLES
 """Whether long double has more digits than double, so that iterative refinement gains digits.
 
 On Windows and on Macs with Apple's processors both are the same. A refinement there would state a
@@ -83,7 +83,7 @@ The overlap arises if the mesh of a shoe's file reaches into the drum.
 A larger overlap squeezes the lining noticeably before any force acts, and a warning is printed. The
 value changes no result.
 """
-PENALTY = 1e8
+DEFAULT_PENALTY_FACTOR = 1e8
 """Default penalty factor alpha: the contact stiffness per area is alpha E/t.
 
 E is the modulus of the lining and t its thickness. The lining then penetrates the drum by 1e-8 of
@@ -105,7 +105,7 @@ refinement. A solve on such a mesh states no error, so a solution with a larger 
 refused; the discretisation error is some hundred times larger. Hp elements include the round-off
 error in their stated error. The value is a judgement, and the refusal prints the round-off error.
 """
-LARGEST_REFINED_ROUND_OFF = 1e-3
+LARGEST_ACCEPTED_PRESSURE_ROUND_OFF = 1e-3
 """Relative round-off error of the pressure up to which a solution on hp elements is accepted.
 
 The value holds for solutions that have been refined and for solutions that cannot be refined. Their
@@ -119,23 +119,27 @@ The size is the number of unknowns times the squared polynomial degree of the el
 iterative refinement of a group of this size takes seconds. The sparse factors of larger systems of
 high degree have so many entries that they take too long.
 """
-LARGEST_CONVERGED_CORRECTION = 1e-10
+LARGEST_CORRECTION_OF_CONVERGED_REFINEMENT = 1e-10
 """Last relative correction of the pressures up to which an iterative refinement has converged.
 
 The full system has two forms: its displacements include the rigid-body motion of the shoe or are
 relative to it. If the last correction in one form is larger than this, the other form is refined as
 well, and the solution with the smaller last correction is taken.
 """
-TOO_FAR_REASON = "stiffnesses or sizes are too far apart for the arithmetic"
+ROUND_OFF_TOO_LARGE_REASON = "stiffnesses or sizes are too far apart for the arithmetic"
 """Reason that is printed if a solution has lost too many digits by round-off."""
 NO_LONG_DOUBLE_REASON = "this computer has no long double, in which drumlin refines such shoes"
 """Reason that is added where a computer with long double would have refined the solution."""
-REFINED_REMARK = "refined in the whole system, condensed it loses digits"
+ITERATIVE_REFINEMENT_REMARK = "refined in the whole system, condensed it loses digits"
 """Remark printed with a solution that was corrected by iterative refinement of the full system."""
 
 
 def solve_prepared_model(
-    scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
+    scene: PreparedModel,
+    brake: Brake,
+    *,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    start: Response | None = None,
 ) -> Response:
     """Solve a brake on a prepared model of the same geometry and stiffness.
 
@@ -262,8 +266,8 @@ def _notes_on_mesh_files(
     Raises BadInput for a contact line that does not have the shape of a lining.
     """
     for body, shoe, response in zip(scene.bodies, brake.shoes, responses, strict=True):
-        if body.of_file is not None:
-            yield from notes_on_mesh_file(shoe, body.of_file, response)
+        if body.mesh_read_from_file is not None:
+            yield from notes_on_mesh_file(shoe, body.mesh_read_from_file, response)
 
 
 def _notes_on_loads_moved_to_actuation_point(scene: PreparedModel, brake: Brake) -> Iterator[str]:
@@ -277,7 +281,7 @@ def _notes_on_loads_moved_to_actuation_point(scene: PreparedModel, brake: Brake)
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True)
         if shoe.body is not None
         and shoe.has_loads_besides_actuation
-        and not has_load_columns_of_forces_and_mass(body.load_matrix_columns_by_load_name)
+        and not has_unit_loads_of_forces_at_points_or_mass(body.load_matrix_columns_by_load_name)
     ]
     if names:
         yield (
@@ -294,7 +298,7 @@ def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
     """
     shoes_of: dict[str, list[str]] = {}
     for shoe in brake.shoes:
-        if shoe.mesh is None and isinstance(shoe.body, Bar):
+        if shoe.mesh is None and isinstance(shoe.body, ShoeBodyOfConstantSection):
             shoes_of.setdefault(
                 _support_of_elastic_shoe_body_as_text(shoe, shoe.body, brake.size), []
             ).append(shoe.name)
@@ -303,7 +307,9 @@ def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
         yield "held: " + "; ".join(parts)
 
 
-def _support_of_elastic_shoe_body_as_text(shoe: Shoe, bar: Bar, size: float) -> str:
+def _support_of_elastic_shoe_body_as_text(
+    shoe: Shoe, bar: ShoeBodyOfConstantSection, size: float
+) -> str:
     """The text that says how its support holds the elastic body of a shoe."""
     grip = shoe.interval_of_body_back_held_by_support(size)
     if grip is not None:
@@ -344,7 +350,7 @@ class _ShoeResult:
     """
 
     response: ShoeResponse
-    balance: Balance
+    balance: ForceAndMomentImbalance
     steps: int
     note: str
     spring_motion: Floats | float = 0.0
@@ -399,7 +405,7 @@ def _result_of_shoe_not_pressed_on_drum(shoe: Shoe) -> _ShoeResult:
     note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {word}"
     return _ShoeResult(
         response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads),
-        Balance(0.0, 0.0),
+        ForceAndMomentImbalance(0.0, 0.0),
         0,
         note,
     )
@@ -416,7 +422,8 @@ def _solve_group_of_coupled_shoes(
     first = None
     if start is not None:
         parts = [
-            _mask_of_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))
+            _mask_of_nodes_touching_in_earlier_response(group, k, start)
+            for k in range(len(group.members))
         ]
         first = np.concatenate(parts)
     settled = solve_shoe_group_with_lining_friction(group, first)
@@ -427,7 +434,8 @@ def _solve_group_of_coupled_shoes(
         if not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
             balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
             raise LostDigits(
-                f"{settled.group.names_of_shoes_as_text}: lost digits, {balance}; {TOO_FAR_REASON}"
+                f"{settled.group.names_of_shoes_as_text}: lost digits, {balance}; "
+                f"{ROUND_OFF_TOO_LARGE_REASON}"
             )
         return answers
     # A group without struts and cam is refined if its round-off error or its imbalance is too
@@ -438,7 +446,7 @@ def _solve_group_of_coupled_shoes(
     strict = refinable or settled.group.prepared_model.model == "solid"
     if refinable and not LONG_DOUBLE_IS_WIDER:
         return _shoe_results_with_note_if_round_off_is_large(settled.group, answers)
-    most = LARGEST_UNREFINED_ROUND_OFF if strict else LARGEST_REFINED_ROUND_OFF
+    most = LARGEST_UNREFINED_ROUND_OFF if strict else LARGEST_ACCEPTED_PRESSURE_ROUND_OFF
     lost = _largest_relative_round_off_that_matters(settled.group, answers)
     if lost < most and _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
         return answers
@@ -454,7 +462,9 @@ def _error_that_round_off_of_group_is_too_large(
     lost = _largest_relative_round_off_of_pressure(answers)
     balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
     why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
-    return LostDigits(f"{group.names_of_shoes_as_text}: lost digits, {why}; {TOO_FAR_REASON}")
+    return LostDigits(
+        f"{group.names_of_shoes_as_text}: lost digits, {why}; {ROUND_OFF_TOO_LARGE_REASON}"
+    )
 
 
 def _shoe_results_with_note_if_round_off_is_large(
@@ -468,7 +478,7 @@ def _shoe_results_with_note_if_round_off_is_large(
     degrees = [
         body.line.interpolation_degree_along_contact_line for body in group.substructures_of_shoes
     ]
-    most = LARGEST_UNREFINED_ROUND_OFF if max(degrees) <= 2 else LARGEST_REFINED_ROUND_OFF
+    most = LARGEST_UNREFINED_ROUND_OFF if max(degrees) <= 2 else LARGEST_ACCEPTED_PRESSURE_ROUND_OFF
     lost = _largest_relative_round_off_of_pressure(answers)
     if lost >= most or not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
         error = _error_that_round_off_of_group_is_too_large(group, answers, most)
@@ -531,7 +541,8 @@ def _refine_full_system_and_return_shoe_results(
         refined = solve_full_system_of_group_by_refinement(group, contact.active)
     except NoAnswer as error:
         raise LostDigits(
-            f"{group.names_of_shoes_as_text}: lost digits, {TOO_FAR_REASON}; refined: {error}"
+            f"{group.names_of_shoes_as_text}: lost digits, {ROUND_OFF_TOO_LARGE_REASON}; "
+            f"refined: {error}"
         ) from error
     by_penalty = solution.pressure_errors[0]
     last_correction = size * np.concatenate(refined.last_correction)
@@ -556,12 +567,15 @@ def _refine_full_system_and_return_shoe_results(
     ):
         lost, most = refined.correction, LARGEST_UNREFINED_ROUND_OFF
     else:
-        lost, most = _largest_relative_round_off_of_pressure(answers), LARGEST_REFINED_ROUND_OFF
+        lost, most = (
+            _largest_relative_round_off_of_pressure(answers),
+            LARGEST_ACCEPTED_PRESSURE_ROUND_OFF,
+        )
     if lost >= most or not imbalance < LARGEST_ANSWER_IMBALANCE:
         raise LostDigits(
             f"{group.names_of_shoes_as_text}: lost digits, even refined its pressure is certain "
             "only to "
-            f"{lost:.1e} and balances to {imbalance:.1e}; {TOO_FAR_REASON}"
+            f"{lost:.1e} and balances to {imbalance:.1e}; {ROUND_OFF_TOO_LARGE_REASON}"
         )
     return answers
 
@@ -625,7 +639,7 @@ def solve_full_system_of_group_by_refinement(
     refined = solve_full_system_by_iterative_refinement(
         assemble_full_system_of_group(group), active, order
     )
-    if refined.correction < LARGEST_CONVERGED_CORRECTION:
+    if refined.correction < LARGEST_CORRECTION_OF_CONVERGED_REFINEMENT:
         return refined
     # The other form of the system, whose displacements include the rigid-body motion, may converge
     # better if a soft shoe turns behind a lining that the drum holds.
@@ -687,7 +701,7 @@ def _spring_point_displacements_of_shoe_along_pulls(solution: _ShoeSolution) -> 
     brake, shoe, body = group.brake, group.shoes[k], group.substructures_of_shoes[k]
     if not any(spring.rate for spring in brake.springs):
         return np.zeros(len(brake.springs))
-    load = load_column_factors_under_all_loads(body, shoe, solution.force)
+    load = unit_load_factors_under_all_loads(body, shoe, solution.force)
     elastic = body.load_motion_by_load @ load - body.closure_by_load.T @ p
     if body.load_motion_by_friction is not None:
         drag = brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
@@ -726,11 +740,11 @@ def _forces_on_shoe_due_to_pressure_and_actuation(solution: _ShoeSolution) -> _F
     """Compute the forces on a shoe from its pressures and its actuation force."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, body = group.shoes[k], group.substructures_of_shoes[k]
-    load = load_column_factors_under_all_loads(body, shoe, solution.force)
+    load = unit_load_factors_under_all_loads(body, shoe, solution.force)
     moment = abs(solution.force) * group.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
     if shoe.has_loads_besides_actuation:
         moment += moment_of_loads_besides_actuation_about_pin(shoe)
-    push = sum_of_forces_with_load_column_factors(body, shoe, load)
+    push = force_resultant_of_unit_load_factors(body, shoe, load)
     drag = group.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
     dragging = group.friction_stress_over_friction_coefficient_of_shoe(k, p)
     normal, dragged = body.resultants_of_unit_nodal_pressures_and_tractions
@@ -770,7 +784,7 @@ def _resultant_of_support_forces_at_pin(shoe: Shoe, supports: Sequence[SupportFo
 
 def _relative_force_and_moment_imbalance_of_shoe(
     solution: _ShoeSolution, acting: _ForcesOnShoe
-) -> Balance:
+) -> ForceAndMomentImbalance:
     """The imbalance of the forces and of the moments on a shoe, relative to the largest of them."""
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     pin = shoe.pin_position_in_shoe_frame
@@ -785,7 +799,7 @@ def _relative_force_and_moment_imbalance_of_shoe(
         float(planar_cross_product(pin, acting.actuation_force)),
     ]
     if shoe.guide is not None:
-        length = group.brake.scale_factor * (shoe.lining.end - shoe.lining.start)
+        length = group.brake.length_per_surface_coordinate * (shoe.lining.end - shoe.lining.start)
         moments += [
             acting.guide_moment,
             *moments_that_scale_imbalance_on_guide(
@@ -799,7 +813,7 @@ def _relative_force_and_moment_imbalance_of_shoe(
     )
     if shoe.kind_of_support == "hinge":
         return balance
-    return Balance(
+    return ForceAndMomentImbalance(
         balance.force, max(balance.moment, _largest_relative_virtual_work_imbalance(solution))
     )
 
@@ -818,7 +832,7 @@ def _largest_relative_virtual_work_imbalance(solution: _ShoeSolution) -> float:
         drag * (coupling.T.T @ group.friction_stress_over_friction_coefficient_of_shoe(k, p))
         - coupling.N.T @ p
     )
-    by_actuation = abs(solution.force) * modes.actuation_work + modes.further_work
+    by_actuation = abs(solution.force) * modes.actuation_work + modes.work_of_further_loads
     for support in solution.support_forces:
         by_actuation += group.work_of_support_push_on_shoe_modes(k, support.push)
     by_contact = nodal[:, None] * modes.test_modes
@@ -830,8 +844,8 @@ def _largest_relative_virtual_work_imbalance(solution: _ShoeSolution) -> float:
 class _ArithmeticErrors(NamedTuple):
     """The relative errors of a shoe's results by the penalty, and by round-off."""
 
-    penalty: ShoeChange
-    round_off: ShoeChange
+    penalty: RelativeShoeChanges
+    round_off: RelativeShoeChanges
 
 
 def _penalty_and_round_off_errors(
@@ -847,7 +861,7 @@ def _penalty_and_round_off_errors(
         least = solution.group.substructures_of_shoes[
             solution.shoe_number
         ].condensed.force_imbalance
-    round_off = ShoeChange(*(max(part, least) for part in by_round_off))
+    round_off = RelativeShoeChanges(*(max(part, least) for part in by_round_off))
     return _ArithmeticErrors(by_penalty, round_off)
 
 
@@ -868,8 +882,8 @@ def _note_on_accuracy_of_shoe_contact(solution: _ShoeSolution, errors: _Arithmet
         )
     note = f"shoe {shoe.name!r}: {contact}"
     if solution.refined:
-        certain = max(errors.round_off.pressure, DOUBLE_SPACING)
-        note += f"; {REFINED_REMARK}, so its pressure is certain to {certain:.0e}"
+        certain = max(errors.round_off.pressure, RELATIVE_SPACING_OF_DOUBLES)
+        note += f"; {ITERATIVE_REFINEMENT_REMARK}, so its pressure is certain to {certain:.0e}"
     return note
 
 
@@ -907,7 +921,7 @@ def _response_of_shoe_in_brake_frame(
     pin_motion = modes.pin_motion @ solution.coordinates
     return response_of_pressed_elastic_shoe(
         shoe,
-        brake.scale_factor,
+        brake.length_per_surface_coordinate,
         frame.surface_coordinates_of_phi(phi),
         mean,
         order=line.interpolation_degree_along_contact_line,
@@ -949,15 +963,15 @@ def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
             float(acting @ part @ solution.coordinates)
             for acting, part in zip((p, dragging), closures, strict=True)
         ]
-        return drag * work[1] > NEITHER * abs(work[0])
+        return drag * work[1] > LARGEST_NEUTRAL_FRICTION_WORK_RATIO * abs(work[0])
     closed = float(closures.normal[:, 0] @ p)
     rubbed = float(closures.tangential[:, 0] @ dragging)
     modes = group.rigid_body_modes_of_shoes[k]
     pushing = modes.actuation_work[0]
     if group.shoes[k].has_loads_besides_actuation:
-        pushing = abs(solution.force) * pushing + modes.further_work[0]
+        pushing = abs(solution.force) * pushing + modes.work_of_further_loads[0]
     sense = math.copysign(1.0, pushing)
-    return sense * drag * rubbed > NEITHER * abs(closed)
+    return sense * drag * rubbed > LARGEST_NEUTRAL_FRICTION_WORK_RATIO * abs(closed)
 
 
 # The following functions estimate the penalty error and the round-off error.
@@ -994,12 +1008,14 @@ def _pressure_errors_due_to_penalty_and_round_off(
     return np.array([contact.pressure_change(np.concatenate(gaps)) for gaps in (opened, strayed)])
 
 
-def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
+def _relative_errors_of_shoe_results(
+    solution: _ShoeSolution, reaction: float
+) -> list[RelativeShoeChanges]:
     """The relative changes of a shoe's pressure, torque, reaction and peak pressure.
 
     The first item of the list is the change by the penalty, the second the change by round-off. The
-    change of the pressure is taken outside EDGE_ZONE at the lining's ends, unless more than half of
-    the force acts in these zones. `reaction` is the size of the support reaction [N].
+    change of the pressure is taken outside UNCOMPARED_EDGE_ZONE at the lining's ends, unless more
+    than half of the force acts in these zones. `reaction` is the size of the support reaction [N].
     """
     group, k, p, changes = (
         solution.group,
@@ -1033,7 +1049,7 @@ def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -
     ]
     wholes = [math.sqrt(weight @ p**2), float(lever @ p), reaction, top]
     relative = np.array(by_quantity).T / [whole or 1.0 for whole in wholes]
-    return [ShoeChange(*row) for row in relative.tolist()]
+    return [RelativeShoeChanges(*row) for row in relative.tolist()]
 
 
 def _node_areas_with_zero_in_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
@@ -1052,7 +1068,7 @@ def _node_areas_with_zero_in_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -
     return np.where(inside, area, 0.0)
 
 
-def _mask_of_nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response) -> Bools:
+def _mask_of_nodes_touching_in_earlier_response(group: ShoeGroup, k: int, start: Response) -> Bools:
     """Mark the contact nodes (n_k,) of a shoe that touched in an earlier response.
 
     Parameters

@@ -7,9 +7,12 @@ from drumlin.base.files import require_fields_file_name_ends_in_vtu
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
 from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_between_zero_and_one
-from drumlin.fem.model import PENALTY, require_positive_penalty
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, require_positive_penalty
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE, solve_brake_with_widths_and_keep_model
+from drumlin.fem.width.ladder import (
+    LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR,
+    solve_brake_with_widths_and_keep_model,
+)
 from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response
@@ -23,7 +26,7 @@ def solve(
     *,
     across: int | None = None,
     tolerance: float | None = None,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     fields: Path | None = None,
     cache: Cache | None = None,
 ) -> Response:
@@ -53,8 +56,10 @@ def solve(
     """
     require_positive_penalty(penalty)
     require_fields_file_name_ends_in_vtu(fields)
-    if across is not None and not 1 <= across <= LARGEST_STATED_DEGREE:
-        raise BadInput(f"--across = {across}: must be from 1 to {LARGEST_STATED_DEGREE}")
+    if across is not None and not 1 <= across <= LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR:
+        raise BadInput(
+            f"--across = {across}: must be from 1 to {LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR}"
+        )
     asked = DEFAULT_SOLID_TOLERANCE
     if tolerance is not None:
         require_tolerance_between_zero_and_one(tolerance)

@@ -34,10 +34,10 @@ from drumlin.fem.error_control.first_level import (
     solve_on_levels_and_hand_out_first,
 )
 from drumlin.fem.error_control.levels import LEVELS, SolvedLevel
-from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
+from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time_of_block_to_phase
 from drumlin.fem.width.correction import (
@@ -53,7 +53,7 @@ from drumlin.response.balance import (
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response
 
-REPORTED_IMBALANCE = 1e-8
+REPORTED_PRESSURE_CURVE_IMBALANCE = 1e-8
 """Imbalance of the pressure curve p(theta) above which a note is added to the response.
 
 It is the relative imbalance of forces or moments under p(theta), less the imbalance under the nodal
@@ -68,7 +68,7 @@ def solve(
     elements: int | None = None,
     kind: str | None = None,
     tolerance: float | None = None,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     finite_width: bool = False,
     model_error: bool = False,
     self_locking: bool = False,
@@ -160,7 +160,7 @@ def solve(
 def solve_brake_on_first_level_without_error_estimate(
     brake: Brake,
     *,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     model_error: bool = False,
     cache: Cache | None = None,
 ) -> Response:
@@ -243,7 +243,7 @@ def prepared_model_with_finest_elements(
     return finest_model_with_stated_errors(brake, elements=elements, kind=kind, cache=cache).scene
 
 
-class FinestModel(NamedTuple):
+class FinestModelWithErrors(NamedTuple):
     """The prepared model of the finest division of a brake, and the errors of its response.
 
     Attributes
@@ -263,7 +263,7 @@ def finest_model_with_stated_errors(
     elements: int | None = None,
     kind: str | None = None,
     cache: Cache | None = None,
-) -> FinestModel:
+) -> FinestModelWithErrors:
     """The prepared model of the finest division that `solve` uses, with the errors that it states.
 
     The elements of a mesh file are split and their degree is raised as in `solve`. A brake without
@@ -285,20 +285,22 @@ def finest_model_with_stated_errors(
         try:
             solved = solve_brake_on_mesh_files(brake, solve_prepared_model, None, cache)
         except NoAnswer:
-            return FinestModel(prepared_model_on_second_level_of_mesh_files(brake, cache))
-        return FinestModel(solved.prepared_model, solved.response.error)
+            return FinestModelWithErrors(prepared_model_on_second_level_of_mesh_files(brake, cache))
+        return FinestModelWithErrors(solved.prepared_model, solved.response.error)
     if not _is_brake_solved_on_hp_element_levels(brake, elements, kind):
-        elements = ELEMENTS if elements is None else elements
-        kind = kind or DEFAULT_KIND
-        return FinestModel(make_prepared_model(brake, elements=elements, kind=kind, cache=cache))
+        elements = DEFAULT_ELEMENTS_ALONG_LINING if elements is None else elements
+        kind = kind or DEFAULT_MESH_KIND
+        return FinestModelWithErrors(
+            make_prepared_model(brake, elements=elements, kind=kind, cache=cache)
+        )
     # The model is that of the last level on which a solution was found.
     try:
         solved = solve_brake_to_tolerance(
             brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False, cache=cache
         )
     except NoAnswer:
-        return FinestModel(make_prepared_model(brake, LEVELS[1], cache=cache))
-    return FinestModel(solved.prepared_model, solved.response.error)
+        return FinestModelWithErrors(make_prepared_model(brake, LEVELS[1], cache=cache))
+    return FinestModelWithErrors(solved.prepared_model, solved.response.error)
 
 
 def require_element_options_have_effect(
@@ -342,7 +344,7 @@ def _response_with_note_on_curve_balance(brake: Brake, response: Response) -> Re
     )
     more_force = curve.force - response.balance.force
     more_moment = curve.moment - response.balance.moment
-    if max(more_force, more_moment) <= REPORTED_IMBALANCE:
+    if max(more_force, more_moment) <= REPORTED_PRESSURE_CURVE_IMBALANCE:
         return response
     note = (
         f"p(theta) on the round drum balances to {error_text_in_percent(curve.force)} (force) and "

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 from drumlin.base.moved import make_getattr_function_for_renamed_functions
 from drumlin.foundation.model import (
-    LIFTS,
-    RING_SECTIONS,
+    DEFAULT_DIVISIONS_OF_SHOE_BEAM,
+    INCLUDABLE_EFFECTS,
     reason_against_foundation_model,
     ring_displacement_under_each_shoe,
     solve_brake_by_foundation_model,
 )
 
 __all__ = [
-    "LIFTS",
-    "RING_SECTIONS",
+    "DEFAULT_DIVISIONS_OF_SHOE_BEAM",
+    "INCLUDABLE_EFFECTS",
     "reason_against_foundation_model",
     "ring_displacement_under_each_shoe",
     "solve_brake_by_foundation_model",

@@ -7,10 +7,10 @@ below the sector moves inwards by z, and the beam closes the gap by d, so that t
     w = Delta + N/k + z - d >= 0,                N w = 0
 
 The beam turns about its hinge by y and bends under its moments M. The forces of all sectors bend
-the ring, which has the flexibilities c. `SectionedShoe` explains the arrays `loaded`, `pressed`,
-`dragged` and `closing`, and the friction factor mu_hat. The subscript 0 stands for the first row of
-an array, which belongs to the station at the hinge. With the trapezoidal rule over the stations of
-the beam, whose weights are dx,
+the ring, which has the flexibilities c. `ShoeInStationsAndSectors` explains the arrays `loaded`,
+`pressed`, `dragged` and `closing`, and the friction factor mu_hat. The subscript 0 stands for the
+first row of an array, which belongs to the station at the hinge. With the trapezoidal rule over the
+stations of the beam, whose weights are dx,
 
     M = loaded - (pressed + mu_hat dragged) N,   d = y closing_0 + closing^T (dx/EI) M,
     z = c N,                                     M_0 = 0: (pressed + mu_hat dragged)_0 N = loaded_0.
@@ -41,7 +41,7 @@ from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import ContactProblem
 from drumlin.foundation.post import (
-    SectionedShoe,
+    ShoeInStationsAndSectors,
     brake_angles_from_beam_angles,
     divide_shoe_into_stations_and_sectors,
     trapezoidal_rule_weights,
@@ -56,7 +56,7 @@ from drumlin.laws.rigid import note_on_shoe_without_contact
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import (
-    Deformation,
+    BeamAndRingDeflections,
     Response,
     ShoeResponse,
     response_of_pressed_elastic_shoe,
@@ -64,7 +64,7 @@ from drumlin.response.response import (
 )
 from drumlin.response.resultants import Resultant, polynomial_nodes_on_linings_and_slots
 
-RING_SECTIONS = 360
+DEFAULT_DIVISIONS_OF_SHOE_BEAM = 360
 """Number of divisions of each shoe's beam if the user gives none."""
 
 LARGEST_SHOE_TURN = 0.2
@@ -73,7 +73,7 @@ LARGEST_SHOE_TURN = 0.2
 The model assumes small displacements, and an answer with a larger turn is refused.
 """
 
-LIFTS = {
+INCLUDABLE_EFFECTS = {
     "plane-stress": (
         "layers as columns of stiffness E/t, not bonded and held along the arc: E/((1 - nu^2) t)"
     ),
@@ -104,8 +104,10 @@ ALWAYS_NEGLECTED_EFFECTS = (
 )
 """Effects that the foundation model always neglects, as lines for the printed answer."""
 
-EFFECTS_OF_AN_ELASTIC_RING = frozenset({"thick-ring", "all-modes", "own-pressure", "ring-friction"})
-"""Names, as in LIFTS, of the effects that exist only if the drum is an elastic ring."""
+INCLUDABLE_EFFECTS_OF_ELASTIC_RING = frozenset(
+    {"thick-ring", "all-modes", "own-pressure", "ring-friction"}
+)
+"""The effects of INCLUDABLE_EFFECTS that exist only if the drum is an elastic ring."""
 
 
 def reason_against_foundation_model(brake: Brake) -> str | None:
@@ -130,16 +132,17 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
 
 
 def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
-    """The names in LIFTS of the effects that a solve includes, from the values of --lift.
+    """The names of the effects that a solve includes, from the values of --lift.
 
     The value "all" stands for all effects for which the brake file has data. Raises BadInput for an
     unknown name, and for an effect for which the brake file lacks data.
     """
     names = set(lift)
-    unknown = sorted(names - set(LIFTS) - {"all"})
+    unknown = sorted(names - set(INCLUDABLE_EFFECTS) - {"all"})
     if unknown:
         raise BadInput(
-            f"--lift = {unknown[0]!r}: unknown simplification; allowed: {', '.join(LIFTS)}, all"
+            f"--lift = {unknown[0]!r}: unknown simplification; allowed: "
+            f"{', '.join(INCLUDABLE_EFFECTS)}, all"
         )
     # `lacking` tells why the brake file does not allow an effect, by the name of the effect.
     lacking: dict[str, str] = {}
@@ -154,7 +157,7 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
     for name in sorted(names & set(lacking)):
         raise BadInput(f"--lift = {name!r}: {lacking[name]}")
     if "all" in names:
-        names = set(LIFTS) - set(lacking)
+        names = set(INCLUDABLE_EFFECTS) - set(lacking)
     # Without "all-modes" an equal shoe opposite each shoe is assumed, so that the ring has even
     # modes only. If each shoe loads the ring by its own pressure, it needs the odd modes as well.
     if "own-pressure" in names:
@@ -162,7 +165,7 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
     return frozenset(names)
 
 
-class FoundationSystem(NamedTuple):
+class FoundationContactProblem(NamedTuple):
     """The contact problem of a group of shoes that load the drum's ring together.
 
     Attributes
@@ -173,14 +176,14 @@ class FoundationSystem(NamedTuple):
     problem : the contact problem, whose unknowns are the normal forces [N] of the sectors
     """
 
-    posts: tuple[SectionedShoe, ...]
+    posts: tuple[ShoeInStationsAndSectors, ...]
     ring: Floats
     problem: ContactProblem
 
 
 def contact_problem_of_shoe_group(
     brake: Brake, group: list[int], sections: int, lift: frozenset[str]
-) -> FoundationSystem:
+) -> FoundationContactProblem:
     """Set up the contact problem of a group of shoes for the normal forces [N] of their sectors.
 
     Parameters
@@ -188,7 +191,7 @@ def contact_problem_of_shoe_group(
     brake : the brake
     group : indices of the group's shoes in the brake
     sections : number of divisions of each beam
-    lift : names in LIFTS of the effects to include
+    lift : names in INCLUDABLE_EFFECTS of the effects to include
 
     Raises
     ------
@@ -219,15 +222,15 @@ def contact_problem_of_shoe_group(
         C=block_diag(*(each.C for each in problems)),
         h=np.concatenate([each.h for each in problems]),
     )
-    return FoundationSystem(posts, ring, problem)
+    return FoundationContactProblem(posts, ring, problem)
 
 
-def _contact_problem_of_one_shoe(p: SectionedShoe) -> ContactProblem:
+def _contact_problem_of_one_shoe(p: ShoeInStationsAndSectors) -> ContactProblem:
     """The contact problem of one shoe for the normal forces [N] of its sectors, on a rigid drum."""
     # `turning` times the bending moments at the stations is the distance by which the gaps close.
     # `moments` times the normal forces of the sectors are the moments of these forces and their
     # friction about the stations.
-    turning = p.closing.T * (p.step / p.EI)
+    turning = p.closing.T * (p.station_weights / p.EI)
     moments = p.pressed + p.drag * p.dragged
     return ContactProblem(
         A=turning @ moments + np.diag(1 / p.k),
@@ -250,7 +253,7 @@ def ring_displacement_per_normal_force(
     brake : the brake
     theta : angles (k,) [rad] at which the displacement is evaluated
     loads : angles (n,) [rad] at which the normal forces act
-    lift : names in LIFTS of the effects to include
+    lift : names in INCLUDABLE_EFFECTS of the effects to include
     """
     ring = brake.ring
     if ring is None:
@@ -282,7 +285,7 @@ def ring_displacement_under_each_shoe(
     brake : the brake
     response : the response of the foundation model
     theta : angles (k,) [rad] at which the displacement is evaluated
-    lift : names in LIFTS of the effects that the response includes
+    lift : names in INCLUDABLE_EFFECTS of the effects that the response includes
     """
     names = validated_names_of_effects_to_include(brake, lift)
     rows = []
@@ -302,7 +305,7 @@ def ring_displacement_under_each_shoe(
 def solve_brake_by_foundation_model(
     brake: Brake,
     *,
-    sections: int = RING_SECTIONS,
+    sections: int = DEFAULT_DIVISIONS_OF_SHOE_BEAM,
     lift: Iterable[str] = (),
     start: list[Bools] | None = None,
 ) -> Response:
@@ -312,7 +315,7 @@ def solve_brake_by_foundation_model(
     ----------
     brake : the brake
     sections : number of divisions of each beam
-    lift : names in LIFTS of the effects to include, or "all"
+    lift : names in INCLUDABLE_EFFECTS of the effects to include, or "all"
     start : first guess for the sectors in contact: a mask (n,) for each shoe of the brake
 
     Raises
@@ -370,7 +373,7 @@ def _groups_of_shoes_solved_together(
 
 
 def _responses_of_shoe_group(
-    brake: Brake, group: list[int], parts: FoundationSystem, found: active_set.Contact
+    brake: Brake, group: list[int], parts: FoundationContactProblem, found: active_set.Contact
 ) -> dict[int, ShoeResponse]:
     """The responses of a group of shoes, by the index of each shoe in the brake.
 
@@ -396,15 +399,17 @@ def _responses_of_shoe_group(
 def texts_of_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
     """Lines of text about the effects that a solve neglects, each with the option to include it.
 
-    `names` are the names in LIFTS of the effects that the solve includes.
+    `names` are the names in INCLUDABLE_EFFECTS of the effects that the solve includes.
     """
     ring = brake.ring is not None
     blocks = any(shoe.backing for shoe in brake.shoes)
     kept = []
     # Effects of an elastic ring are listed only if the drum has a ring, and "wedge" only if a shoe
     # has a block.
-    for name, text in LIFTS.items():
-        concerns = (ring or name not in EFFECTS_OF_AN_ELASTIC_RING) and (blocks or name != "wedge")
+    for name, text in INCLUDABLE_EFFECTS.items():
+        concerns = (ring or name not in INCLUDABLE_EFFECTS_OF_ELASTIC_RING) and (
+            blocks or name != "wedge"
+        )
         if name not in names and concerns:
             kept.append(f"{text} (--lift {name})")
     rigid = () if ring else ("drum: rigid, no [drum.ring] in the brake",)
@@ -414,7 +419,7 @@ def texts_of_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str
 def _solve_contact_of_shoe_group(
     brake: Brake,
     group: list[int],
-    parts: FoundationSystem,
+    parts: FoundationContactProblem,
     sections: int,
     names: frozenset[str],
     start: list[Bools] | None,
@@ -427,7 +432,7 @@ def _solve_contact_of_shoe_group(
     group : indices of the group's shoes in the brake
     sections : number of divisions of each beam
     parts : the contact problem of the group
-    names : names in LIFTS of the effects to include
+    names : names in INCLUDABLE_EFFECTS of the effects to include
     start : first guess for the sectors in contact: a mask (n,) for each shoe of the brake
 
     Raises
@@ -474,7 +479,7 @@ def _solve_contact_of_shoe_group(
 
 
 def response_of_post_brake_shoe(
-    brake: Brake, index: int, p: SectionedShoe, N: Floats, z: Floats, turn: float
+    brake: Brake, index: int, p: ShoeInStationsAndSectors, N: Floats, z: Floats, turn: float
 ) -> ShoeResponse:
     """The response of one shoe, from the normal forces on the sectors of its lining.
 
@@ -491,7 +496,7 @@ def response_of_post_brake_shoe(
     pressure = N / (shoe.lining.width * R * p.sector)
     # The displacement w of the beam is the sum of its turn about the hinge and its bending.
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
-    bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
+    bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.station_weights / p.EI * moment)
     w = turn * p.x + bent
     theta = brake_angles_from_beam_angles(p.axis, shoe, p.theta)
     contact = _resultant_of_sector_forces(brake, shoe, theta, N)
@@ -504,7 +509,9 @@ def response_of_post_brake_shoe(
     p_at_place = np.zeros(len(place))
     p_at_place[on_lining] = pressure[:: p.axis.sense]
     z_at_place = np.interp(place, theta[:: p.axis.sense], z[:: p.axis.sense])
-    deformation = Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z_at_place)
+    deformation = BeamAndRingDeflections(
+        x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z_at_place
+    )
     return response_of_pressed_elastic_shoe(
         shoe,
         R,

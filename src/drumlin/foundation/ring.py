@@ -20,7 +20,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.components import Ring
 from drumlin.brake.fields import Material
 
-SHEAR_FACTOR = 6 / 5
+INVERSE_SHEAR_CORRECTION_FACTOR = 6 / 5
 """Shear factor 1/kappa of a rectangular cross-section; its shear stiffness is kappa G A."""
 
 
@@ -109,7 +109,7 @@ def ring_displacement_per_radial_force(
     r = radius + sign * section.thickness / 2
     e = section.thickness**2 / (12 * r**2)
     # The ratio E/(kappa G) of Young's modulus to the effective shear modulus.
-    shear = 2 * (1 + section.material.nu) * SHEAR_FACTOR
+    shear = 2 * (1 + section.material.nu) * INVERSE_SHEAR_CORRECTION_FACTOR
     # The mean of the line load of one force, in units of 1/(pi R).
     hoop = 0.5
     n2 = shear_series_of_one_radial_force(d)

@@ -23,12 +23,12 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.one_sided import (
-    LARGEST_PULL,
+    LARGEST_ROUND_OFF_PULL_OF_SUPPORT,
     NOT_HELD_TEXT,
-    Bearing,
     HeldMotions,
     OneSidedSupport,
     SupportForce,
+    WhichSupportsBear,
     all_choices_of_bearing_supports,
     divide_motions_into_held_and_free,
     do_linings_resist_free_motions,
@@ -38,8 +38,8 @@ from drumlin.brake.one_sided import (
     text_with_names_of_bearing_supports,
     work_of_support_push_in_rigid_body_modes,
 )
-from drumlin.brake.support import Freedoms
-from drumlin.laws.face import Arcs, Face, friction_surface_of_shoe
+from drumlin.brake.support import SupportRigidBodyModes
+from drumlin.laws.face import Arcs, FrictionSurfaceOfRigidShoe, friction_surface_of_shoe
 from drumlin.laws.shoe_contact import (
     MOST_CONTACT_STEPS,
     RigidShoeContact,
@@ -49,14 +49,14 @@ from drumlin.laws.shoe_contact import (
     smallest_friction_with_singular_equilibrium,
 )
 
-MOST_HALVED_FRICTIONS = 30
+MOST_FRICTION_HALVINGS = 30
 """Largest number of times that the friction is halved in search of an equilibrium.
 
 The search is for mu_lock, which depends on the supports that bear. If the friction of the brake is
 above mu_lock, there is no equilibrium that shows them. After thirty halvings the friction is 1e-9
 of its value: the brake is as good as frictionless, and more halvings would change no result.
 """
-SAME_FORCES = 1e-6
+SAME_SUPPORT_FORCE_TOLERANCE = 1e-6
 """Relative difference of the support forces below which two equilibria count as the same.
 
 A support may touch its shoe with zero force: the sets of bearing supports with and without it then
@@ -81,8 +81,8 @@ class _ShoesOnAnchors(NamedTuple):
     """
 
     members: tuple[int, ...]
-    faces: tuple[Face, ...]
-    freedoms: tuple[Freedoms, ...]
+    faces: tuple[FrictionSurfaceOfRigidShoe, ...]
+    freedoms: tuple[SupportRigidBodyModes, ...]
     stiffness: Floats
     supports: tuple[OneSidedSupport, ...]
     opening: Floats
@@ -99,7 +99,7 @@ class SolvedShoesOnAnchors(NamedTuple):
     """
 
     shoes: _ShoesOnAnchors
-    bearing: Bearing
+    bearing: WhichSupportsBear
     contacts: dict[str, RigidShoeContact]
     forces: Floats
     mu_lock: float
@@ -137,7 +137,7 @@ def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesO
     )
 
 
-class _Matrices(NamedTuple):
+class _AnchoredEquilibriumMatrices(NamedTuple):
     """Matrices N and F (k, k) of the equilibria of several shoes, weighted by lining stiffness.
 
     The weight of a shoe is E/t of its lining divided by E/t of the first lining. F is also
@@ -150,7 +150,7 @@ class _Matrices(NamedTuple):
 
 def _equilibrium_matrices_of_shoes_on_arcs(
     brake: Brake, on: _ShoesOnAnchors, arcs: list[Arcs]
-) -> _Matrices:
+) -> _AnchoredEquilibriumMatrices:
     """The matrices N and F of shoes whose linings touch drum or plane on the given arcs."""
     found = []
     for k, i in enumerate(on.members):
@@ -161,10 +161,12 @@ def _equilibrium_matrices_of_shoes_on_arcs(
         relative = brake.shoe_friction_over_brake_friction(brake.shoes[i])
         found.append((normal_work, relative * friction_work))
     normal, friction = zip(*found, strict=True)
-    return _Matrices(block_diag(*normal), block_diag(*friction))
+    return _AnchoredEquilibriumMatrices(block_diag(*normal), block_diag(*friction))
 
 
-def _rigid_body_motions_held_and_free(on: _ShoesOnAnchors, bearing: Bearing) -> HeldMotions | None:
+def _rigid_body_motions_held_and_free(
+    on: _ShoesOnAnchors, bearing: WhichSupportsBear
+) -> HeldMotions | None:
     """The motions that the bearing supports prevent, and the motions that they leave free.
 
     The result is None if a free motion closes no gap, so that no pressure resists it, and if one of
@@ -182,7 +184,7 @@ def _rigid_body_motions_held_and_free(on: _ShoesOnAnchors, bearing: Bearing) -> 
     return motions if do_linings_resist_free_motions(closing @ motions.free, scale) else None
 
 
-class _SettledContact(NamedTuple):
+class _EquilibriumInFreeMotions(NamedTuple):
     """The equilibrium of shoes that can move in given ways, on arcs with positive pressure.
 
     Attributes
@@ -193,7 +195,7 @@ class _SettledContact(NamedTuple):
     arcs : arcs in contact of each shoe
     """
 
-    matrices: _Matrices
+    matrices: _AnchoredEquilibriumMatrices
     y: Floats
     c: list[Floats]
     arcs: list[Arcs]
@@ -201,7 +203,7 @@ class _SettledContact(NamedTuple):
 
 def _equilibrium_in_free_motions(
     brake: Brake, on: _ShoesOnAnchors, free: Floats, work: Floats
-) -> _SettledContact | None:
+) -> _EquilibriumInFreeMotions | None:
     """The equilibrium of shoes that can move only in the motions `free`; None if none is found.
 
     The arcs in contact are changed until they are those where the pressure is positive. A column of
@@ -229,7 +231,7 @@ def _equilibrium_in_free_motions(
             for face, each, lining in zip(on.faces, c, linings, strict=True)
         ]
         if all(map(are_contact_arcs_equal, after, arcs)):
-            return _SettledContact(matrices, y, c, arcs)
+            return _EquilibriumInFreeMotions(matrices, y, c, arcs)
         # The search ends if a shoe without an arc in contact lifts off, or if the arcs are those of
         # an earlier iteration, from which the iterations would repeat for ever.
         back = any(all(map(are_contact_arcs_equal, after, each)) for each in before)
@@ -241,7 +243,7 @@ def _equilibrium_in_free_motions(
 
 
 def _solve_rigid_shoes_on_given_supports(
-    brake: Brake, on: _ShoesOnAnchors, bearing: Bearing
+    brake: Brake, on: _ShoesOnAnchors, bearing: WhichSupportsBear
 ) -> SolvedShoesOnAnchors | None:
     """The equilibrium of shoes of which given supports bear; None if other supports must bear.
 
@@ -251,7 +253,9 @@ def _solve_rigid_shoes_on_given_supports(
     motions = _rigid_body_motions_held_and_free(on, bearing)
     if motions is None:
         return None
-    work = np.concatenate([modes.actuation_work + modes.further_work for modes in on.freedoms])
+    work = np.concatenate(
+        [modes.actuation_work + modes.work_of_further_loads for modes in on.freedoms]
+    )
     settled = _equilibrium_in_free_motions(brake, on, motions.free, work)
     if settled is None:
         return None
@@ -277,7 +281,7 @@ def _solve_rigid_shoes_on_given_supports(
 
 
 def _do_supports_of_rigid_shoes_bear_as_assumed(
-    on: _ShoesOnAnchors, bearing: Bearing, y: Floats, forces: Floats
+    on: _ShoesOnAnchors, bearing: WhichSupportsBear, y: Floats, forces: Floats
 ) -> bool:
     """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.
 
@@ -290,12 +294,15 @@ def _do_supports_of_rigid_shoes_bear_as_assumed(
     """
     bears = np.array(bearing, dtype=bool)
     actuation = max(
-        float(np.abs(free.actuation_work + free.further_work).max()) for free in on.freedoms
+        float(np.abs(free.actuation_work + free.work_of_further_loads).max())
+        for free in on.freedoms
     )
     largest = max(float(np.abs(forces).max()), actuation * float(on.sizes[0]))
     parts = on.opening * y
-    pulls = (forces[bears] < -LARGEST_PULL * largest).any()
-    overlaps = (parts.sum(axis=1)[~bears] < -LARGEST_PULL * np.abs(parts).max()).any()
+    pulls = (forces[bears] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * largest).any()
+    overlaps = (
+        parts.sum(axis=1)[~bears] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * np.abs(parts).max()
+    ).any()
     return not (pulls or overlaps)
 
 
@@ -313,7 +320,10 @@ def _equilibria_of_shoes_on_anchors(
         if solved is None:
             continue
         size = max(float(np.abs(solved.forces).max()), math.ulp(1.0))
-        if not any(np.allclose(solved.forces, each, 0, SAME_FORCES * size) for each in found):
+        if not any(
+            np.allclose(solved.forces, each, 0, SAME_SUPPORT_FORCE_TOLERANCE * size)
+            for each in found
+        ):
             found.append(solved.forces)
             yield solved
 
@@ -342,7 +352,7 @@ def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, .
     the friction is halved until there is one.
     """
     friction = brake.friction
-    for _ in range(MOST_HALVED_FRICTIONS):
+    for _ in range(MOST_FRICTION_HALVINGS):
         found = next(
             _equilibria_of_shoes_on_anchors(
                 brake.brake_with_new_friction_coefficient(friction), members
@@ -382,7 +392,7 @@ def locking_friction_of_shoes_on_anchors(brake: Brake, index: int) -> float:
     return limit * brake.shoe_friction_over_brake_friction(brake.shoes[index])
 
 
-def which_supports_of_rigid_shoes_bear(brake: Brake, members: tuple[int, ...]) -> Bearing:
+def which_supports_of_rigid_shoes_bear(brake: Brake, members: tuple[int, ...]) -> WhichSupportsBear:
     """Whether each one-sided support of the shoes `members` bears, by the rigid-shoe law.
 
     The order is that of `one_sided_supports_of_brake`. The result is () if the shoes have no
@@ -401,7 +411,7 @@ def which_supports_of_rigid_shoes_bear(brake: Brake, members: tuple[int, ...]) -
     return tuple(bears[name] for name in order if name in bears)
 
 
-class AnchoredAnswer(NamedTuple):
+class AnchoredShoesSolution(NamedTuple):
     """The answer of the rigid-shoe law for all shoes on anchors of a brake.
 
     Attributes
@@ -417,7 +427,7 @@ class AnchoredAnswer(NamedTuple):
     warnings: tuple[str, ...]
 
 
-def solve_shoes_on_anchors(brake: Brake) -> AnchoredAnswer:
+def solve_shoes_on_anchors(brake: Brake) -> AnchoredShoesSolution:
     """Solve all shoes on anchors of a brake by the rigid-shoe law.
 
     Raises NoAnswer for shoes that lock themselves, or that no set of their supports holds.
@@ -445,4 +455,4 @@ def solve_shoes_on_anchors(brake: Brake) -> AnchoredAnswer:
                 "equilibrium by the rigid-shoe "
                 f"law, on the supports {choices}; the law takes the first"
             )
-    return AnchoredAnswer(contacts, supports, tuple(warnings))
+    return AnchoredShoesSolution(contacts, supports, tuple(warnings))

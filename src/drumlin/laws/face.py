@@ -3,8 +3,9 @@
 A rigid-body motion of the shoe closes the gap between lining and surface by c_1 g_1 + c_2 g_2. The
 shape functions g_1, g_2 are cos and sin of the angle on a drum, and 1 and x on a plane. The
 pressure of a rigid shoe is proportional to the closing of the gap. Whatever the shoe's support, the
-pressure is therefore p = c_1 g_1 + c_2 g_2, too. `DrumFace` and `PlaneFace` hold the formulas of
-the rigid-shoe law that differ between a drum and a plane. All integrals are in closed form.
+pressure is therefore p = c_1 g_1 + c_2 g_2, too. `DrumFrictionSurface` and `PlaneFrictionSurface`
+hold the formulas of the rigid-shoe law that differ between a drum and a plane. All integrals are in
+closed form.
 """
 
 import math
@@ -21,7 +22,7 @@ Arcs = tuple[tuple[float, float], ...]
 """Begin and end of each stretch of lining in contact: angles [rad] on a drum, x [m] on a plane."""
 
 
-class DrumFace(NamedTuple):
+class DrumFrictionSurface(NamedTuple):
     """A drum as the friction surface of a rigid shoe.
 
     Places on the drum are angles theta [rad]. The shape functions of the pressure are cos(theta)
@@ -116,7 +117,9 @@ class DrumFace(NamedTuple):
             moment=drag * self.radius * float(loads[2]),
         )
 
-    def sign_of_pressure_with_given_resultant(self, c: Floats, start: float, end: float) -> int:
+    def sign_of_normal_stress_with_given_resultant(
+        self, c: Floats, start: float, end: float
+    ) -> int:
         """The sign of the normal stress on a lining that can have a given resultant.
 
         It is +1 if a pressure (nowhere negative) can have the resultant, -1 if only a tension can,
@@ -140,12 +143,12 @@ class DrumFace(NamedTuple):
         return -1 if abs(back) <= half + slack else 0
 
 
-class PlaneFace(NamedTuple):
+class PlaneFrictionSurface(NamedTuple):
     """The plane y = 0 as the friction surface of a rigid shoe, with the linings above it.
 
     Places on the plane are x [m]. The shape functions of the pressure are 1 and x. A third shape
-    function, which is 0, gives all arrays the same shapes as in `DrumFace`. The methods have the
-    same meaning as in `DrumFace`.
+    function, which is 0, gives all arrays the same shapes as in `DrumFrictionSurface`. The methods
+    have the same meaning as in `DrumFrictionSurface`.
     """
 
     def gap_closing_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
@@ -207,7 +210,9 @@ class PlaneFace(NamedTuple):
         normal, friction = np.array([0.0, loads[0]]), np.array([drag * loads[0], 0.0])
         return Resultant(normal, friction, float(loads[1]))
 
-    def sign_of_pressure_with_given_resultant(self, c: Floats, start: float, end: float) -> int:
+    def sign_of_normal_stress_with_given_resultant(
+        self, c: Floats, start: float, end: float
+    ) -> int:
         """The sign of the normal stress on a lining that can have a given resultant.
 
         It is +1 if a pressure (nowhere negative) can have the resultant, -1 if only a tension can,
@@ -226,10 +231,14 @@ class PlaneFace(NamedTuple):
         return int(math.copysign(1, c[0])) if start - slack <= c[1] / c[0] <= end + slack else 0
 
 
-Face = DrumFace | PlaneFace
+FrictionSurfaceOfRigidShoe = DrumFrictionSurface | PlaneFrictionSurface
 """The friction surface of a rigid shoe."""
 
 
-def friction_surface_of_shoe(brake: Brake, shoe: Shoe) -> Face:
+def friction_surface_of_shoe(brake: Brake, shoe: Shoe) -> FrictionSurfaceOfRigidShoe:
     """The drum or the plane on which a shoe of a brake presses."""
-    return PlaneFace() if shoe.is_on_plane else DrumFace(brake.size, shoe.sign_of_internal_shoe)
+    return (
+        PlaneFrictionSurface()
+        if shoe.is_on_plane
+        else DrumFrictionSurface(brake.size, shoe.sign_of_internal_shoe)
+    )

@@ -10,8 +10,8 @@ mu_lock:
 
     M = w p_0 (X + s' mu h F),    mu_lock = -X / (s' h F)
 
-Here F is the integral of f over the lining, and X is the integral of f x. `FlatLoad` holds them as
-`total` and `x`.
+Here F is the integral of f over the lining, and X is the integral of f x. `FlatPressureIntegrals`
+holds them as `total` and `x`.
 """
 
 from collections.abc import Callable
@@ -20,10 +20,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Values
+from drumlin.base.arrays import Floats, NumberOrArray
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.support import MOVES
+from drumlin.brake.support import MOTION_TEXTS_BY_KIND_OF_SUPPORT
 from drumlin.brake.surface import PLANE
 from drumlin.brake.units import text_in_mm
 from drumlin.laws.rigid import NEGLECTED_BY_RIGID_LAWS, note_on_shoe_without_contact
@@ -32,7 +32,7 @@ from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response, ShoeResponse, response_of_shoe_without_contact
 
 
-class FlatLoad(NamedTuple):
+class FlatPressureIntegrals(NamedTuple):
     """Integrals of the pressure f(x) of amplitude 1 over a lining on a plane.
 
     Attributes
@@ -45,7 +45,7 @@ class FlatLoad(NamedTuple):
     x: Floats
 
 
-class FlatLayout(NamedTuple):
+class FlatShoeLengths(NamedTuple):
     """Lengths and the sign s' of a shoe on a plane, which the formulas of a law need.
 
     The attributes are numbers or arrays that broadcast, so that one call serves many shoes.
@@ -57,26 +57,26 @@ class FlatLayout(NamedTuple):
     s : sign s', +1 if the body drags the lining away from the hinge, -1 if towards the hinge
     """
 
-    x_min: Values
-    x_max: Values
-    h: Values
-    s: Values
+    x_min: NumberOrArray
+    x_max: NumberOrArray
+    h: NumberOrArray
+    s: NumberOrArray
 
 
-def integrals_of_linear_pressure(pad: FlatLayout) -> FlatLoad:
+def integrals_of_linear_pressure(pad: FlatShoeLengths) -> FlatPressureIntegrals:
     """Integrals over the lining of the linear pressure f = x/x_max (UWA notes, eq. iv)."""
     total = (pad.x_max**2 - pad.x_min**2) / (2 * pad.x_max)
     moment = (pad.x_max**3 - pad.x_min**3) / (3 * pad.x_max)
-    return FlatLoad(np.asarray(total), np.asarray(moment))
+    return FlatPressureIntegrals(np.asarray(total), np.asarray(moment))
 
 
-def integrals_of_short_flat_shoe_pressure(pad: FlatLayout) -> FlatLoad:
+def integrals_of_short_flat_shoe_pressure(pad: FlatShoeLengths) -> FlatPressureIntegrals:
     """Integrals over the lining of the uniform pressure f = 1 (UWA notes, eq. iii).
 
     The force of a uniform pressure acts at the lining's middle.
     """
     total = np.asarray(pad.x_max - pad.x_min)
-    return FlatLoad(total, total * (pad.x_min + pad.x_max) / 2)
+    return FlatPressureIntegrals(total, total * (pad.x_min + pad.x_max) / 2)
 
 
 @dataclass(frozen=True)
@@ -93,10 +93,12 @@ class FlatLaw:
 
     name: str
     assumes: str
-    load: Callable[[FlatLayout], FlatLoad]
-    pressure: Callable[[Floats, FlatLayout], Floats]
+    load: Callable[[FlatShoeLengths], FlatPressureIntegrals]
+    pressure: Callable[[Floats, FlatShoeLengths], Floats]
 
-    def actuation_moment_over_pressure_amplitude(self, mu: Values, pad: FlatLayout) -> Floats:
+    def actuation_moment_over_pressure_amplitude(
+        self, mu: NumberOrArray, pad: FlatShoeLengths
+    ) -> Floats:
         """Actuation moment divided by w p_0: X + s' mu h F [m^2].
 
         The actuation must balance this moment of pressure and friction about the hinge, here for
@@ -106,7 +108,7 @@ class FlatLaw:
         return load.x + pad.s * mu * pad.h * load.total
 
     def pressure_amplitude(
-        self, moment: Values, width: Values, mu: Values, pad: FlatLayout
+        self, moment: NumberOrArray, width: NumberOrArray, mu: NumberOrArray, pad: FlatShoeLengths
     ) -> Floats:
         """Amplitude p_0 [Pa] of the pressure; nan if the shoe locks itself.
 
@@ -120,11 +122,15 @@ class FlatLaw:
         resistance = self.actuation_moment_over_pressure_amplitude(mu, pad)
         return moment / (width * np.where(resistance > 0, resistance, np.nan))
 
-    def braking_force(self, moment: Values, mu: Values, pad: FlatLayout) -> Floats:
+    def braking_force(
+        self, moment: NumberOrArray, mu: NumberOrArray, pad: FlatShoeLengths
+    ) -> Floats:
         """Braking force mu N [N] under an actuation moment [N m]; nan if the shoe locks itself."""
         return mu * self.pressure_amplitude(moment, 1.0, mu, pad) * self.load(pad).total
 
-    def sensitivity_of_braking_effect_to_friction(self, mu: Values, pad: FlatLayout) -> Floats:
+    def sensitivity_of_braking_effect_to_friction(
+        self, mu: NumberOrArray, pad: FlatShoeLengths
+    ) -> Floats:
         """Sensitivity S = (mu/F) dF/dmu of the braking force F at fixed actuation.
 
         S is nan if the shoe locks itself.
@@ -132,7 +138,7 @@ class FlatLaw:
         resistance = self.actuation_moment_over_pressure_amplitude(mu, pad)
         return self.load(pad).x / np.where(resistance > 0, resistance, np.nan)
 
-    def self_locking_friction(self, pad: FlatLayout) -> Floats:
+    def self_locking_friction(self, pad: FlatShoeLengths) -> Floats:
         """Friction coefficient mu_lock from which the shoe locks itself.
 
         It is inf if friction does not help the actuation.
@@ -145,7 +151,7 @@ class FlatLaw:
             return np.where(helps > 0, load.x / np.where(helps > 0, helps, 1.0), np.inf)
 
 
-LINEAR = FlatLaw(
+LINEAR_PRESSURE_LAW = FlatLaw(
     "linear",
     "rigid flat shoe turning about its hinge on a plane: p = p_max x/x_max, x from the hinge's "
     "foot",
@@ -153,7 +159,7 @@ LINEAR = FlatLaw(
     lambda x, pad: np.asarray(x / pad.x_max),
 )
 """The law of a long shoe on a plane, whose pressure grows in proportion to the place x."""
-FLAT_SHORT = FlatLaw(
+FLAT_SHORT_SHOE_LAW = FlatLaw(
     "short",
     "short flat shoe: N = p_m A and friction mu N at the lining's middle",
     integrals_of_short_flat_shoe_pressure,
@@ -170,9 +176,9 @@ def distances_of_lining_ends_from_hinge_foot(shoe: Shoe) -> tuple[float, float]:
     return float(ends.min()), float(ends.max())
 
 
-def lengths_of_flat_shoe(brake: Brake, shoe: Shoe) -> FlatLayout:
+def lengths_of_flat_shoe(brake: Brake, shoe: Shoe) -> FlatShoeLengths:
     """The lengths and the sign s' of a shoe on a plane, which the formulas of a law need."""
-    return FlatLayout(
+    return FlatShoeLengths(
         *distances_of_lining_ends_from_hinge_foot(shoe),
         h=shoe.pin.y,
         s=brake.sign_of_motion * shoe.frame.sense,
@@ -189,10 +195,10 @@ def reason_against_flat_law(law: FlatLaw, brake: Brake) -> str | None:
         return refusal
     for shoe in brake.shoes:
         if shoe.kind_of_support != "hinge":
-            return f"shoe {shoe.name!r}: {MOVES[shoe.kind_of_support]}"
+            return f"shoe {shoe.name!r}: {MOTION_TEXTS_BY_KIND_OF_SUPPORT[shoe.kind_of_support]}"
         # The pressure of the linear law is proportional to x: behind the hinge it would be tension.
         x_min, x_max = distances_of_lining_ends_from_hinge_foot(shoe)
-        if law is LINEAR and x_min < 0:
+        if law is LINEAR_PRESSURE_LAW and x_min < 0:
             return (
                 f"shoe {shoe.name!r}: the lining must lie on one side of the hinge, "
                 f"not reach {text_in_mm(-x_min)} beyond"

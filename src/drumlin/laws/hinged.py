@@ -17,11 +17,21 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.support import MOVES
+from drumlin.brake.support import MOTION_TEXTS_BY_KIND_OF_SUPPORT
 from drumlin.brake.surface import DRUM
 from drumlin.brake.units import text_in_degrees
-from drumlin.laws.rigid import NEGLECTED_BY_RIGID_LAWS, PRESSURE_NODES, note_on_shoe_without_contact
-from drumlin.laws.shapes import SINE, Law, Layout, Load, ratio_of_equivalent_friction
+from drumlin.laws.rigid import (
+    NEGLECTED_BY_RIGID_LAWS,
+    PRESSURE_NODES_ON_DRUM_LINING,
+    note_on_shoe_without_contact,
+)
+from drumlin.laws.shapes import (
+    SINE_PRESSURE_LAW,
+    Law,
+    PressureIntegrals,
+    ShoeAnglesAndRadii,
+    ratio_of_equivalent_friction,
+)
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
     relative_imbalance_of_shoe,
@@ -36,16 +46,16 @@ from drumlin.response.resultants import (
     Resultant,
     planar_cross_product,
     polynomial_nodes_on_linings_and_slots,
-    slots_between_nodes,
+    slots_from_nodes_and_lining_mask,
 )
 
 ANGLE_ROUND_OFF = 1e-9
 """Largest angle [rad], due to round-off, by which a lining may exceed the angles a law allows."""
 
 
-def angles_and_radii_of_hinged_shoe(brake: Brake, shoe: Shoe) -> Layout:
+def angles_and_radii_of_hinged_shoe(brake: Brake, shoe: Shoe) -> ShoeAnglesAndRadii:
     """The angles, radii and the sign dD of a shoe on a drum, which the formulas of a law need."""
-    return Layout(
+    return ShoeAnglesAndRadii(
         *shoe.arc,
         R=brake.size,
         a=shoe.pin.radius,
@@ -54,7 +64,9 @@ def angles_and_radii_of_hinged_shoe(brake: Brake, shoe: Shoe) -> Layout:
     )
 
 
-def self_locking_friction_of_hinged_shoe(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
+def self_locking_friction_of_hinged_shoe(
+    brake: Brake, shoe: Shoe, law: Law = SINE_PRESSURE_LAW
+) -> float:
     """Friction coefficient mu_lock at which the torque of a shoe becomes infinite by a law.
 
     It is inf if friction does not help the actuation.
@@ -68,7 +80,7 @@ def reason_against_hinged_shoe_law(law: Law, brake: Brake) -> str | None:
         brake.reason_why_cam_or_strut_sets_forces
         or brake.surface.reason_why_surface_is_not_required_one(DRUM)
     )
-    if refusal is None and law.load_on_part is None:
+    if refusal is None and law.pressure_integrals_on_arc_part is None:
         refusal = brake.reason_if_several_linings_are_not_allowed(
             "a force lumped at the lining's middle"
         )
@@ -85,9 +97,9 @@ def _reason_against_law_for_shoe(law: Law, shoe: Shoe) -> str | None:
     """The reason why a law of hinged shoes does not apply to a shoe; None if it applies."""
     phi_1, phi_2 = shoe.arc
     if shoe.kind_of_support != "hinge":
-        return MOVES[shoe.kind_of_support]
+        return MOTION_TEXTS_BY_KIND_OF_SUPPORT[shoe.kind_of_support]
     # The pressure of the sine law is positive only from 0 to 180 degrees from the hinge.
-    if law is SINE:
+    if law is SINE_PRESSURE_LAW:
         if phi_1 < -ANGLE_ROUND_OFF or phi_2 > math.pi + ANGLE_ROUND_OFF:
             return (
                 "the lining must lie within 0 to 180 deg of the hinge, "
@@ -121,7 +133,7 @@ def solve_brake_with_hinged_shoes_by_law(law: Law, brake: Brake) -> Response:
 
 def solve_brake_by_sine_law(brake: Brake) -> Response:
     """Solve a brake by the sine law. Raises NoAnswer for a self-locking shoe."""
-    return solve_brake_with_hinged_shoes_by_law(SINE, brake)
+    return solve_brake_with_hinged_shoes_by_law(SINE_PRESSURE_LAW, brake)
 
 
 def _notes_on_shoe_response(
@@ -169,7 +181,7 @@ def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResp
         )
     amplitude = float(law.pressure_amplitude(moment, shoe.lining.width, mu, arc))
     # The integrals of the pressure are its amplitude [Pa] times the integrals of f.
-    load = Load(
+    load = PressureIntegrals(
         *(amplitude * integral for integral in law.pressure_integrals_over_all_linings(arc))
     )
     return response_of_hinged_shoe_in_contact(
@@ -215,7 +227,7 @@ def actuation_moment_towards_drum(shoe: Shoe) -> float:
 
 
 def resultant_of_hinged_shoe_pressure(
-    brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0
+    brake: Brake, shoe: Shoe, load: PressureIntegrals, factor: float = 1.0
 ) -> Resultant:
     """Resultant of pressure and friction on a hinged shoe.
 
@@ -262,7 +274,9 @@ def response_of_hinged_shoe_in_contact(
     lumped : whether the law lets the resultant act as one force at the lining's middle
     """
     sense = shoe.frame.sense
-    nodes = [np.linspace(*arc, PRESSURE_NODES)[::sense] for arc in shoe.arcs][::sense]
+    nodes = [np.linspace(*arc, PRESSURE_NODES_ON_DRUM_LINING)[::sense] for arc in shoe.arcs][
+        ::sense
+    ]
     theta, on_lining = polynomial_nodes_on_linings_and_slots(
         [shoe.frame.surface_coordinates_of_phi(phi) for phi in nodes], 2
     )
@@ -281,6 +295,6 @@ def response_of_hinged_shoe_in_contact(
         contact_arcs=shoe.lining.arcs,
         theta=theta,
         pressure=pressures,
-        slots=slots_between_nodes(theta, on_lining),
+        slots=slots_from_nodes_and_lining_mask(theta, on_lining),
         lumped=contact if lumped else None,
     )

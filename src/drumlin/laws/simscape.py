@@ -21,15 +21,15 @@ from typing import Literal
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Values
+from drumlin.base.arrays import Floats, NumberOrArray
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.brake.units import text_in_degrees, text_in_mm
-from drumlin.laws.shapes import SINE, Layout
+from drumlin.laws.shapes import SINE_PRESSURE_LAW, ShoeAnglesAndRadii
 
-SIMSCAPE_LINING = Material(E=300e6, nu=0.25)
+DEFAULT_SIMSCAPE_LINING_MATERIAL = Material(E=300e6, nu=0.25)
 """Material of the lining in `DoubleShoe.brake` if the user gives none.
 
 The torque of the sine law does not depend on the material.
@@ -133,17 +133,17 @@ class DoubleShoe:
     @property
     def mu_lock(self) -> float:
         """Friction coefficient at which the leading shoe locks itself."""
-        return float(SINE.self_locking_friction(self._angles_and_radii_of_shoe(1)))
+        return float(SINE_PRESSURE_LAW.self_locking_friction(self._angles_and_radii_of_shoe(1)))
 
-    def _angles_and_radii_of_shoe(self, dD: int) -> Layout:
+    def _angles_and_radii_of_shoe(self, dD: int) -> ShoeAnglesAndRadii:
         """Angles and radii for the sine law of the leading (dD = 1) or trailing (dD = -1) shoe."""
-        return Layout(*self.arc, R=self.r_D, a=self.r_p, dD=dD)
+        return ShoeAnglesAndRadii(*self.arc, R=self.r_D, a=self.r_p, dD=dD)
 
-    def friction(self, omega: Values) -> Floats:
+    def friction(self, omega: NumberOrArray) -> Floats:
         """Friction coefficient at speeds omega [rad/s], with the shape and the sign of omega."""
         return np.asarray(self.mu_Coulomb * np.tanh(4 * np.asarray(omega) / self.omega_threshold))
 
-    def shoe_torques(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
+    def shoe_torques(self, force: NumberOrArray, omega: NumberOrArray) -> tuple[Floats, Floats]:
         """Torques T_LS and T_TS [N m] of the shoes that are leading and trailing at omega > 0.
 
         The arrays `force` [N] and `omega` [rad/s] broadcast. Raises NoAnswer if the leading shoe
@@ -155,24 +155,24 @@ class DoubleShoe:
                 f"is not below mu_lock = {self.mu_lock:.6g}"
             )
         moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
-        return SINE.torque(moment, mu, self._angles_and_radii_of_shoe(1)), SINE.torque(
-            moment, mu, self._angles_and_radii_of_shoe(-1)
-        )
+        return SINE_PRESSURE_LAW.torque(
+            moment, mu, self._angles_and_radii_of_shoe(1)
+        ), SINE_PRESSURE_LAW.torque(moment, mu, self._angles_and_radii_of_shoe(-1))
 
-    def line_pressures(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
+    def line_pressures(self, force: NumberOrArray, omega: NumberOrArray) -> tuple[Floats, Floats]:
         """Largest line loads [N/m] of the leading and the trailing shoe: pressure times width.
 
         The arrays `force` [N] and `omega` [rad/s] broadcast.
         """
         moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
         leading, trailing = (
-            SINE.pressure_amplitude(moment, 1.0, mu, layout)
-            * SINE.pressure(SINE.peak_at(layout), layout)
+            SINE_PRESSURE_LAW.pressure_amplitude(moment, 1.0, mu, layout)
+            * SINE_PRESSURE_LAW.pressure(SINE_PRESSURE_LAW.peak_at(layout), layout)
             for layout in (self._angles_and_radii_of_shoe(1), self._angles_and_radii_of_shoe(-1))
         )
         return leading, trailing
 
-    def torque(self, force: Values, omega: Values) -> Floats:
+    def torque(self, force: NumberOrArray, omega: NumberOrArray) -> Floats:
         """Braking torque T [N m] of the block; it acts against the rotation and has omega's sign.
 
         The arrays `force` [N] and `omega` [rad/s] broadcast. Where the force is not positive the
@@ -191,7 +191,7 @@ class DoubleShoe:
         *,
         width: float = 0.04,
         thickness: float = 0.008,
-        material: Material = SIMSCAPE_LINING,
+        material: Material = DEFAULT_SIMSCAPE_LINING_MATERIAL,
     ) -> Brake:
         """A Brake with the block's shoes and the friction mu_Coulomb of full speed.
 

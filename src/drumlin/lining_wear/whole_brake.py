@@ -21,7 +21,7 @@ from drumlin.lining_wear.linings import (
 )
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
-    WearTarget,
+    FinalWearPressureAndTorque,
     final_wear_pressure_and_torque_by_rigid_shoe_law,
     report_lines_of_wear_run,
     require_linings_not_worn_through,
@@ -52,7 +52,7 @@ class WearRun:
     setup: WearSetup
     law: WearLaw
     states: tuple[WearState, ...]
-    target: WearTarget
+    target: FinalWearPressureAndTorque
     step_tolerance: float = DEFAULT_WEAR_STEP_ERROR
     start_error: Mapping[str, float] | None = None
 

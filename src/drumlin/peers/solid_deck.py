@@ -24,14 +24,14 @@ from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.peers import calculix
 from drumlin.peers.deck import (
-    DRUM_LAYER,
-    DRUM_MODULUS,
+    DRUM_LAYER_THICKNESS_OVER_RADIUS,
+    DRUM_MODULUS_OVER_LINING_MODULUS,
     MM_PER_METRE,
     MPA_PER_PASCAL,
-    DeckGrid,
-    DeckSetting,
+    CalculixDeckParameters,
     DrumMesh,
-    FirstLabels,
+    FirstDrumLabels,
+    ShoeMeshOfDeck,
     angles_of_drum_nodes,
     deck_header_lines,
     deck_lines_of_contact,
@@ -42,8 +42,8 @@ from drumlin.peers.deck import (
     require_lining_without_gap,
 )
 from drumlin.peers.hexahedra import (
-    HEXAHEDRA_ALONG_LINING,
-    Solid,
+    DEFAULT_HEXAHEDRA_ALONG_LINING,
+    HalfSolidShoeMesh,
     default_number_of_hexahedra_over_half_width,
     hexahedra_with_twenty_nodes_in_vtk_order,
     mesh_of_half_solid_shoe,
@@ -53,7 +53,7 @@ from drumlin.peers.hexahedra import (
 )
 from drumlin.peers.peer import (
     LoadedShoe,
-    Peer,
+    PeerResult,
     mesh_hinged_shoes_under_actuation,
     zero_response_and_imbalance_of_shoe_turned_from_drum,
 )
@@ -65,8 +65,8 @@ Friction acts in the direction of slip. A pressed lining also expands by some te
 its width. The displacement of the drum must be much larger, so that the slip and the friction are
 along the drum's circumference."""
 
-MODELLED_WIDTH = 0.5
-"""Fraction of the shoe's width that the deck models; it is the value of `DeckSetting.thickness`."""
+MODELLED_FRACTION_OF_WIDTH = 0.5
+"""Fraction of the shoe's width that the deck models, the thickness in its parameters."""
 
 HEXAHEDRON_FACES = [
     (0, 1, 2, 3),
@@ -78,7 +78,7 @@ HEXAHEDRON_FACES = [
 ]
 """The four corners of each face S1 to S6 of CalculiX's hexahedron."""
 
-DRUM_WIDTH = 1.1
+DRUM_WIDTH_OVER_LINING_WIDTH = 1.1
 """Width of the drum, relative to the width of the lining.
 
 It is above 1, since the lining must not reach the drum's edge.
@@ -89,7 +89,7 @@ class _SolidShoe(NamedTuple):
     """A shoe under its actuation, and its three-dimensional mesh."""
 
     loaded: LoadedShoe
-    solid: Solid
+    solid: HalfSolidShoeMesh
 
 
 def export_solid_calculix_decks(
@@ -97,7 +97,7 @@ def export_solid_calculix_decks(
     folder: Path,
     stem: str,
     *,
-    elements: int = HEXAHEDRA_ALONG_LINING,
+    elements: int = DEFAULT_HEXAHEDRA_ALONG_LINING,
     across: int | None = None,
 ) -> tuple[list[Path], list[str]]:
     """Write a CalculiX deck of a three-dimensional shoe for each shoe of a brake.
@@ -115,11 +115,13 @@ def export_solid_calculix_decks(
     the paths of the decks, and the names of the shoes without a deck; the actuation turns these
     shoes away from the drum
     """
-    setting = DeckSetting(rotation=SOLID_DRUM_ROTATION, thickness=MODELLED_WIDTH)
+    setting = CalculixDeckParameters(
+        rotation=SOLID_DRUM_ROTATION, thickness=MODELLED_FRACTION_OF_WIDTH
+    )
     decks = []
     for loaded, solid in _mesh_solid_shoes_under_actuation(brake, elements, across):
         decks.append(
-            calculix.ShoeDeck(
+            calculix.ShoeWithDeckText(
                 loaded, partial(deck_text_of_half_solid_shoe, brake, loaded, solid, setting)
             )
         )
@@ -129,10 +131,10 @@ def export_solid_calculix_decks(
 def solve_solid_by_calculix(
     brake: Brake,
     *,
-    elements: int = HEXAHEDRA_ALONG_LINING,
+    elements: int = DEFAULT_HEXAHEDRA_ALONG_LINING,
     across: int | None = None,
-    setting: DeckSetting | None = None,
-) -> Peer:
+    setting: CalculixDeckParameters | None = None,
+) -> PeerResult:
     """Solve a brake with three-dimensional shoes by CalculiX.
 
     Raises the errors of `calculix.solve_brake_by_calculix`.
@@ -145,12 +147,12 @@ def solve_solid_by_calculix(
     setting : parameters of the decks; None: the usual ones with the rotation SOLID_DRUM_ROTATION
     """
     installed = calculix.calculix_version()
-    start = (setting or DeckSetting(rotation=SOLID_DRUM_ROTATION))._replace(
-        thickness=MODELLED_WIDTH
+    start = (setting or CalculixDeckParameters(rotation=SOLID_DRUM_ROTATION))._replace(
+        thickness=MODELLED_FRACTION_OF_WIDTH
     )
-    tally = calculix.RunTally()
+    tally = calculix.CollectedCalculixResults()
     for loaded, solid in _mesh_solid_shoes_under_actuation(brake, elements, across):
-        if not loaded.approaches:
+        if not loaded.is_pressed_on_drum:
             tally.answers.append(zero_response_and_imbalance_of_shoe_turned_from_drum(loaded))
             continue
         pose = calculix.DeckFormat(
@@ -192,7 +194,11 @@ def _mesh_solid_shoes_under_actuation(
 
 
 def deck_text_of_half_solid_shoe(
-    brake: Brake, loaded: LoadedShoe, solid: Solid, setting: DeckSetting, name: str = "shoe"
+    brake: Brake,
+    loaded: LoadedShoe,
+    solid: HalfSolidShoeMesh,
+    setting: CalculixDeckParameters,
+    name: str = "shoe",
 ) -> str:
     """The text of the CalculiX deck of half a three-dimensional shoe, in the brake's frame.
 
@@ -215,7 +221,7 @@ def deck_text_of_half_solid_shoe(
     used = np.unique(cells)
     held = np.intersect1d(solid_nodes_that_move_with_pin(solid, shoe), used)
     grid = _half_solid_shoe_mesh_for_deck(loaded, points, cells, held)
-    drum_mesh = mesh_solid_drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
+    drum_mesh = mesh_solid_drum(brake, loaded, FirstDrumLabels(grid.turn + 1, len(cells) + 1))
     # The nodes of the mid-plane are fixed along z. In a rigid shoe the nodes at the back, where
     # lining or backing is bonded to the shoe, are fixed along z as well.
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
@@ -245,7 +251,7 @@ def deck_text_of_half_solid_shoe(
     return "\n".join(lines) + "\n"
 
 
-def _points_and_cells_in_brake_frame(shoe: Shoe, solid: Solid) -> tuple[Floats, Ints]:
+def _points_and_cells_in_brake_frame(shoe: Shoe, solid: HalfSolidShoeMesh) -> tuple[Floats, Ints]:
     """The nodes (n, 3) [mm] of a solid shoe in the brake's frame, and its cells (m, 20).
 
     Nodes keep their numbers in drumlin's mesh. The cells do not use the nodes in the middle of
@@ -262,7 +268,7 @@ def _points_and_cells_in_brake_frame(shoe: Shoe, solid: Solid) -> tuple[Floats, 
 
 def _half_solid_shoe_mesh_for_deck(
     loaded: LoadedShoe, points: Floats, cells: Ints, held: Ints
-) -> DeckGrid:
+) -> ShoeMeshOfDeck:
     """The mesh of half a three-dimensional shoe in the form of a CalculiX deck.
 
     Parameters
@@ -272,7 +278,7 @@ def _half_solid_shoe_mesh_for_deck(
     cells : numbers (m, 20) of the nodes of each cell
     held : numbers of the nodes at the hinge, which move with the pin
     """
-    return DeckGrid(
+    return ShoeMeshOfDeck(
         xy=points[:, :2],
         cells=cells,
         corners=8,
@@ -285,7 +291,7 @@ def _half_solid_shoe_mesh_for_deck(
 
 
 def _deck_lines_of_half_solid_shoe_mesh(
-    shoe: Shoe, solid: Solid, points: Floats, grid: DeckGrid
+    shoe: Shoe, solid: HalfSolidShoeMesh, points: Floats, grid: ShoeMeshOfDeck
 ) -> list[str]:
     """The lines of a deck for the nodes (n, 3) [mm] and the elements of half a shoe."""
     pin = [*(shoe.pin.xy * MM_PER_METRE), 0.0]
@@ -309,7 +315,7 @@ def _deck_lines_of_solid_materials(shoe: Shoe) -> list[str]:
         # `reason_why_width_model_does_not_apply` refuses orthotropic materials.
         assert isinstance(material, Material)
         moduli[part.upper()] = material.E, material.nu
-    moduli["DRUM"] = DRUM_MODULUS * shoe.lining.material.E_through, 0.0
+    moduli["DRUM"] = DRUM_MODULUS_OVER_LINING_MODULUS * shoe.lining.material.E_through, 0.0
     lines = []
     for part, (E, nu) in moduli.items():
         lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E * MPA_PER_PASCAL:.12e}, {nu:.12e}"]
@@ -341,7 +347,10 @@ def _deck_lines_of_solid_faces(cells: Ints, on: Ints) -> list[str]:
 
 
 def _deck_lines_of_half_solid_shoe_actuation(
-    loaded: LoadedShoe, solid: Solid, setting: DeckSetting, grid: DeckGrid
+    loaded: LoadedShoe,
+    solid: HalfSolidShoeMesh,
+    setting: CalculixDeckParameters,
+    grid: ShoeMeshOfDeck,
 ) -> list[str]:
     """The lines of a deck for the actuation of half a shoe.
 
@@ -358,7 +367,7 @@ def _deck_lines_of_half_solid_shoe_actuation(
     return deck_lines_of_nodal_forces(forces, np.flatnonzero(forces.any(axis=1)))
 
 
-def _forces_moved_from_face_middles(solid: Solid, forces: Floats) -> Floats:
+def _forces_moved_from_face_middles(solid: HalfSolidShoeMesh, forces: Floats) -> Floats:
     """Distribute nodal forces (n, 2) in the middle of faces to the other nodes of these faces.
 
     CalculiX's element has no node there. Its displacement in the middle of a face is 1/2 of the sum
@@ -402,7 +411,7 @@ class _DrumNodeRow(NamedTuple):
         return np.column_stack([r * np.cos(t), r * np.sin(t), np.full(len(t), self.z)])
 
 
-def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> DrumMesh:
+def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstDrumLabels) -> DrumMesh:
     """The mesh of the drum in a three-dimensional CalculiX deck: one row of elements along the arc.
 
     The elements reach from z = 0 to a little beyond the side of the lining. Their face S1 lies on
@@ -413,8 +422,8 @@ def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> Dru
     shoe, R = loaded.shoe, brake.size
     theta = angles_of_drum_nodes(loaded)
     ends = theta[::2]
-    back = R * (1 + shoe.sign_of_internal_shoe * DRUM_LAYER)
-    outer = DRUM_WIDTH * shoe.lining.width / 2
+    back = R * (1 + shoe.sign_of_internal_shoe * DRUM_LAYER_THICKNESS_OVER_RADIUS)
+    outer = DRUM_WIDTH_OVER_LINING_WIDTH * shoe.lining.width / 2
     rows = [
         _DrumNodeRow(R, theta, 0.0),
         _DrumNodeRow(R, ends, outer / 2),

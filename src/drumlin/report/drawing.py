@@ -16,11 +16,11 @@ from matplotlib.path import Path as Outline
 from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Actuation, Bar, Beam
-from drumlin.report.palette import FAINT, INK
+from drumlin.brake.components import Actuation, Beam, ShoeBodyOfConstantSection
+from drumlin.report.palette import COLOR_OF_AXES_AND_NOTES, INK
 from drumlin.report.signs import (
-    BLOCK_COLOR,
     BODY_COLOR,
+    COLOR_OF_SHOE_BACKING,
     DRUM_COLOR,
     FORCE_COLOR,
     LINING_COLOR,
@@ -115,7 +115,7 @@ def _draw_drum_with_rotation_arrow(axes: Axes, brake: Brake, R: float, unit: flo
     axes.plot([0, 0], cross, color=INK, lw=0.8)
     # Draw a line from the centre to the friction surface, labelled with the radius.
     direction = _unit_vector_at_angle(_free_angle_for_radius_line(brake, R, unit))
-    axes.plot([0, R * direction[0]], [0, R * direction[1]], color=FAINT, lw=0.7)
+    axes.plot([0, R * direction[0]], [0, R * direction[1]], color=COLOR_OF_AXES_AND_NOTES, lw=0.7)
     _write_text_on_pale_box(axes, 0.5 * R * direction, f"R = {R:.5g} mm")
     _draw_rotation_arrow(axes, brake.sign_of_motion, 2.6 * unit)
 
@@ -173,7 +173,7 @@ def _draw_shoe_on_drum(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_stru
     arcs = [(math.degrees(start), math.degrees(end)) for start, end in shoe.lining.arcs]
     depth = shoe.lining.thickness * MM_PER_M
     for arc in arcs:
-        _draw_layer_as_ring_segment(axes, shoe, R, _Layer(0.0, depth, arc, LINING_COLOR))
+        _draw_layer_as_ring_segment(axes, shoe, R, _DrawnShoeLayer(0.0, depth, arc, LINING_COLOR))
     # A shoe with a mesh file is drawn without body, since only the mesh knows its shape. `depth`
     # grows from the friction surface through the layers.
     if shoe.mesh is None:
@@ -182,14 +182,16 @@ def _draw_shoe_on_drum(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_stru
         elif shoe.backing is not None:
             backing = shoe.backing.thickness * MM_PER_M
             for arc in arcs:
-                _draw_layer_as_ring_segment(axes, shoe, R, _Layer(depth, backing, arc, BLOCK_COLOR))
+                _draw_layer_as_ring_segment(
+                    axes, shoe, R, _DrawnShoeLayer(depth, backing, arc, COLOR_OF_SHOE_BACKING)
+                )
             depth += backing
-        if isinstance(shoe.body, Bar):
+        if isinstance(shoe.body, ShoeBodyOfConstantSection):
             body_arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
             for plate in shoe.body.plates.values():
                 thickness = plate.thickness * MM_PER_M
                 _draw_layer_as_ring_segment(
-                    axes, shoe, R, _Layer(depth, thickness, body_arc, BODY_COLOR)
+                    axes, shoe, R, _DrawnShoeLayer(depth, thickness, body_arc, BODY_COLOR)
                 )
                 depth += thickness
     draw_support_of_shoe(axes, shoe, unit, on_strut=on_strut)
@@ -234,14 +236,14 @@ def _draw_straight_beam_of_shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -
         block = axis.convert_beam_coordinates_to_brake_points(
             np.append(x, x[[-1, 0]]), np.append(y, [half, half])
         )
-        axes.fill(*block.T, facecolor=BLOCK_COLOR, edgecolor=INK, lw=0.8, zorder=2)
+        axes.fill(*block.T, facecolor=COLOR_OF_SHOE_BACKING, edgecolor=INK, lw=0.8, zorder=2)
     corners = axis.convert_beam_coordinates_to_brake_points(
         np.array([0, 1, 1, 0]) * axis.length, np.array([-1, -1, 1, 1]) * half
     )
     axes.fill(*corners.T, facecolor=BODY_COLOR, edgecolor=INK, lw=0.8, zorder=2)
 
 
-class _Layer(NamedTuple):
+class _DrawnShoeLayer(NamedTuple):
     """A layer of a shoe to draw, such as the lining.
 
     Attributes
@@ -258,7 +260,7 @@ class _Layer(NamedTuple):
     color: str
 
 
-def _draw_layer_as_ring_segment(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
+def _draw_layer_as_ring_segment(axes: Axes, shoe: Shoe, R: float, layer: _DrawnShoeLayer) -> None:
     """Draw a layer of a shoe on the drum as part of a circular ring."""
     outer = R - layer.depth if shoe.sign_of_internal_shoe > 0 else R + layer.depth + layer.thickness
     wedge = Wedge(
@@ -327,9 +329,11 @@ def _point_where_force_is_drawn(shoe: Shoe, R: float) -> Floats:
     if shoe.sign_of_internal_shoe < 0 and np.linalg.norm(point) > R:
         return point
     # Find the shoe's end that is farther from the pin, at the middle of the body's depth.
-    half = 0.5 * shoe.body.total_thickness if isinstance(shoe.body, Bar) else 0.0
+    half = (
+        0.5 * shoe.body.total_thickness if isinstance(shoe.body, ShoeBodyOfConstantSection) else 0.0
+    )
     radius = R - shoe.sign_of_internal_shoe * (shoe.total_thickness - half) * MM_PER_M
-    arc = shoe.body if isinstance(shoe.body, Bar) else shoe.lining
+    arc = shoe.body if isinstance(shoe.body, ShoeBodyOfConstantSection) else shoe.lining
     ends = [radius * _unit_vector_at_angle(angle) for angle in (arc.start, arc.end)]
     far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy * MM_PER_M)))
     along = _unit_vector_at_angle(shoe.actuation.direction)
@@ -406,7 +410,7 @@ def _draw_plane_with_motion_arrow(
 
 def _draw_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
     """Draw a shoe on a plane: its layers, name and support, and the height of its hinge."""
-    if isinstance(shoe.body, Bar) and shoe.lining.thickness is not None:
+    if isinstance(shoe.body, ShoeBodyOfConstantSection) and shoe.lining.thickness is not None:
         _draw_layers_of_shoe_on_plane(axes, shoe, shoe.body)
     else:
         _draw_rigid_shoe_on_plane(axes, shoe, unit)
@@ -415,26 +419,30 @@ def _draw_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) 
     _write_text_on_pale_box(axes, np.array([end + 1.2 * unit, 1.0 * unit]), shoe.name, ha="left")
     if shoe.hinge is not None and shoe.pivot is None:
         x, height = shoe.hinge.xy * MM_PER_M
-        arrow = {"arrowstyle": "<->", "color": FAINT, "lw": 0.8}
+        arrow = {"arrowstyle": "<->", "color": COLOR_OF_AXES_AND_NOTES, "lw": 0.8}
         axes.annotate("", (x, 0), (x, height), arrowprops=arrow, zorder=4)
         _write_text_on_pale_box(
             axes, np.array([x - 1.6 * unit, 0.4 * height]), f"h = {height:.4g} mm"
         )
 
 
-def _draw_layers_of_shoe_on_plane(axes: Axes, shoe: Shoe, body: Bar) -> None:
+def _draw_layers_of_shoe_on_plane(axes: Axes, shoe: Shoe, body: ShoeBodyOfConstantSection) -> None:
     """Draw the layers of an elastic shoe on a plane: lining, block and plates of the body."""
     lining = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
-    layers = [_Layer(0.0, shoe.lining.thickness * MM_PER_M, lining, LINING_COLOR)]
+    layers = [_DrawnShoeLayer(0.0, shoe.lining.thickness * MM_PER_M, lining, LINING_COLOR)]
     # A shoe with a mesh file is drawn as a lining only, since only the mesh knows its shape.
     if shoe.mesh is None:
         top = layers[0].thickness
         if shoe.backing:
-            layers.append(_Layer(top, shoe.backing.thickness * MM_PER_M, lining, BLOCK_COLOR))
+            layers.append(
+                _DrawnShoeLayer(
+                    top, shoe.backing.thickness * MM_PER_M, lining, COLOR_OF_SHOE_BACKING
+                )
+            )
             top += layers[-1].thickness
         ends = body.start * MM_PER_M, body.end * MM_PER_M
         for plate in body.plates.values():
-            layers.append(_Layer(top, plate.thickness * MM_PER_M, ends, BODY_COLOR))
+            layers.append(_DrawnShoeLayer(top, plate.thickness * MM_PER_M, ends, BODY_COLOR))
             top += layers[-1].thickness
     for layer in layers:
         left, right = layer.arc

@@ -25,14 +25,14 @@ from drumlin.fem.mesh.arc import element_kind_of_mesh
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes
-from drumlin.fem.mesh.from_file import ShoeMesh
+from drumlin.fem.mesh.from_file import ShoeMeshReadFromFile
 from drumlin.report.drawing import absolute_force_as_text_with_unit, draw_arrow_from_tail_to_tip
 from drumlin.report.figures import SCREEN_STYLE
-from drumlin.report.palette import BLUE, FAINT, GREEN, INK, PURPLE, RED
+from drumlin.report.palette import BLUE, COLOR_OF_AXES_AND_NOTES, GREEN, INK, PURPLE, RED
 from drumlin.report.signs import DRUM_COLOR, MM_PER_M, draw_support_of_shoe
 from drumlin.report.view import boundary_nodes_around_each_mesh_element
 
-GROUP_COLORS = {
+MESH_GROUP_COLORS = {
     "lining": "#c89b6a",
     "backing": "#e3cfa4",
     "table": "#9db0c2",
@@ -50,11 +50,11 @@ LEGEND_DISTANCE = 0.55
 """Distance [inch] of a legend from the axes above it, which leaves room for the axis label."""
 
 
-class CheckedShoe(NamedTuple):
+class ShoeWithMeshFromFile(NamedTuple):
     """A shoe with the mesh that was read from the shoe's mesh file."""
 
     shoe: Shoe
-    read: ShoeMesh
+    read: ShoeMeshReadFromFile
 
 
 class _ContactOffsets(NamedTuple):
@@ -73,7 +73,7 @@ class _ContactOffsets(NamedTuple):
     solved: Floats
 
 
-def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
+def read_meshes_of_brake(brake: Brake) -> list[ShoeWithMeshFromFile]:
     """Read the mesh of each shoe that has a mesh file.
 
     Raises BadInput if no shoe has a mesh file, and for a mesh file that cannot be used.
@@ -84,7 +84,7 @@ def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
         if shoe.mesh is not None:
             key = f"shoe {shoe.name!r}: mesh"
             read = read_shoe_mesh_with_notes(shoe.mesh, shoe, brake.size, key)
-            found.append(CheckedShoe(shoe, read))
+            found.append(ShoeWithMeshFromFile(shoe, read))
     if not found:
         raise BadInput("--check: no shoe has a mesh file; drumlin view draws its own meshes")
     return found
@@ -93,7 +93,9 @@ def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
 # The functions below write text about the meshes that will be solved.
 
 
-def text_lines_about_mesh_to_be_solved(brake: Brake, checked: CheckedShoe) -> Iterator[str]:
+def text_lines_about_mesh_to_be_solved(
+    brake: Brake, checked: ShoeWithMeshFromFile
+) -> Iterator[str]:
     """Yield three lines of text on a shoe's mesh: elements, contact line, and support with force.
 
     Further lines say what drumlin changed in the mesh when it read the file.
@@ -113,7 +115,7 @@ def text_lines_about_mesh_to_be_solved(brake: Brake, checked: CheckedShoe) -> It
         yield f"shoe {shoe.name!r}: {note}"
 
 
-def _text_about_contact_line(brake: Brake, checked: CheckedShoe) -> str:
+def _text_about_contact_line(brake: Brake, checked: ShoeWithMeshFromFile) -> str:
     """A text about a contact line: its ends, and its distance from the drum or the plane."""
     shoe, contact = checked.shoe, checked.read.contact
     offsets = _offsets_of_contact_nodes(brake, checked)
@@ -164,11 +166,11 @@ def mean_lining_compression_under_actuation_force(brake: Brake, shoe: Shoe) -> f
     Distances of the contact line from the drum matter if they are as large as this compression.
     """
     lining = shoe.lining
-    area = lining.width * (lining.end - lining.start) * brake.scale_factor
+    area = lining.width * (lining.end - lining.start) * brake.length_per_surface_coordinate
     return abs(shoe.actuation.force) / area * lining.thickness / lining.material.E_through
 
 
-def _offsets_of_contact_nodes(brake: Brake, checked: CheckedShoe) -> _ContactOffsets:
+def _offsets_of_contact_nodes(brake: Brake, checked: ShoeWithMeshFromFile) -> _ContactOffsets:
     """The distances of a mesh's contact nodes from the drum or the plane."""
     shoe, mesh = checked.shoe, checked.read.mesh
     nodes = np.unique(_nodes_along_element_sides(mesh, mesh.boundaries["contact"]))
@@ -193,7 +195,7 @@ def _nodes_along_element_sides(mesh: Any, facets: Ints) -> Ints:
 # The functions below draw the picture.
 
 
-def draw_checked_meshes(brake: Brake, checked: list[CheckedShoe]) -> Figure:
+def draw_checked_meshes(brake: Brake, checked: list[ShoeWithMeshFromFile]) -> Figure:
     """Draw the meshes that were read from files, in a row of two panels for each shoe."""
     with mpl.rc_context(SCREEN_STYLE):
         figure = Figure(figsize=(13.0, 6.4 * len(checked)), layout="constrained")
@@ -206,7 +208,9 @@ def draw_checked_meshes(brake: Brake, checked: list[CheckedShoe]) -> Figure:
     return figure
 
 
-def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedShoe) -> None:
+def _draw_groups_with_pin_and_force(
+    axes: Axes, brake: Brake, checked: ShoeWithMeshFromFile
+) -> None:
     """Draw the groups of a mesh in colour, its support and its force, in mm."""
     shoe, mesh = checked.shoe, checked.read.mesh
     basis = nodal_basis_of_mesh(mesh)
@@ -218,7 +222,7 @@ def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedSh
         axes.add_collection(
             PolyCollection(
                 list(xy[around[:, elements].T]),
-                facecolor=GROUP_COLORS[name],
+                facecolor=MESH_GROUP_COLORS[name],
                 edgecolor="#40505f",
                 lw=width,
                 zorder=3,
@@ -226,7 +230,7 @@ def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedSh
         )
     for name, facets in mesh.boundaries.items():
         lines = xy[nodes_along_element_edges(basis, facets).T]
-        look: dict[str, Any] = {"color": GROUP_COLORS[name], "lw": 3.0, "zorder": 4.5}
+        look: dict[str, Any] = {"color": MESH_GROUP_COLORS[name], "lw": 3.0, "zorder": 4.5}
         axes.add_collection(LineCollection(list(lines), **look))
     low, high = xy.min(axis=0), xy.max(axis=0)
     unit = float((high - low).max()) / 22
@@ -252,12 +256,14 @@ def _draw_legend_of_groups(axes: Axes, mesh: Any) -> None:
     """Draw the legend of a mesh's groups, with the number of elements or sides in each."""
     handles: list[Any] = [
         Patch(
-            facecolor=GROUP_COLORS[name], edgecolor="#40505f", label=f"{name}: {len(of)} elements"
+            facecolor=MESH_GROUP_COLORS[name],
+            edgecolor="#40505f",
+            label=f"{name}: {len(of)} elements",
         )
         for name, of in mesh.subdomains.items()
     ]
     handles += [
-        Line2D([], [], color=GROUP_COLORS[name], lw=3, label=f"{name}: {len(of)} sides")
+        Line2D([], [], color=MESH_GROUP_COLORS[name], lw=3, label=f"{name}: {len(of)} sides")
         for name, of in mesh.boundaries.items()
     ]
     _draw_legend_below_axes(axes, handles, 3)
@@ -279,7 +285,7 @@ def _draw_legend_below_axes(axes: Axes, handles: list[Any], columns: int) -> Non
 
 
 def _draw_force_at_loaded_sides(
-    axes: Axes, checked: CheckedShoe, xy: Floats, basis: Any, unit: float
+    axes: Axes, checked: ShoeWithMeshFromFile, xy: Floats, basis: Any, unit: float
 ) -> Floats:
     """Draw the actuation force where it acts on the mesh; returns points (n, 2) [mm] to show.
 
@@ -333,10 +339,10 @@ def _draw_friction_surface(axes: Axes, brake: Brake, shoe: Shoe, low: Floats, hi
     angle = np.linspace(0.0, 2 * math.pi, 721)
     radius = brake.size * MM_PER_M
     axes.plot(radius * np.cos(angle), radius * np.sin(angle), color=INK, lw=0.8, ls="--", zorder=2)
-    axes.plot([0.0], [0.0], "+", color=FAINT, ms=10, zorder=2)
+    axes.plot([0.0], [0.0], "+", color=COLOR_OF_AXES_AND_NOTES, ms=10, zorder=2)
 
 
-def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe) -> None:
+def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: ShoeWithMeshFromFile) -> None:
     """Draw the distances of the contact nodes from the drum or the plane, in micrometres."""
     shoe = checked.shoe
     offsets = _offsets_of_contact_nodes(brake, checked)
@@ -365,7 +371,7 @@ def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe
             0.97,
             text,
             transform=axes.transAxes,
-            color=FAINT,
+            color=COLOR_OF_AXES_AND_NOTES,
             fontsize=9,
             bbox=box,
             ha="right",

@@ -15,7 +15,7 @@ from drumlin.base.errors import call_function_and_return_exit_status
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.base.texts import printable_single_line
 
-RENDER_SECONDS = 120
+LONGEST_DRAWING_SECONDS = 120
 """Seconds after which a drawing process counts as hung and is ended. A picture takes some 3 s."""
 
 DRAWING_PACKAGES = ("pyvista", "vtkmodules")
@@ -71,7 +71,9 @@ def run_drawing_process(command: list[str]) -> None:
     the process wrote to standard error.
     """
     try:
-        done = subprocess.run(command, capture_output=True, timeout=RENDER_SECONDS, check=False)
+        done = subprocess.run(
+            command, capture_output=True, timeout=LONGEST_DRAWING_SECONDS, check=False
+        )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise NoPicture(type(error).__name__) from error
     if done.returncode:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Ints
 from drumlin.brake.brake import Brake
-from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.models import reasons_why_models_do_not_apply
@@ -40,7 +40,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
         xy = shoe.convert_points_to_brake_frame(body.basis.doflocs).T * 1e3  # mm
         around = (
             body.mesh.boundary_nodes_around_each_element
-            if isinstance(body.mesh, ColumnGrid)
+            if isinstance(body.mesh, HpElementGrid)
             else boundary_nodes_around_each_mesh_element(body.basis)
         )
         for name, elements in body.mesh.subdomains.items():

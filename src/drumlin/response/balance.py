@@ -12,7 +12,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
-from drumlin.response.response import Balance, Response, ShoeResponse
+from drumlin.response.response import ForceAndMomentImbalance, Response, ShoeResponse
 from drumlin.response.resultants import (
     Resultant,
     planar_cross_product,
@@ -37,7 +37,7 @@ def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeRespons
         response.pressure,
         order=response.order,
         size=brake.size,
-        per_place=brake.scale_factor * shoe.lining.width,
+        per_place=brake.length_per_surface_coordinate * shoe.lining.width,
         sign=shoe.sign_of_internal_shoe,
         drag=brake.signed_friction_stress_over_pressure(shoe)
         if response.friction_stress is None
@@ -63,14 +63,16 @@ def brake_with_forces_of_response(brake: BrakeType, response: Response) -> Brake
     return brake if unchanged else brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def relative_imbalance_of_shoe(brake: Brake, index: int, response: ShoeResponse) -> Balance:
+def relative_imbalance_of_shoe(
+    brake: Brake, index: int, response: ShoeResponse
+) -> ForceAndMomentImbalance:
     """The imbalance of shoe `index` under actuation, support reaction, pressure and friction.
 
     Moments are about the shoe's hinge. The imbalance of a shoe that does not touch is 0.
     """
     # A shoe that does not touch rests on stops, whose forces no model computes.
     if not response.contact_arcs:
-        return Balance(0.0, 0.0)
+        return ForceAndMomentImbalance(0.0, 0.0)
     shoe = brake.shoes[index]
     contact = resultant_of_contact_on_shoe(brake, index, response)
     forces = [contact.force, response.hinge_reaction, shoe.sum_of_forces_of_all_loads]
@@ -81,7 +83,7 @@ def relative_imbalance_of_shoe(brake: Brake, index: int, response: ShoeResponse)
         response.reaction_moment,
     ]
     if shoe.guide is not None:
-        length = brake.scale_factor * (shoe.lining.end - shoe.lining.start)
+        length = brake.length_per_surface_coordinate * (shoe.lining.end - shoe.lining.start)
         moments += moments_that_scale_imbalance_on_guide(shoe.largest_force_of_any_load, length)
     return relative_magnitudes_of_force_and_moment_sums(forces, moments)
 
@@ -103,7 +105,7 @@ def moments_that_scale_imbalance_on_guide(force: float, length: float) -> list[f
 
 def relative_magnitudes_of_force_and_moment_sums(
     forces: list[Floats], moments: list[float]
-) -> Balance:
+) -> ForceAndMomentImbalance:
     """The magnitudes of the sum of forces and of the sum of moments, without unit.
 
     Each magnitude is relative to the largest single force or moment of its sum. If all forces or
@@ -115,13 +117,15 @@ def relative_magnitudes_of_force_and_moment_sums(
     largest_moment = max(map(abs, moments), default=0.0)
     force = math.hypot(*map(math.fsum, zip(*vectors, strict=True)))
     moment = abs(math.fsum(moments))
-    return Balance(
+    return ForceAndMomentImbalance(
         force=force / largest_force if largest_force else 0.0,
         moment=moment / largest_moment if largest_moment else 0.0,
     )
 
 
-def largest_imbalance_among_shoes(balances: list[Balance]) -> Balance:
+def largest_imbalance_among_shoes(
+    balances: list[ForceAndMomentImbalance],
+) -> ForceAndMomentImbalance:
     """The largest imbalance of forces, and the largest of moments, among the shoes of a brake."""
     forces, moments = zip(*map(astuple, balances), strict=True)
-    return Balance(max(forces), max(moments))
+    return ForceAndMomentImbalance(max(forces), max(moments))

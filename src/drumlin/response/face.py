@@ -68,7 +68,7 @@ def pressure_on_face_of_lining(brake: Brake, response: Response, index: int) -> 
         theta,
         answer.pressure,
         answer.order,
-        length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor),
+        length_of_edge_zone_left_out_of_peak_search(shoe, brake.length_per_surface_coordinate),
     )
     lining = LiningWithoutEndZones(theta, answer.order, zone)
     half = np.arange(len(z) // 2, len(z))

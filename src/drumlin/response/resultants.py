@@ -21,7 +21,7 @@ from drumlin.brake.surface import FrictionSurface
 # Points in [-1, 1] and weights of a Gauss rule that is exact for polynomials up to degree 23.
 GAUSS, WEIGHTS = legendre.leggauss(12)
 
-PEAK_SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
+PEAK_SAMPLE_POINTS = np.cos(np.linspace(math.pi, 0.0, 25))
 """Points at which a polynomial piece is evaluated to find its largest value.
 
 The 25 points are in the coordinate [-1, 1] of the piece. The largest value of the piece is the
@@ -29,10 +29,10 @@ vertex of the parabola through the largest value at these points and its two nei
 """
 
 
-Slots = tuple[tuple[float, float], ...]
+SlotEnds = tuple[tuple[float, float], ...]
 """Begin and end of each slot (gap) between two linings of a shoe, in the surface's coordinate."""
 
-JUMP = 1e-12
+PRESSURE_DROP_LENGTH_AT_SLOT = 1e-12
 """Length [rad, on a plane m] of the polynomial pieces on which the pressure falls to 0 at a slot.
 
 The pressure on a shoe with several linings is one continuous piecewise polynomial. At the edge of a
@@ -180,14 +180,14 @@ def polynomial_nodes_on_linings_and_slots(
     reference = 0.5 * (1 + gauss_lobatto_points(order))
     for before, part in pairwise(parts):
         a, b = float(before[-1]), float(part[0])
-        ends = np.array([a, a + JUMP, b - JUMP, b])
+        ends = np.array([a, a + PRESSURE_DROP_LENGTH_AT_SLOT, b - PRESSURE_DROP_LENGTH_AT_SLOT, b])
         inside = ends[:-1, None] + np.diff(ends)[:, None] * reference[:-1]
         theta += [inside.ravel()[1:], part]
         on_lining += [np.zeros(3 * order - 1, dtype=bool), np.ones(len(part), dtype=bool)]
     return np.concatenate(theta), np.concatenate(on_lining)
 
 
-def slots_between_nodes(theta: Floats, on_lining: Bools) -> Slots:
+def slots_from_nodes_and_lining_mask(theta: Floats, on_lining: Bools) -> SlotEnds:
     """The slots between linings, from the nodes (n,) of a pressure and the mask (n,) `on_lining`.
 
     The mask is False at nodes in slots, see `polynomial_nodes_on_linings_and_slots`. A slot begins
@@ -238,16 +238,16 @@ def arrange_nodal_values_by_piece(values: Floats, order: int) -> Floats:
 
 
 @cache
-def _shape_functions_at_peak_samples(order: int) -> Floats:
-    """The Lagrange shape functions (order + 1, s) at the s points PEAK_SAMPLES."""
-    return lagrange_shape_function_values(order, PEAK_SAMPLES)
+def _shape_functions_at_peak_sample_points(order: int) -> Floats:
+    """The Lagrange shape functions (order + 1, s) at the s points PEAK_SAMPLE_POINTS."""
+    return lagrange_shape_function_values(order, PEAK_SAMPLE_POINTS)
 
 
-class _Samples(NamedTuple):
+class _PeakSamplePointsOutsideEndZones(NamedTuple):
     """The points at which the largest pressure outside the end zones of a lining is sought.
 
-    Pieces of the pressure outside the end zones have the points PEAK_SAMPLES. A piece that an end
-    zone cuts has points on its uncut part only.
+    Pieces of the pressure outside the end zones have the points PEAK_SAMPLE_POINTS. A piece that an
+    end zone cuts has points on its uncut part only.
 
     Attributes
     ----------
@@ -280,7 +280,7 @@ class LiningWithoutEndZones:
     theta: Floats
     order: int
     zone: float
-    slots: Slots = ()
+    slots: SlotEnds = ()
 
     @cached_property
     def integration_weights_with_and_without_end_zones(self) -> Floats:
@@ -322,7 +322,7 @@ class LiningWithoutEndZones:
         return float(inside / (whole or 1.0))
 
     @cached_property
-    def sample_points_for_largest_value(self) -> _Samples:
+    def sample_points_for_largest_value(self) -> _PeakSamplePointsOutsideEndZones:
         """The points at which the largest pressure on the lining is sought.
 
         They lie outside the end zones, or on the whole lining if the end zones cover it.
@@ -341,10 +341,10 @@ class LiningWithoutEndZones:
         # xi are the sample points between low and high, in the coordinate [-1, 1] of cut pieces.
         low, high = low[pieces[cut], None], high[pieces[cut], None]
         start, end = start[pieces[cut], None], end[pieces[cut], None]
-        xi = (low + high - start - end + (high - low) * PEAK_SAMPLES) / (end - start)
+        xi = (low + high - start - end + (high - low) * PEAK_SAMPLE_POINTS) / (end - start)
         shapes = lagrange_shape_function_values(self.order, xi).swapaxes(0, 1)
         in_row = slice(int(pieces[0]), int(pieces[-1]) + 1)
-        return _Samples(pieces if self.slots else in_row, cut, shapes)
+        return _PeakSamplePointsOutsideEndZones(pieces if self.slots else in_row, cut, shapes)
 
     def largest_value_outside_end_zones(self, values: Floats) -> float:
         """The largest value outside the end zones, or on the whole lining if the zones cover it.
@@ -353,14 +353,14 @@ class LiningWithoutEndZones:
         """
         samples = self.sample_points_for_largest_value
         pieces = arrange_nodal_values_by_piece(values, self.order)[samples.pieces]
-        found = pieces @ _shape_functions_at_peak_samples(self.order)
+        found = pieces @ _shape_functions_at_peak_sample_points(self.order)
         if len(samples.cut):
             found[samples.cut] = (pieces[samples.cut, None] @ samples.shapes)[:, 0]
-        piece, sample = divmod(int(found.argmax()), len(PEAK_SAMPLES))
+        piece, sample = divmod(int(found.argmax()), len(PEAK_SAMPLE_POINTS))
         # A parabola needs a sample on both sides, which the first and the last sample do not have.
-        if sample in {0, len(PEAK_SAMPLES) - 1}:
+        if sample in {0, len(PEAK_SAMPLE_POINTS) - 1}:
             return float(found[piece, sample])
-        x = PEAK_SAMPLES[sample - 1 : sample + 2].tolist()
+        x = PEAK_SAMPLE_POINTS[sample - 1 : sample + 2].tolist()
         return _largest_value_of_parabola(x, found[piece, sample - 1 : sample + 2].tolist())
 
     def peak_pressure_outside_end_zones(self, pressure: Floats) -> float:
@@ -392,7 +392,7 @@ def largest_value_of_piecewise_polynomial(theta: Floats, values: Floats, order: 
 
 
 def length_of_edge_zone_left_out_of_pressure_errors(
-    theta: Floats, pressure: Floats, order: int, zone: float, slots: Slots = ()
+    theta: Floats, pressure: Floats, order: int, zone: float, slots: SlotEnds = ()
 ) -> float:
     """The length [rad] of the zone at each end of a lining in which pressure errors do not count.
 

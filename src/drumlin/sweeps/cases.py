@@ -24,7 +24,7 @@ from drumlin.base.errors import (
     NoAnswer,
     is_failure_of_memory_or_system,
 )
-from drumlin.base.journal import Journal, checksum_of_source_and_libraries, journal_key_of_case
+from drumlin.base.journal import Journal, case_as_json_line, checksum_of_source_and_libraries
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.mesh.content import digest_of_mesh_file
@@ -33,16 +33,16 @@ from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.sweeps.certificate import (
-    CERTIFIED,
-    FIRST_LEVEL,
-    Certificate,
-    SampleMember,
+    ERROR_SOURCE_COLUMN,
+    KEY_OF_FIRST_LEVEL_ERRORS,
+    SampleCaseMark,
+    SampleErrorCertificate,
     kind_and_first_level_errors_of_sample_case_from_responses,
     response_certified_by_sample,
 )
 from drumlin.sweeps.workers import SayLine, message_on_waiting_for_workers
 
-Row = dict[str, Any]
+CaseResults = dict[str, Any]
 """The results of a case by name, such as "torque"; "status" is "solved" or says why it failed."""
 
 SECONDS_BEFORE_WAITING_MESSAGE = 20.0
@@ -98,15 +98,16 @@ class SweepCase(NamedTuple):
     changes : new values of the brake, by key of the brake file
     model : name of the model
     options : options of the model
-    certify : SampleMember if the case belongs to the sample that certifies the sweep; Certificate
-        if it takes its errors from this sample; None if it states its own errors
+    certify : SampleCaseMark if the case belongs to the sample that certifies the sweep;
+        SampleErrorCertificate if it takes its errors from this sample; None if it states its own
+        errors
     """
 
     brake: Brake
     changes: Mapping[str, Any]
     model: str = "fem"
     options: Mapping[str, Any] = {}
-    certify: SampleMember | Certificate | None = None
+    certify: SampleCaseMark | SampleErrorCertificate | None = None
 
 
 class CaseAnswer(NamedTuple):
@@ -115,12 +116,13 @@ class CaseAnswer(NamedTuple):
     Attributes
     ----------
     row : results of the case, or the reason of its failure
-    lasting : whether a further attempt would give the same row; only then the journal keeps it
+    is_kept_in_journal : whether a further attempt would give the same row; only then the journal
+        keeps it
     again : whether the case is tried again, because a further attempt may succeed
     """
 
-    row: Row
-    lasting: bool = True
+    row: CaseResults
+    is_kept_in_journal: bool = True
     again: bool = False
 
 
@@ -173,27 +175,27 @@ def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> C
         return _answer_of_failed_case(case, error)
 
 
-def _solve_case_and_return_results(case: SweepCase, cache: Cache | None) -> Row:
-    """The results of a case by name; CERTIFIED says whether its errors come from a sample."""
+def _solve_case_and_return_results(case: SweepCase, cache: Cache | None) -> CaseResults:
+    """The results of a case by name; one of them says whether its errors come from a sample."""
     # A case with a certificate is solved on the first level. If the sample has no case of its kind,
     # it is solved on all levels.
-    if isinstance(case.certify, Certificate):
+    if isinstance(case.certify, SampleErrorCertificate):
         brake = _brake_of_case(case)
         by_sample = response_certified_by_sample(
             brake, case.changes, case.certify, case.options, cache
         )
         if by_sample is not None:
             row = results_of_response_by_name(brake, by_sample)
-            return {"status": row["status"], CERTIFIED: "sample"} | row
+            return {"status": row["status"], ERROR_SOURCE_COLUMN: "sample"} | row
     first: list[Response] = []
-    use = first.append if isinstance(case.certify, SampleMember) else None
+    use = first.append if isinstance(case.certify, SampleCaseMark) else None
     brake, response = solve_case_and_return_brake_and_response(case, cache, use)
     row = results_of_response_by_name(brake, response)
     if case.certify is None:
         return row
-    row = {"status": row["status"], CERTIFIED: "itself"} | row
+    row = {"status": row["status"], ERROR_SOURCE_COLUMN: "itself"} | row
     if first and response.converged:
-        row[FIRST_LEVEL] = kind_and_first_level_errors_of_sample_case_from_responses(
+        row[KEY_OF_FIRST_LEVEL_ERRORS] = kind_and_first_level_errors_of_sample_case_from_responses(
             brake, case.changes, first[0], response
         )
     return row
@@ -207,10 +209,10 @@ def _answer_of_failed_case(case: SweepCase, error: Exception) -> CaseAnswer:
     # If a mesh file cannot be read now (its digest is "none"), a later attempt may succeed.
     readable = "none" not in map(digest_of_mesh_file, paths_of_mesh_files(case.brake, case.changes))
     row = {"status": f"failed: {' '.join(text.split())}"}
-    return CaseAnswer(row, lasting=known and not passing and readable, again=passing)
+    return CaseAnswer(row, is_kept_in_journal=known and not passing and readable, again=passing)
 
 
-def results_of_response_by_name(brake: Brake, response: Response) -> Row:
+def results_of_response_by_name(brake: Brake, response: Response) -> CaseResults:
     """The results of a case by name, in SI; results of the shoe NAME as "NAME.torque" and so on.
 
     Of the brake: "torque" T [N m], on a plane "braking_force" [N]; "brake_factor" T/(F R) with the
@@ -226,7 +228,7 @@ def results_of_response_by_name(brake: Brake, response: Response) -> Row:
     and contact_end, the ends of the contact [rad; on a plane m]; contact_arcs, the number of
     separate arcs in contact.
     """
-    row: Row = {
+    row: CaseResults = {
         "status": "solved" if response.converged else "failed: not converged",
         brake.surface.effect_key: response.effect,
         "brake_factor": brake_factor(brake, response),
@@ -247,7 +249,9 @@ def results_of_response_by_name(brake: Brake, response: Response) -> Row:
     return {name: _result_as_plain_python_value(value) for name, value in row.items()}
 
 
-def _results_of_shoe_by_name(brake: Brake, number: int, effect: float, shoe: ShoeResponse) -> Row:
+def _results_of_shoe_by_name(
+    brake: Brake, number: int, effect: float, shoe: ShoeResponse
+) -> CaseResults:
     """The results of one shoe by name, in SI.
 
     Parameters
@@ -262,7 +266,7 @@ def _results_of_shoe_by_name(brake: Brake, number: int, effect: float, shoe: Sho
     return {
         brake.surface.effect_key: effect,
         "peak_pressure": shoe.peak_pressure,
-        "shoe_factor": effect / (load * brake.scale_factor) if load else None,
+        "shoe_factor": effect / (load * brake.length_per_surface_coordinate) if load else None,
         "hinge_reaction": float(np.linalg.norm(shoe.hinge_reaction)),
         "contact_start": arcs[0][0] if arcs else None,
         "contact_end": arcs[-1][1] if arcs else None,
@@ -283,7 +287,7 @@ def solve_all_cases_of_sweep(
     journal: Journal | None = None,
     done: Callable[[int, int], None] = lambda finished, of: None,
     say: SayLine = lambda words: None,
-) -> list[Row]:
+) -> list[CaseResults]:
     """Solve the cases of a sweep; returns the row of results of each case, in the same order.
 
     A failure because of missing memory or a dead worker may not occur again. Such a case is tried
@@ -313,7 +317,7 @@ def solve_all_cases_of_sweep(
     done(finished, len(cases))
     # `passing` has the rows of cases that failed but may succeed later, by the journal's key of the
     # case. The journal does not keep these rows.
-    passing: dict[str, Row] = {}
+    passing: dict[str, CaseResults] = {}
     # The first round solves all missing cases. Later rounds try again the cases that failed because
     # memory was short or a worker died.
     for further in reversed(range(FURTHER_ATTEMPTS + 1)):
@@ -327,18 +331,18 @@ def solve_all_cases_of_sweep(
             )
         # Store each answer as it comes, and collect the cases that are tried again.
         for i, answer in answers:
-            if answer.lasting:
+            if answer.is_kept_in_journal:
                 journal.add(keys[i], answer.row)
-                passing.pop(journal_key_of_case(keys[i]), None)
+                passing.pop(case_as_json_line(keys[i]), None)
             else:
-                passing[journal_key_of_case(keys[i])] = answer.row
+                passing[case_as_json_line(keys[i])] = answer.row
             if answer.again and further:
                 again.append(i)
             else:
                 finished += 1
                 done(finished, len(cases))
         missing = again
-    return [passing.get(journal_key_of_case(key)) or journal[key] for key in keys]
+    return [passing.get(case_as_json_line(key)) or journal[key] for key in keys]
 
 
 def _positions_of_unsolved_cases(
@@ -443,24 +447,27 @@ class _ChunkAnswer(NamedTuple):
     ----------
     answers : answer for each case of the chunk
     seconds : time that the chunk took [s]
-    stamp : digest of the worker's source of drumlin and of the versions of its libraries
+    digest_of_worker_code : digest of the worker's source of drumlin and of the versions of its
+        libraries
     """
 
     answers: list[CaseAnswer]
     seconds: float
-    stamp: str
+    digest_of_worker_code: str
 
 
-_worker_bodies = threading.local()
+_condensed_shoes_of_worker_thread = threading.local()
 """The cache of condensed stiffnesses of shoes in a worker, one for each thread of the worker."""
 
 
 def solve_chunk_of_cases(cases: Sequence[SweepCase]) -> _ChunkAnswer:
     """Solve the cases that a worker gets in one message; the worker runs this function."""
-    if not hasattr(_worker_bodies, "cache"):
-        _worker_bodies.cache = Cache()
+    if not hasattr(_condensed_shoes_of_worker_thread, "cache"):
+        _condensed_shoes_of_worker_thread.cache = Cache()
     start = time.perf_counter()
-    answers = [solve_case_without_raising(case, _worker_bodies.cache) for case in cases]
+    answers = [
+        solve_case_without_raising(case, _condensed_shoes_of_worker_thread.cache) for case in cases
+    ]
     return _ChunkAnswer(answers, time.perf_counter() - start, _digest_of_drumlin_and_libraries())
 
 
@@ -552,7 +559,7 @@ class _ChunkDispatcher:
         positions = self.sent.pop(future)
         try:
             chunk = future.result()
-            if chunk.stamp != _digest_of_drumlin_and_libraries():
+            if chunk.digest_of_worker_code != _digest_of_drumlin_and_libraries():
                 raise BadInput(DIFFERENT_DRUMLIN_MESSAGE)
             answers = chunk.answers
             # The next chunks get as many cases as are solved in CHUNK_SECONDS.
@@ -564,7 +571,7 @@ class _ChunkDispatcher:
             raise BadInput(f"{DIFFERENT_DRUMLIN_MESSAGE} ({error})") from error
         except Exception as error:
             status = f"failed: its worker was lost ({type(error).__name__}: {error})"
-            lost = CaseAnswer({"status": status}, lasting=False, again=True)
+            lost = CaseAnswer({"status": status}, is_kept_in_journal=False, again=True)
             answers = [lost] * len(positions)
         yield from zip(positions, answers, strict=True)
 

@@ -13,18 +13,18 @@ from typing import Any, NamedTuple
 
 from drumlin.base.errors import NoAnswer, is_failure_of_memory_or_system
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.estimate import QUANTITIES
+from drumlin.fem.error_control.estimate import QUANTITIES_WITH_STATED_ERROR
 from drumlin.fem.error_control.first_level import (
     errors_of_first_refinement_level,
     first_level_response_with_errors_of_sample,
     text_that_identifies_kind_of_contact,
 )
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled
+from drumlin.fem.preparation.scene import reason_against_finite_element_model
 from drumlin.fem.solve import solve_brake_on_first_level_without_error_estimate
 from drumlin.response.response import Response
 
-CERTIFIED = "certified"
+ERROR_SOURCE_COLUMN = "certified"
 """The name of the column that says where the stated errors of a case come from.
 
 Its value is "itself" if the case was solved on all levels, and "sample" if its errors were taken
@@ -37,14 +37,14 @@ SMALLEST_SAMPLE = 3
 The largest error of fewer cases says little about other cases. The limit is a judgement.
 """
 
-FIRST_LEVEL = "first_level"
+KEY_OF_FIRST_LEVEL_ERRORS = "first_level"
 """The name under which the row of a case in the sample keeps the errors of its first level.
 
 The table of the sweep does not show it.
 """
 
 
-class SampleMember(NamedTuple):
+class SampleCaseMark(NamedTuple):
     """The mark of a case in the sample: it is solved on all levels.
 
     The difference between its first and last level gives the errors of the first level.
@@ -55,14 +55,15 @@ class SampleMember(NamedTuple):
         return "sample"
 
 
-class Certificate(NamedTuple):
+class SampleErrorCertificate(NamedTuple):
     """What the sample tells about the cases that are solved on the first level only.
 
     Attributes
     ----------
     kinds : kinds of cases in the sample, see `_text_that_identifies_kind_of_case`; a case of
         another kind is solved on all levels
-    errors : largest relative errors of the first level in the sample, by the names of QUANTITIES
+    errors : largest relative errors of the first level in the sample, by the names of
+        QUANTITIES_WITH_STATED_ERROR
     """
 
     kinds: tuple[str, ...]
@@ -74,20 +75,20 @@ class Certificate(NamedTuple):
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def certificate_of_sample(rows: Iterable[Mapping[str, Any]]) -> Certificate:
+def certificate_of_sample(rows: Iterable[Mapping[str, Any]]) -> SampleErrorCertificate:
     """The certificate of a sample, from the rows of its solved cases.
 
     It has no kinds of cases, and so certifies no case, if fewer than SMALLEST_SAMPLE rows have
     errors of a first level.
     """
-    members = [row[FIRST_LEVEL] for row in rows if FIRST_LEVEL in row]
+    members = [row[KEY_OF_FIRST_LEVEL_ERRORS] for row in rows if KEY_OF_FIRST_LEVEL_ERRORS in row]
     if len(members) < SMALLEST_SAMPLE:
-        return Certificate((), {})
+        return SampleErrorCertificate((), {})
     kinds = sorted({str(member["kind"]) for member in members})
     largest = {}
-    for name in QUANTITIES:
+    for name in QUANTITIES_WITH_STATED_ERROR:
         largest[name] = max(float(member[name]) for member in members)
-    return Certificate(tuple(kinds), largest)
+    return SampleErrorCertificate(tuple(kinds), largest)
 
 
 def kind_and_first_level_errors_of_sample_case_from_responses(
@@ -108,7 +109,7 @@ def kind_and_first_level_errors_of_sample_case_from_responses(
 def response_certified_by_sample(
     brake: Brake,
     changes: Mapping[str, Any],
-    certificate: Certificate,
+    certificate: SampleErrorCertificate,
     options: Mapping[str, Any],
     cache: Cache | None,
 ) -> Response | None:
@@ -130,7 +131,7 @@ def response_certified_by_sample(
     NoAnswer
         if the first level has no solution because memory or a file is missing
     """
-    if reason_why_brake_is_not_modelled(brake) is not None:
+    if reason_against_finite_element_model(brake) is not None:
         return None
     try:
         first = solve_brake_on_first_level_without_error_estimate(brake, **options, cache=cache)

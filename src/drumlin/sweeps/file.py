@@ -33,14 +33,14 @@ from drumlin.brake.file import (
     values_of_brake_key,
     vary,
 )
-from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data, read_any
+from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data, read_drum_or_plane_brake
 from drumlin.brake.units import quantity_in_si
 from drumlin.fem.mesh.content import read_bytes_of_mesh_file
 from drumlin.foundation.model import validated_names_of_effects_to_include
 from drumlin.models import MODELS, model_options_given_by_user
 from drumlin.sweeps.cases import SweepCase, is_key_of_mesh_file, paths_of_mesh_files
 from drumlin.sweeps.options import MODEL_OPTIONS
-from drumlin.sweeps.sample import EVERY_CASE, positions_of_sample_cases
+from drumlin.sweeps.sample import CERTIFY_VALUE_FOR_EVERY_CASE, positions_of_sample_cases
 
 MAX_FILE_NESTING = 50
 """Largest allowed depth of tables and lists within one another in a sweep file.
@@ -52,7 +52,7 @@ exceed Python's recursion limit.
 MOST_CASES = 1_000_000
 """Largest number of cases in a sweep. The results of a million cases fill some 2 GB of memory."""
 
-VALUES_PER_REPORT = 256
+VALUES_CHECKED_PER_PROGRESS_UPDATE = 256
 """Number of listed values that are checked between two updates of the progress bar.
 
 Checking them takes some 0.1 s.
@@ -69,7 +69,7 @@ class Range(Part):
 
 
 class Distribution(Part):
-    """The keys that all distributions have: a name, and whether each shoe draws its own value."""
+    """The keys of every distribution: its kind, and whether each shoe draws a value of its own."""
 
     distribution: str
     each_shoe: bool = False
@@ -127,7 +127,7 @@ class SweepFile(Part):
     cases: Annotated[int, Field(ge=1, le=MOST_CASES)] | None = None
     seed: Annotated[int, Field(ge=0)] = 0
     pressure: Literal["Pa", "MPa"] = "Pa"
-    certify: str | int = EVERY_CASE
+    certify: str | int = CERTIFY_VALUE_FOR_EVERY_CASE
     model: Annotated[
         dict[str, dict[str, Any]], Field(default_factory=lambda: {"fem": {}}, min_length=1)
     ]
@@ -156,11 +156,13 @@ class Sweep(NamedTuple):
     sample: tuple[int, ...] = ()
 
 
-Done = Callable[[int, int], None]
+ProgressOfCheckedValues = Callable[[int, int], None]
 """A function that shows progress; it takes the number of checked values and of all values."""
 
 
-def read_sweep_from_toml_file(path: Path, done: Done = lambda judged, of: None) -> Sweep:
+def read_sweep_from_toml_file(
+    path: Path, done: ProgressOfCheckedValues = lambda judged, of: None
+) -> Sweep:
     """Read a sweep from the TOML file `path`.
 
     `done` is called with the number of values checked so far, and of all values. Raises BadInput
@@ -195,7 +197,7 @@ def _check_integers_and_nesting_depth(data: Any, depth: int = 0) -> None:
 def sweep_from_file_data(
     data: Mapping[str, Any],
     base: Path = Path(),
-    done: Done = lambda judged, of: None,
+    done: ProgressOfCheckedValues = lambda judged, of: None,
     brake: Brake | None = None,
 ) -> Sweep:
     """Make a sweep from the nested data of a sweep file.
@@ -242,7 +244,7 @@ def sweep_from_file_data(
 def _base_brake_of_sweep(brake: str | dict[str, Any], base: Path) -> Brake:
     """The base brake of a sweep, read from the path or the table that the sweep file gives."""
     if isinstance(brake, str):
-        return read_any(base / brake)
+        return read_drum_or_plane_brake(base / brake)
     try:
         return make_drum_or_plane_brake_from_data(brake, unit_required=True, base=base)
     except BadInput as error:
@@ -289,12 +291,12 @@ class _Plan(NamedTuple):
     ----------
     listed : values of each key whose values (of a list or range) are all taken, one by one
     drawn : names of the keys whose values are drawn at random
-    repeats : number of random draws for each combination of listed values
+    draws_per_combination : number of random draws for each combination of listed values
     """
 
     listed: dict[str, list[Any]]
     drawn: list[str]
-    repeats: int
+    draws_per_combination: int
 
 
 def _plan_of_listed_and_drawn_keys(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
@@ -337,17 +339,19 @@ def _new_values_of_each_case(
     """
     draws = {}
     for key in plan.drawn:
-        draws[key] = _draw_random_values_of_key(specs[key], key, file.seed, plan.repeats)
+        draws[key] = _draw_random_values_of_key(
+            specs[key], key, file.seed, plan.draws_per_combination
+        )
     lengths = list(map(len, plan.listed.values()))
     combinations = math.prod(lengths) if file.combine == "grid" else max(lengths, default=1)
-    count = combinations * plan.repeats * models
+    count = combinations * plan.draws_per_combination * models
     if count > MOST_CASES:
         raise BadInput(f"vary: makes {count} cases; allowed: {MOST_CASES}")
     # Each combination of listed values gets the same random values of the other keys, so that the
     # combinations can be compared.
     changes = []
     for point in _combinations_of_listed_values(file.combine, plan.listed):
-        for i in range(plan.repeats):
+        for i in range(plan.draws_per_combination):
             changes.append({key: point[key] if key in point else draws[key][i] for key in specs})
     return changes
 
@@ -358,7 +362,7 @@ def _require_brake_that_allows_each_value(
     specs: Mapping[str, _KeySpec],
     plan: _Plan,
     changes: Sequence[Mapping[str, Any]],
-    done: Done,
+    done: ProgressOfCheckedValues,
 ) -> None:
     """Raise BadInput for listed values, or medians of distributions, that no brake can have.
 
@@ -379,7 +383,9 @@ def _require_brake_that_allows_each_value(
     medians = {key: spec.at(half)[0] for key, spec in specs.items() if key not in plan.listed}
     vary(brake, medians)
     lengths = list(map(len, plan.listed.values()))
-    steps = _numbers_of_cases_until_next_value_of_each_key(combine, lengths, plan.repeats)
+    steps = _numbers_of_cases_until_next_value_of_each_key(
+        combine, lengths, plan.draws_per_combination
+    )
     for (key, values), step in zip(plan.listed.items(), steps, strict=True):
         _check_listed_values_of_key(brake, _ListedKey(key, values, changes[::step]), medians, done)
 
@@ -454,11 +460,11 @@ def _values_of_key_given_as_list(
     if is_key_of_mesh_file(name):
         values = [str(base / value) if isinstance(value, str) else value for value in values]
 
-    def listed_values_at_random_numbers(u: Floats) -> list[Any]:
+    def equally_likely_listed_values(u: Floats) -> list[Any]:
         """The values for random numbers u (n,) in (0, 1): each listed value is equally likely."""
         return [values[i] for i in (u * len(values)).astype(int)]
 
-    return _KeySpec(values, listed_values_at_random_numbers)
+    return _KeySpec(values, equally_likely_listed_values)
 
 
 def _values_of_key_given_as_distribution(
@@ -500,12 +506,12 @@ def _values_of_key_given_as_distribution(
     return specs
 
 
-PartKind = TypeVar("PartKind", bound=Part)
+SweepTableType = TypeVar("SweepTableType", bound=Part)
 
 
 def _validated_table_of_sweep_file(
-    where: str, kind: type[PartKind], data: Mapping[str, Any]
-) -> PartKind:
+    where: str, kind: type[SweepTableType], data: Mapping[str, Any]
+) -> SweepTableType:
     """A table of the sweep file, checked and read as an object of the class `kind`.
 
     Raises BadInput with a message that begins with `where`, the place of the table.
@@ -804,7 +810,7 @@ def _combinations_of_listed_values(
 
 
 def _numbers_of_cases_until_next_value_of_each_key(
-    combine: str, lengths: Sequence[int], repeats: int
+    combine: str, lengths: Sequence[int], draws_per_combination: int
 ) -> list[int]:
     """For each listed key, the number m of cases after which its next value comes.
 
@@ -814,11 +820,11 @@ def _numbers_of_cases_until_next_value_of_each_key(
     ----------
     combine : way in which listed values are combined: "grid", "zip" or "random"
     lengths : number of values of each listed key
-    repeats : number of random draws for each combination of listed values
+    draws_per_combination : number of random draws for each combination of listed values
     """
     if combine != "grid":
-        return [repeats] * len(lengths)
-    return [repeats * math.prod(lengths[i + 1 :]) for i in range(len(lengths))]
+        return [draws_per_combination] * len(lengths)
+    return [draws_per_combination * math.prod(lengths[i + 1 :]) for i in range(len(lengths))]
 
 
 class _ListedKey(NamedTuple):
@@ -828,17 +834,17 @@ class _ListedKey(NamedTuple):
     ----------
     key : the key of the brake file
     values : its listed values
-    firsts : list whose entry i has the new values of all varied keys in the first case with the
-        value number i of this key; the list may be longer than `values`
+    first_cases_by_value : list whose entry i has the new values of all varied keys in the first
+        case with the value number i of this key; the list may be longer than `values`
     """
 
     key: str
     values: Sequence[Any]
-    firsts: Sequence[Mapping[str, Any]]
+    first_cases_by_value: Sequence[Mapping[str, Any]]
 
 
 def _check_listed_values_of_key(
-    brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], done: Done
+    brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], done: ProgressOfCheckedValues
 ) -> None:
     """Raise BadInput for a listed value of a key that is not allowed.
 
@@ -854,7 +860,7 @@ def _check_listed_values_of_key(
     medians : medians of the keys that are drawn at random
     done : called with the number of values checked so far, and of all values
     """
-    key, values, firsts = listed
+    key, values, first_cases_by_value = listed
     # If a brake can have the extreme numbers of an interval, it can have all numbers between them.
     extremes = (
         _positions_of_extreme_numbers(values)
@@ -872,13 +878,13 @@ def _check_listed_values_of_key(
     except BadInput:
         places = list(dict.fromkeys([*extremes, *range(len(values))]))
     for number, i in enumerate(places):
-        if number % VALUES_PER_REPORT == 0:
+        if number % VALUES_CHECKED_PER_PROGRESS_UPDATE == 0:
             done(number, len(places))
         try:
             vary(brake, {key: values[i]})
         except BadInput:
             # Try the value together with the new values of the other keys in the same case.
-            vary(brake, {**firsts[i], **medians})
+            vary(brake, {**first_cases_by_value[i], **medians})
 
 
 def _positions_of_extreme_numbers(values: Sequence[Any]) -> list[int]:

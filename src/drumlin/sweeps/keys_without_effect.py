@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from drumlin.sweeps.cases import Row, SweepCase, solve_case_without_raising
+from drumlin.sweeps.cases import CaseResults, SweepCase, solve_case_without_raising
 
 MODELS_THAT_USE_ALL_KEYS = {"fem", "solid"}
 """Models whose results depend on all geometry, loads and stiffnesses of a brake.
@@ -17,7 +17,7 @@ MODELS_THAT_USE_ALL_KEYS = {"fem", "solid"}
 They are not solved anew for the question, because one case takes as long as many cases of a law.
 """
 
-MOST_READ_CASES = 1000
+MOST_CASES_WHOSE_KEY_VALUES_ARE_READ = 1000
 """Largest number of cases whose values of a key are read, evenly among all; reading takes time."""
 
 MOST_TRIED_VALUES = 4
@@ -35,7 +35,7 @@ Round-off of the laws is some 1e-12. A key with an effect below a billionth has 
 
 
 def notes_on_keys_without_effect(
-    cases: Sequence[SweepCase], rows: Sequence[Row]
+    cases: Sequence[SweepCase], rows: Sequence[CaseResults]
 ) -> tuple[str, ...]:
     """A line for each law of a sweep whose results do not depend on some of the varied keys.
 
@@ -65,7 +65,7 @@ def _has_key_no_effect_in_first_and_last_case(cases: Sequence[SweepCase], key: s
 
     The result is False if in both cases fewer than two of the values have an answer.
     """
-    read = cases[:: max(len(cases) // MOST_READ_CASES, 1)]
+    read = cases[:: max(len(cases) // MOST_CASES_WHOSE_KEY_VALUES_ARE_READ, 1)]
     values = {json.dumps(case.changes[key], default=str): case.changes[key] for case in read}
     step = max(len(values) // MOST_TRIED_VALUES, 1)
     tried = list(values.values())[::step][:MOST_TRIED_VALUES]
@@ -84,14 +84,14 @@ def _has_key_no_effect_in_first_and_last_case(cases: Sequence[SweepCase], key: s
 
 
 def _have_cases_that_differ_in_key_equal_results(
-    cases: Sequence[SweepCase], rows: Sequence[Row], key: str
+    cases: Sequence[SweepCase], rows: Sequence[CaseResults], key: str
 ) -> bool:
     """Whether all solved cases of a law that differ in one key alone have equal results.
 
     `rows` are the results of the cases. The key may have an effect only with some values of other
     keys: the direction of a force has none where the force is zero.
     """
-    first_rows: dict[str, Row] = {}
+    first_rows: dict[str, CaseResults] = {}
     for case, row in zip(cases, rows, strict=True):
         if row["status"] == "solved":
             others = {name: value for name, value in case.changes.items() if name != key}
@@ -101,7 +101,7 @@ def _have_cases_that_differ_in_key_equal_results(
     return True
 
 
-def _are_results_equal(row: Row, other: Row) -> bool:
+def _are_results_equal(row: CaseResults, other: CaseResults) -> bool:
     """Whether two cases have the same results but for round-off; their balances are round-off."""
     return row.keys() == other.keys() and all(
         _are_values_equal(row, other, name) for name in row if name != "balance"

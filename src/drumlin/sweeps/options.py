@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from drumlin.brake.fields import Part
 from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
-from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE
+from drumlin.fem.width.ladder import LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR
 
 
 class ContactOptions(Part):
@@ -39,7 +39,7 @@ class FemOptions(ContactOptions):
 class SolidOptions(ContactOptions):
     """Options of solid shoes, as on the command line."""
 
-    across: Annotated[int, Field(ge=1, le=LARGEST_STATED_DEGREE)] | None = None
+    across: Annotated[int, Field(ge=1, le=LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR)] | None = None
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
 
     @model_validator(mode="after")

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from drumlin.base.errors import BadInput, NoAnswer, Stopped
-from drumlin.base.journal import Journal, checksum_of_source_and_libraries, journal_key_of_case
+from drumlin.base.journal import Journal, case_as_json_line, checksum_of_source_and_libraries
 from drumlin.models import BUILT_IN_MODELS
-from drumlin.sweeps.cases import Row, SweepCase, journal_keys_of_cases
+from drumlin.sweeps.cases import CaseResults, SweepCase, journal_keys_of_cases
 from drumlin.sweeps.file import Sweep
 from drumlin.sweeps.keys_without_effect import notes_on_keys_without_effect
 from drumlin.sweeps.sample import solve_sample_cases_and_then_all_others
@@ -19,17 +19,17 @@ from drumlin.sweeps.sweep_table import SweepTable
 from drumlin.sweeps.table import table_lines_of_cases
 from drumlin.sweeps.workers import provide_workers_for_cases_of_sweep
 
-Say = Callable[[str], None]
+ShowSweepMessage = Callable[[str], None]
 """A function that shows a line of text to the user."""
 
-Progress = Callable[[str], AbstractContextManager[Callable[[int, int], None]]]
+MakeProgressBar = Callable[[str], AbstractContextManager[Callable[[int, int], None]]]
 """A function that makes a context manager, which shows a progress bar with the given title.
 
 The `with` statement gives a function, to be called with the number of finished cases and the number
 of all cases.
 """
 
-Written = TypeVar("Written")
+TableWriterReturnType = TypeVar("TableWriterReturnType")
 """The type of the value that the function returns which writes the table of a sweep."""
 
 
@@ -69,7 +69,7 @@ def solve_sweep_in_memory(
     return table_of_solved_sweep(prepared, solved.rows, folder)
 
 
-def table_of_solved_sweep(prepared: Sweep, rows: list[Row], folder: Path) -> SweepTable:
+def table_of_solved_sweep(prepared: Sweep, rows: list[CaseResults], folder: Path) -> SweepTable:
     """The table of a sweep, with the changed keys and the results of each case.
 
     `rows` holds the results of the cases. Paths of mesh files are relative to the folder.
@@ -87,14 +87,14 @@ def _progress_bar_that_shows_nothing(_: str) -> AbstractContextManager[Callable[
 def solve_sweep_with_journal(
     prepared: Sweep,
     table_file: Path,
-    write_table: Callable[[list[Row]], Written],
+    write_table: Callable[[list[CaseResults]], TableWriterReturnType],
     *,
     jobs: int | None = None,
     scheduler: str | None = None,
     keep_journal: bool = False,
-    progress: Progress = _progress_bar_that_shows_nothing,
-    say: Say = lambda line: None,
-) -> Written:
+    progress: MakeProgressBar = _progress_bar_that_shows_nothing,
+    say: ShowSweepMessage = lambda line: None,
+) -> TableWriterReturnType:
     """Solve a sweep and write its table; a journal beside the table keeps each finished case.
 
     If the sweep was stopped, the next call of this function solves the missing cases only. The
@@ -156,7 +156,7 @@ def solve_sweep_with_journal(
 
 
 def _say_why_journal_stays_or_delete_it(
-    journal: Journal, cases: list[SweepCase], keep: bool, say: Say
+    journal: Journal, cases: list[SweepCase], keep: bool, say: ShowSweepMessage
 ) -> None:
     """Delete the journal of a complete sweep, or say why it stays.
 
@@ -180,7 +180,7 @@ def _say_why_journal_stays_or_delete_it(
         return
     # The journal belongs to the name of the table. It may have cases of another sweep file with
     # this name, or of an earlier state of the sweep file.
-    others = len(journal) - len({journal_key_of_case(key) for key in keys})
+    others = len(journal) - len({case_as_json_line(key) for key in keys})
     if others:
         say(
             f"{journal.path}: is kept, since it has {others} finished cases that are not of this "

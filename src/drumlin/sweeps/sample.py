@@ -18,28 +18,28 @@ from drumlin.base.errors import BadInput
 from drumlin.base.journal import Journal
 from drumlin.base.texts import value_as_text
 from drumlin.sweeps.cases import (
-    Row,
+    CaseResults,
     SweepCase,
     journal_keys_of_cases,
     paths_of_mesh_files,
     solve_all_cases_of_sweep,
 )
 from drumlin.sweeps.certificate import (
-    FIRST_LEVEL,
+    KEY_OF_FIRST_LEVEL_ERRORS,
     SMALLEST_SAMPLE,
-    Certificate,
-    SampleMember,
+    SampleCaseMark,
+    SampleErrorCertificate,
     certificate_of_sample,
     is_varied_value_a_number,
 )
 
-EVERY_CASE = "every case"
+CERTIFY_VALUE_FOR_EVERY_CASE = "every case"
 """The value of the key `certify` with which each case states its own errors."""
 
-EVERY_NTH = "every [0-9]{1,6}(st|[nr]d|th)"
+PATTERN_OF_EVERY_NTH_CASE = "every [0-9]{1,6}(st|[nr]d|th)"
 """The pattern of values of the key `certify` such as "every 10th": a case of each 10 is drawn."""
 
-OPTIONS_WITH_SAMPLE = {"penalty", "model_error"}
+FEM_OPTIONS_ALLOWED_WITH_SAMPLE = {"penalty", "model_error"}
 """Options of the finite elements that a sweep certified by sample may have.
 
 All other options choose the elements, or correct the answer of the last level.
@@ -64,7 +64,7 @@ def positions_of_sample_cases(
     BadInput
         if `certify` has another value, or if a sample cannot state the errors of the sweep
     """
-    if certify == EVERY_CASE:
+    if certify == CERTIFY_VALUE_FOR_EVERY_CASE:
         return ()
     shown = f"certify = {value_as_text(certify)}"
     own = [i for i, case in enumerate(cases) if case.model == "fem"]
@@ -84,7 +84,7 @@ def _number_of_cases_to_draw(certify: str | int, count: int, shown: str) -> int:
     drawn = certify
     if isinstance(certify, str):
         # The pattern allows at most six digits from 0 to 9, so that `int` can read them.
-        is_step = re.fullmatch(EVERY_NTH, certify) is not None
+        is_step = re.fullmatch(PATTERN_OF_EVERY_NTH_CASE, certify) is not None
         step = int("".join(filter(str.isdigit, certify))) if is_step else 0
         if step < 2:
             raise BadInput(f"{shown}: {allowed}")
@@ -104,12 +104,13 @@ def _require_levels_that_sample_can_certify(
 ) -> None:
     """Raise BadInput if a sample cannot state the errors of the cases by finite elements.
 
-    It cannot for a mesh from a file and for other options than OPTIONS_WITH_SAMPLE. `own` are the
-    positions of the cases by finite elements, and `shown` is the key in the error message.
+    It cannot for a mesh from a file and for other options than FEM_OPTIONS_ALLOWED_WITH_SAMPLE.
+    `own` are the positions of the cases by finite elements, and `shown` is the key in the error
+    message.
     """
     if not own:
         raise BadInput(f"{shown}: is for [model.fem], which this sweep does not have")
-    others = sorted(set(cases[own[0]].options) - OPTIONS_WITH_SAMPLE)
+    others = sorted(set(cases[own[0]].options) - FEM_OPTIONS_ALLOWED_WITH_SAMPLE)
     if others:
         raise BadInput(
             f"{shown}: does not go with model.fem.{others[0]} = {cases[own[0]].options[others[0]]}"
@@ -145,7 +146,7 @@ class SolvedSweep(NamedTuple):
     The attribute `certify` of a case tells whether its errors come from the sample.
     """
 
-    rows: list[Row]
+    rows: list[CaseResults]
     cases: list[SweepCase]
 
 
@@ -176,7 +177,7 @@ def solve_sample_cases_and_then_all_others(
     options |= {"journal": journal, "say": say}
     if not sample:
         return SolvedSweep(solve_all_cases_of_sweep(cases, done=done, **options), list(cases))
-    members = [cases[i]._replace(certify=SampleMember()) for i in sample]
+    members = [cases[i]._replace(certify=SampleCaseMark()) for i in sample]
     rows_of_sample = solve_all_cases_of_sweep(
         members, done=lambda finished, _: done(finished, len(cases)), **options
     )
@@ -185,7 +186,9 @@ def solve_sample_cases_and_then_all_others(
         reason = "a case of the sample failed for a reason that may pass"
     if reason:
         say(f"no case is certified by the sample, each states its own errors: {reason}")
-    certificate = Certificate((), {}) if reason else certificate_of_sample(rows_of_sample)
+    certificate = (
+        SampleErrorCertificate((), {}) if reason else certificate_of_sample(rows_of_sample)
+    )
     rest = sorted(set(range(len(cases))) - set(sample))
     others = []
     for i in rest:
@@ -204,7 +207,7 @@ def solve_sample_cases_and_then_all_others(
 
 
 def _reason_why_sample_must_not_certify_cases(
-    cases: Sequence[SweepCase], sample: Sequence[int], rows_of_sample: Sequence[Row]
+    cases: Sequence[SweepCase], sample: Sequence[int], rows_of_sample: Sequence[CaseResults]
 ) -> str:
     """Why other cases must not take their errors from a solved sample; "" if they may.
 
@@ -217,7 +220,9 @@ def _reason_why_sample_must_not_certify_cases(
     sample : positions of the cases in the sample
     rows_of_sample : results of the cases in the sample
     """
-    solved = {i for i, row in zip(sample, rows_of_sample, strict=True) if FIRST_LEVEL in row}
+    solved = {
+        i for i, row in zip(sample, rows_of_sample, strict=True) if KEY_OF_FIRST_LEVEL_ERRORS in row
+    }
     own = [i for i, case in enumerate(cases) if case.model == "fem"]
     missing = sorted(_positions_of_cases_with_extreme_varied_values(cases, own) - solved)
     if missing:
@@ -227,6 +232,6 @@ def _reason_why_sample_must_not_certify_cases(
     return ""
 
 
-def _row_without_first_level_errors(row: Row) -> Row:
+def _row_without_first_level_errors(row: CaseResults) -> CaseResults:
     """A copy of a row without the errors of its first level, which the table does not show."""
-    return {name: value for name, value in row.items() if name != FIRST_LEVEL}
+    return {name: value for name, value in row.items() if name != KEY_OF_FIRST_LEVEL_ERRORS}

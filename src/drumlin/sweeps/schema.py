@@ -5,13 +5,17 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from drumlin.brake.key_meanings import add_key_meanings_to_json_schema
-from drumlin.brake.schema import DIALECT, UnitSchema, json_schema_without_entries_unfit_for_toml
+from drumlin.brake.schema import (
+    JSON_SCHEMA_DIALECT,
+    UnitSchema,
+    json_schema_without_entries_unfit_for_toml,
+)
 from drumlin.models import MODELS
 from drumlin.sweeps.certificate import SMALLEST_SAMPLE
 from drumlin.sweeps.file import DISTRIBUTIONS, Range, SweepFile
-from drumlin.sweeps.key_meanings import KEYS_OF_SWEEP_FILE
+from drumlin.sweeps.key_meanings import MEANINGS_OF_SWEEP_FILE_KEYS
 from drumlin.sweeps.options import MODEL_OPTIONS
-from drumlin.sweeps.sample import EVERY_CASE, EVERY_NTH
+from drumlin.sweeps.sample import CERTIFY_VALUE_FOR_EVERY_CASE, PATTERN_OF_EVERY_NTH_CASE
 
 
 def json_schema_of_sweep_file() -> dict[str, Any]:
@@ -21,15 +25,15 @@ def json_schema_of_sweep_file() -> dict[str, Any]:
     schema["properties"]["model"] = _json_schema_of_model_table()
     schema["properties"]["certify"] = {
         "description": "which cases by finite elements are solved on all levels for their errors",
-        "default": EVERY_CASE,
+        "default": CERTIFY_VALUE_FOR_EVERY_CASE,
         "anyOf": [
-            {"const": EVERY_CASE},
-            {"type": "string", "pattern": f"^{EVERY_NTH}$"},
+            {"const": CERTIFY_VALUE_FOR_EVERY_CASE},
+            {"type": "string", "pattern": f"^{PATTERN_OF_EVERY_NTH_CASE}$"},
             {"type": "integer", "minimum": SMALLEST_SAMPLE},
         ],
     }
     return {
-        "$schema": DIALECT,
+        "$schema": JSON_SCHEMA_DIALECT,
         "title": "drumlin sweep file",
         **json_schema_without_entries_unfit_for_toml(schema),
     }
@@ -71,6 +75,6 @@ def _json_schema_of_class(kind: type[Any]) -> dict[str, Any]:
     """The JSON schema of a class that reads a part of the sweep file."""
     made = dict(TypeAdapter(kind).json_schema(schema_generator=UnitSchema))
     add_key_meanings_to_json_schema(
-        {kind.__name__: made, **made.get("$defs", {})}, KEYS_OF_SWEEP_FILE
+        {kind.__name__: made, **made.get("$defs", {})}, MEANINGS_OF_SWEEP_FILE_KEYS
     )
     return made

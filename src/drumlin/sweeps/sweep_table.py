@@ -15,7 +15,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.units import USUAL_UNITS
-from drumlin.sweeps.cases import Row
+from drumlin.sweeps.cases import CaseResults
 from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
 
 MOST_SHOWN_ROWS = 10
@@ -54,7 +54,7 @@ class Statistics(NamedTuple):
 
         The cells have the order of STATISTICS_HEADINGS. The name of the model is not among them.
         """
-        shown = ShownColumn.column_with_heading(self.column)
+        shown = ShownColumn.shown_column_for_heading(self.column)
         return (shown.heading, *(shown.text(value, 4) for value in self[3:]))
 
 
@@ -75,11 +75,12 @@ class ShownColumn(NamedTuple):
     factor: float
 
     @classmethod
-    def column_with_heading(cls, heading: str) -> "ShownColumn":
+    def shown_column_for_heading(cls, heading: str) -> "ShownColumn":
         """The shown column for a heading of the table, such as "peak_pressure [Pa]"."""
         name, unit = name_and_unit_of_column(heading)
         shown, factor = USUAL_UNITS.get(unit, (unit, 1.0))
-        # Keys of the brake file stay as they are; names of results get spaces.
+        # Keys of shoes, such as "shoe[0].lining.thickness", stay as they are. In all other names a
+        # point or an underscore becomes a space.
         words = name if name.startswith("shoe") else name.replace(".", " ").replace("_", " ")
         return cls(f"{words} [{shown}]" if shown else words, factor)
 
@@ -98,7 +99,7 @@ def name_and_unit_of_column(heading: str) -> tuple[str, str]:
     return name, unit.removesuffix("]") if bracket else ""
 
 
-class SweepTable(Sequence[Row]):
+class SweepTable(Sequence[CaseResults]):
     """The table of a solved sweep: a sequence of rows, one for each case, with columns by name.
 
     `table[0]` is the first row, with values by heading. `table["torque"]` is a column: an array of
@@ -116,7 +117,11 @@ class SweepTable(Sequence[Row]):
     """
 
     def __init__(
-        self, title: str, rows: Sequence[Row], varied: Sequence[str], notes: Sequence[str] = ()
+        self,
+        title: str,
+        rows: Sequence[CaseResults],
+        varied: Sequence[str],
+        notes: Sequence[str] = (),
     ) -> None:
         self.title, self.rows, self.varied = title, list(rows), tuple(varied)
         self.notes = tuple(notes)
@@ -124,13 +129,13 @@ class SweepTable(Sequence[Row]):
     def __len__(self) -> int:
         return len(self.rows)
 
-    def __iter__(self) -> Iterator[Row]:
+    def __iter__(self) -> Iterator[CaseResults]:
         return iter(self.rows)
 
     @overload
-    def __getitem__(self, which: int) -> Row: ...
+    def __getitem__(self, which: int) -> CaseResults: ...
     @overload
-    def __getitem__(self, which: slice) -> list[Row]: ...
+    def __getitem__(self, which: slice) -> list[CaseResults]: ...
     @overload
     def __getitem__(self, which: str) -> Any: ...
     def __getitem__(self, which: int | slice | str) -> Any:
@@ -138,7 +143,7 @@ class SweepTable(Sequence[Row]):
         if not isinstance(which, str):
             return self.rows[which]
         heading = self.heading_of_column(which)
-        given = self._headings_of_given_values()
+        given = self._headings_of_case_inputs()
         values = [_value_unless_result_of_unsolved_case(row, heading, given) for row in self.rows]
         if any(isinstance(value, str) for value in values):
             return values
@@ -169,7 +174,7 @@ class SweepTable(Sequence[Row]):
             raise BadInput(f"column {name!r}: unknown{hint}; allowed: {', '.join(names)}")
         return names[name]
 
-    def _headings_of_given_values(self) -> set[str]:
+    def _headings_of_case_inputs(self) -> set[str]:
         """The headings of the columns that are given for each case, and are no results."""
         return {"case", *map(self.heading_of_column, self.varied)}
 
@@ -209,7 +214,7 @@ class SweepTable(Sequence[Row]):
         values = [row.get(heading) for row in self._solved_rows_of_model(model)]
         return np.array([value for value in values if isinstance(value, int | float)], dtype=float)
 
-    def _solved_rows_of_model(self, model: str) -> list[Row]:
+    def _solved_rows_of_model(self, model: str) -> list[CaseResults]:
         """The rows of the solved cases of a model.
 
         A case that has not converged has numbers, too, but they are not its answer.
@@ -272,7 +277,7 @@ class SweepTable(Sequence[Row]):
             pandas = importlib.import_module("pandas")
         except ImportError as error:
             raise BadInput("to_pandas: needs the package pandas, which is not installed") from error
-        given = self._headings_of_given_values()
+        given = self._headings_of_case_inputs()
         records = []
         for row in self.rows:
             record = {}
@@ -329,9 +334,9 @@ class SweepTable(Sequence[Row]):
         keys = [self.heading_of_column(key) for key in self.varied]
         main = [heading for heading in self._headings_of_main_results() if "." not in heading]
         headings = ["case", *keys, "model", *main, "status"]
-        columns = {heading: ShownColumn.column_with_heading(heading) for heading in headings}
+        columns = {heading: ShownColumn.shown_column_for_heading(heading) for heading in headings}
         rows = [tuple(column.heading for column in columns.values())]
-        given = self._headings_of_given_values()
+        given = self._headings_of_case_inputs()
         for row in self.rows[:MOST_SHOWN_ROWS]:
             cells = {}
             for heading in headings:
@@ -358,7 +363,9 @@ class SweepTable(Sequence[Row]):
         return first + html_table_with_caption("statistics", self.cells_of_statistics())
 
 
-def _value_unless_result_of_unsolved_case(row: Row, heading: str, given: Collection[str]) -> Any:
+def _value_unless_result_of_unsolved_case(
+    row: CaseResults, heading: str, given: Collection[str]
+) -> Any:
     """The value of a row under a heading; None for a number that is no answer of the case.
 
     A case that has not converged has numbers as results, too. `given` are the headings of values

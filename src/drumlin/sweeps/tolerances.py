@@ -20,7 +20,7 @@ from drumlin.brake.file import numerical_value_of_brake_key, vary
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.lining_wear import archard, run_in
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
-from drumlin.sweeps.cases import Row, SweepCase
+from drumlin.sweeps.cases import CaseResults, SweepCase
 
 PERCENTILES = (1, 5, 50, 95, 99)
 """The percentiles [%] of a result's random values that are reported."""
@@ -35,12 +35,12 @@ class ManufacturingTolerance(NamedTuple):
     ----------
     name : name of the tolerance in tables
     distribution : distribution of the deviation, a frozen distribution of scipy.stats
-    moves : change of each key's value, in its SI unit, if the deviation is 1
+    key_changes_per_deviation : change of each key's value, in its SI unit, if the deviation is 1
     """
 
     name: str
     distribution: Any
-    moves: Mapping[str, float]
+    key_changes_per_deviation: Mapping[str, float]
 
 
 def truncated_normal_distribution(limit: float) -> Any:
@@ -123,14 +123,17 @@ def cases_with_random_deviations(
     nominal: dict[str, Any] = {}
     changed_keys: set[str] = set()
     for tolerance in tolerances:
-        changed_keys.update(tolerance.moves)
+        changed_keys.update(tolerance.key_changes_per_deviation)
     _check_keys_mean_different_numbers(changed_keys)
     for tolerance in tolerances:
-        nominal |= {key: numerical_value_of_brake_key(brake, key) for key in tolerance.moves}
+        nominal |= {
+            key: numerical_value_of_brake_key(brake, key)
+            for key in tolerance.key_changes_per_deviation
+        }
     # Row i holds the change of each key per unit of deviation of tolerance i.
     slopes = np.zeros((len(tolerances), len(nominal)))
     for i, tolerance in enumerate(tolerances):
-        slopes[i] = [tolerance.moves.get(key, 0.0) for key in nominal]
+        slopes[i] = [tolerance.key_changes_per_deviation.get(key, 0.0) for key in nominal]
     values = np.array([*nominal.values()]) + deviates.reshape(-1, len(tolerances)) @ slopes
     made = []
     for row in values.tolist():
@@ -154,7 +157,7 @@ def _check_keys_mean_different_numbers(keys: set[str]) -> None:
             )
 
 
-def one_result_of_all_cases(rows: Sequence[Row], name: str) -> Floats:
+def one_result_of_all_cases(rows: Sequence[CaseResults], name: str) -> Floats:
     """The result called `name`, such as "torque", of all cases as an array (cases,).
 
     `rows` holds the results of each case. Raises NoAnswer if a case was not solved, since the

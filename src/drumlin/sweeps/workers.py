@@ -61,7 +61,7 @@ DASK_LOGGERS = ("distributed", "tornado", "asyncio")
 If a cluster is lost, their messages would fill the screen.
 """
 
-WORKER_THREADS = {"OPENBLAS_NUM_THREADS": "1"}
+WORKER_THREAD_LIMIT_VARIABLES = {"OPENBLAS_NUM_THREADS": "1"}
 """Environment variables of each worker, which limit its threads for linear algebra to one.
 
 A solve factorises many small dense matrices. More threads make each of them slower, above all where
@@ -289,7 +289,11 @@ def _limit_threads_of_new_processes() -> Iterator[None]:
     A new process inherits the environment variables of this process, which are changed meanwhile.
     """
     with _environment_lock:
-        added = {name: value for name, value in WORKER_THREADS.items() if name not in os.environ}
+        added = {
+            name: value
+            for name, value in WORKER_THREAD_LIMIT_VARIABLES.items()
+            if name not in os.environ
+        }
         os.environ.update(added)
         try:
             yield
@@ -341,7 +345,7 @@ def _connected_dask_client(distributed: Any, address: str) -> Any:
     """
     connected: Future[Any] = Future()
 
-    class Client(distributed.Client):  # type: ignore[misc]
+    class ExplicitlyClosedDaskClient(distributed.Client):  # type: ignore[misc]
         """A Dask client that is closed explicitly, not when Python deletes it."""
 
         def __del__(self) -> None:
@@ -350,7 +354,9 @@ def _connected_dask_client(distributed: Any, address: str) -> Any:
     def connect_client_to_scheduler() -> None:
         """Connect the client, and put the client or the error into the future `connected`."""
         try:
-            client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+            client = ExplicitlyClosedDaskClient(
+                address, timeout=CONNECT_SECONDS, set_as_default=False
+            )
             connected.set_result(client)
         except BaseException as error:
             connected.set_exception(error)
@@ -529,7 +535,7 @@ def call_pickled_function(work: bytes) -> Any:
     numpy, which reads the limit only while it is loaded.
     """
     if "numpy" not in sys.modules:
-        for name, value in WORKER_THREADS.items():
+        for name, value in WORKER_THREAD_LIMIT_VARIABLES.items():
             os.environ.setdefault(name, value)
     fn, args, kwargs = pickle.loads(work)
     return fn(*args, **kwargs)

@@ -20,12 +20,12 @@ from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import first_key_in_which_two_brakes_differ
 from drumlin.brake.friction import require_friction_independent_of_pressure
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.brake.units import LARGEST_NUMBER_SI, quantity_in_si
 from drumlin.comparison import table_as_csv_text
 from drumlin.response.response import Response
-from drumlin.verification.reference import Reference, ShoeReference
+from drumlin.verification.reference import BrakeReference, ShoeReference
 from drumlin.verification.reference_file import LARGEST_REFERENCE_FILE
 
 
@@ -69,8 +69,8 @@ class Verdict(NamedTuple):
         braking force [N]; between the curve's last point and the lining's end p is constant
     torque_error : torque that the differences of p give by the trapezoidal rule, relative to the
         torque of the reference
-    floor : relative uncertainty of the pressure curve in the reference
-    torque_floor : relative uncertainty of the torque in the reference
+    reference_pressure_uncertainty : relative uncertainty of the pressure curve in the reference
+    reference_torque_uncertainty : relative uncertainty of the torque in the reference
     """
 
     shoe: str
@@ -79,8 +79,8 @@ class Verdict(NamedTuple):
     at: str
     torque: float
     torque_error: float
-    floor: float
-    torque_floor: float
+    reference_pressure_uncertainty: float
+    reference_torque_uncertainty: float
 
 
 def pressure_curves_as_csv(response: Response, surface: FrictionSurface = DRUM) -> str:
@@ -288,7 +288,7 @@ def _angle_or_place_in_words_with_unit(shoe: Shoe, at: float) -> str:
 
 
 def compare_curves_with_reference(
-    brake: Brake, known: Reference, curves: dict[str, PressureTable]
+    brake: Brake, known: BrakeReference, curves: dict[str, PressureTable]
 ) -> list[Verdict]:
     """Compare the pressure curve of each shoe with the reference values of a brake.
 
@@ -299,7 +299,9 @@ def compare_curves_with_reference(
         said = ", ".join(shoe.name for shoe in known.shoes)
         raise BadInput(f"the reference is of another brake, with the shoes {said}")
     # The reference keeps the text of its brake file, which is compared with this brake.
-    key = first_key_in_which_two_brakes_differ(brake, read_any(Path("brake_file"), known.text))
+    key = first_key_in_which_two_brakes_differ(
+        brake, read_drum_or_plane_brake(Path("brake_file"), known.text)
+    )
     if key is not None:
         raise BadInput(f"the reference is of another brake: {key} is not the same")
     verdicts = []
@@ -326,7 +328,7 @@ def _verdict_on_pressure_curve(
         for a curve that ends before it reaches the edge zones, or a lining that is shorter than
         its two edge zones
     """
-    inside = known.inside
+    inside = known.mask_of_angles_outside_edge_zones
     theta, p = known.theta[inside], known.pressure[inside]
     if not len(theta):
         raise BadInput(
@@ -347,7 +349,7 @@ def _verdict_on_pressure_curve(
     lever = (
         brake.friction_coefficient_of_shoe_at_zero_pressure(spec)
         * spec.lining.width
-        * brake.scale_factor**2
+        * brake.length_per_surface_coordinate**2
     )
     pieces = _slices_of_angles_on_each_lining(spec, theta)
     force_off = math.fsum(float(np.trapezoid(off[own], theta[own])) for own in pieces)
@@ -359,8 +361,8 @@ def _verdict_on_pressure_curve(
         at=_angle_or_place_in_words_with_unit(spec, float(theta[worst])),
         torque=lever * _pressure_integral_along_lining(spec, curve),
         torque_error=torque_off / torque if torque else 0.0,
-        floor=known.distance,
-        torque_floor=known.torque.relative,
+        reference_pressure_uncertainty=known.distance,
+        reference_torque_uncertainty=known.torque.relative_uncertainty,
     )
 
 
@@ -415,10 +417,11 @@ def text_lines_on_errors_of_pressure_table(
     for verdict in verdicts:
         text.append(
             f"shoe {verdict.shoe!r}: p off by {number_as_text(verdict.distance, '.2%')} in L2 "
-            f"(reference known to {error_text_in_percent(verdict.floor)}), "
+            "(reference known to "
+            f"{error_text_in_percent(verdict.reference_pressure_uncertainty)}), "
             f"at most by {number_as_text(verdict.largest, '.2%')} of the peak, at {verdict.at}; "
             f"that is {number_as_text(verdict.torque_error, '.2%')} of the {effect} "
-            f"(known to {error_text_in_percent(verdict.torque_floor)}); "
+            f"(known to {error_text_in_percent(verdict.reference_torque_uncertainty)}); "
             f"{effect} of its points {verdict.torque:.7g} {unit}"
         )
     is_within = "within" if are_verdicts_within_tolerance(verdicts, tolerance) else "NOT within"

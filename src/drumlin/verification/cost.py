@@ -23,7 +23,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.grading import LiningDivision, divide_lining_into_elements
-from drumlin.fem.model import PENALTY, solve_prepared_model
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.meshes import Mesher
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -98,7 +98,7 @@ def measure_time_and_memory_of_fem(
     brake: Brake,
     *,
     elements: int = COST_ELEMENTS,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     repeats: int = TIMING_REPEATS,
     mesher: Mesher | None = None,
 ) -> Cost:
@@ -333,10 +333,10 @@ def time_and_memory_report_lines(
     elif by_size:
         yield from table_lines_of_cost_by_number_of_unknowns(brake)
     else:
-        yield from measured_time_and_memory_lines(brake, **options)
+        yield from cost_lines_of_one_brake(brake, **options)
 
 
-def measured_time_and_memory_lines(brake: Brake, **options: Any) -> list[str]:
+def cost_lines_of_one_brake(brake: Brake, **options: Any) -> list[str]:
     """Lines of text on the cost of one brake.
 
     The `options` are arguments of `measure_time_and_memory_of_fem`.

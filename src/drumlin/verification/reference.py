@@ -40,25 +40,27 @@ from drumlin.response.response import (
     response_of_pressed_elastic_shoe,
     which_angles_are_outside_end_zones,
 )
-from drumlin.response.resultants import Slots
+from drumlin.response.resultants import SlotEnds
 from drumlin.verification import triangles
 
 STATED_PACKAGES = ("numpy", "scipy", "scikit-fem")
 """Packages whose versions are stored with reference values, beside drumlin's own version."""
 
-PROBLEM_SOLVED = (
+FIRST_WORDS_OF_METHOD_DESCRIPTION = (
     "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: "
     "columns of elements of high degree; uncertainty: the "
 )
 """First words of the description of the method that is stored with reference values."""
 
-METHOD_WITH_TRIANGLES = PROBLEM_SOLVED + (
+METHOD_WITH_TRIANGLES = FIRST_WORDS_OF_METHOD_DESCRIPTION + (
     "larger of the distances from another division of them and "
     "from curved triangles with contact node by node"
 )
 """Description of the method for a brake that the curved triangles have solved, too."""
 
-METHOD_WITHOUT_TRIANGLES = PROBLEM_SOLVED + "distance from another division of them"
+METHOD_WITHOUT_TRIANGLES = (
+    FIRST_WORDS_OF_METHOD_DESCRIPTION + "distance from another division of them"
+)
 """Description of the method for a brake that the curved triangles cannot solve."""
 
 
@@ -79,7 +81,7 @@ class Refinement(NamedTuple):
     triangles: tuple[triangles.TriangleLevel, ...]
 
 
-ONE_DEGREE = math.pi / 180
+ONE_DEGREE_IN_RADIANS = math.pi / 180
 """One degree [rad]: the step of the angles at which reference values list the pressure."""
 
 REFERENCE_REFINEMENT = Refinement(
@@ -87,8 +89,8 @@ REFERENCE_REFINEMENT = Refinement(
     (
         # The arguments of Level are: degree, zone, edge, end, ratio, opening, largest, back, hinge,
         # through.
-        Level(7, 0.02, 0.01, 0.002, 0.45, 0.45, 15 * ONE_DEGREE, 0.01, 0.01, 0.3),
-        Level(8, 0.01, 0.006, 0.001, 0.5, 0.5, 15 * ONE_DEGREE, 0.003, 0.01, 0.4),
+        Level(7, 0.02, 0.01, 0.002, 0.45, 0.45, 15 * ONE_DEGREE_IN_RADIANS, 0.01, 0.01, 0.3),
+        Level(8, 0.01, 0.006, 0.001, 0.5, 0.5, 15 * ONE_DEGREE_IN_RADIANS, 0.003, 0.01, 0.4),
     ),
     triangles.TRIANGLE_LEVELS,
 )
@@ -178,7 +180,7 @@ def _brake_response_by_curved_triangle_elements(
     for shoe, solution, own in zip(brake.shoes, solutions, like.shoes, strict=True):
         response = response_of_pressed_elastic_shoe(
             shoe,
-            brake.scale_factor,
+            brake.length_per_surface_coordinate,
             solution.theta,
             solution.pressure,
             order=solution.order,
@@ -228,7 +230,7 @@ class UncertainValue:
     uncertainty: float
 
     @property
-    def relative(self) -> float:
+    def relative_uncertainty(self) -> float:
         """The uncertainty divided by the norm of the value; 0 if the uncertainty is 0."""
         size = float(np.linalg.norm(self.value))
         return self.uncertainty / size if size else math.inf if self.uncertainty else 0.0
@@ -254,7 +256,8 @@ class ShoeReference:
     pressure : pressures (n,) [Pa] at these angles
     uncertainty : uncertainties (n,) [Pa] of these pressures
     distance : relative uncertainty of the pressure curve: the larger of its L2 distances from the
-        pressures of the two other solutions, without the zones EDGE_ZONE at the lining's ends
+        pressures of the two other solutions, without the zones UNCOMPARED_EDGE_ZONE at the lining's
+        ends
     slots : first and last angle [rad] of each slot between two linings
     """
 
@@ -270,10 +273,10 @@ class ShoeReference:
     pressure: Floats
     uncertainty: Floats
     distance: float
-    slots: Slots = ()
+    slots: SlotEnds = ()
 
     @property
-    def inside(self) -> Bools:
+    def mask_of_angles_outside_edge_zones(self) -> Bools:
         """Whether each of the listed angles (n,) is on a lining and outside the edge zones."""
         return which_angles_are_outside_end_zones(self.theta, *self.ends, self.edge, self.slots)
 
@@ -281,11 +284,15 @@ class ShoeReference:
     def pressure_uncertainty(self) -> float:
         """The largest uncertainty of p outside the edge zones, relative to the peak pressure."""
         peak = self.peak_pressure.value
-        return float(self.uncertainty[self.inside].max() / peak) if peak else 0.0
+        return (
+            float(self.uncertainty[self.mask_of_angles_outside_edge_zones].max() / peak)
+            if peak
+            else 0.0
+        )
 
 
 @dataclass(frozen=True)
-class Reference:
+class BrakeReference:
     """The reference values of a brake.
 
     Attributes
@@ -312,7 +319,7 @@ class Reference:
 
 def compute_reference_values(
     brake: Brake, text: str, command: str, trio: ReferenceResponses | None = None
-) -> Reference:
+) -> BrakeReference:
     """Compute the reference values of a brake.
 
     Raises the errors of `solve_brake_for_reference_values`.
@@ -335,7 +342,9 @@ def compute_reference_values(
     # added.
     torque = UncertainValue(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))
     method = METHOD_WITHOUT_TRIANGLES if trio.other is None else METHOD_WITH_TRIANGLES
-    return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
+    return BrakeReference(
+        brake.title, text, command, method, versions, torque, shoes, brake.surface
+    )
 
 
 def _value_with_largest_distance_as_uncertainty(values: Sequence[Any]) -> UncertainValue:
@@ -368,7 +377,7 @@ def _contact_force_on_lining(brake: Brake, index: int, response: ShoeResponse) -
 def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses) -> ShoeReference:
     """The reference values of the shoe number `index` from the responses of the brake."""
     spec = brake.shoes[index]
-    edge = length_of_edge_zone_left_out_of_peak_search(spec, brake.scale_factor)
+    edge = length_of_edge_zone_left_out_of_peak_search(spec, brake.length_per_surface_coordinate)
     theta = _whole_degree_angles_or_millimetre_positions_on_lining(spec)
     answers = [
         response.shoes[index] for response in (trio.value, *trio.responses_that_give_uncertainty)
@@ -408,7 +417,7 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
 
 def _whole_degree_angles_or_millimetre_positions_on_lining(shoe: Shoe) -> Floats:
     """The whole degrees (n,) [rad] on a lining, on a plane the whole millimetres [m]."""
-    step = 1e-3 if shoe.is_on_plane else ONE_DEGREE
+    step = 1e-3 if shoe.is_on_plane else ONE_DEGREE_IN_RADIANS
     first, last = shoe.lining.start / step, shoe.lining.end / step
     return np.arange(math.ceil(first + 1e-6), last - 1e-6) * step
 

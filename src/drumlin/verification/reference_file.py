@@ -18,7 +18,7 @@ from drumlin.base.texts import check_numbers_have_few_digits, check_toml_parses_
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.brake.units import LARGEST_NUMBER_SI
 from drumlin.response.response import which_angles_are_outside_end_zones
-from drumlin.verification.reference import Reference, ShoeReference, UncertainValue
+from drumlin.verification.reference import BrakeReference, ShoeReference, UncertainValue
 
 REFERENCE_FORMAT = "drumlin reference values, 1"
 """Name and version of the file format. A file has this text under its first key, "format"."""
@@ -26,7 +26,7 @@ REFERENCE_FORMAT = "drumlin reference values, 1"
 FILE_DIGITS = 10
 """Number of significant digits of each number in a file; the last digits are not certain."""
 
-_NUMBER_LIST = re.compile(r"\[[-+0-9.eE,\s]*\]")
+_NUMBER_LIST_PATTERN = re.compile(r"\[[-+0-9.eE,\s]*\]")
 """Pattern of a list of numbers in a JSON text."""
 
 LARGEST_REFERENCE_FILE = 10_000_000
@@ -56,7 +56,7 @@ REFERENCE_UNITS = {
 }
 """Unit of each quantity by its key, in a file of a brake on a drum."""
 
-SURFACE_UNITS = {
+UNITS_THAT_DIFFER_BY_SURFACE = {
     surface: {
         "torque": surface.effect_unit,
         **dict.fromkeys(("contact_arcs", "edge", "theta"), surface.coordinate_unit),
@@ -91,13 +91,13 @@ def _uncertain_value_as_json_data(sure: UncertainValue) -> dict[str, Any]:
     return {"value": _numbers_rounded_to_significant_digits(sure.value), "uncertainty": uncertainty}
 
 
-def reference_values_as_json_data(found: Reference) -> dict[str, Any]:
+def reference_values_as_json_data(found: BrakeReference) -> dict[str, Any]:
     """The reference values of a brake as a dictionary for JSON."""
     return {
         "format": REFERENCE_FORMAT,
         "title": found.title,
         "method": found.method,
-        "units": REFERENCE_UNITS | SURFACE_UNITS[found.surface],
+        "units": REFERENCE_UNITS | UNITS_THAT_DIFFER_BY_SURFACE[found.surface],
         "command": found.command,
         "versions": found.versions,
         "torque": _uncertain_value_as_json_data(found.torque),
@@ -128,10 +128,12 @@ def write_reference_file(data: dict[str, Any], path: Path) -> None:
     text = json.dumps(data, indent=1, allow_nan=False)
     # json.dumps writes each number of a list on a line of its own. To shorten the file, each list
     # of numbers is put on one line.
-    write_text(path, _NUMBER_LIST.sub(lambda match: " ".join(match.group().split()), text) + "\n")
+    write_text(
+        path, _NUMBER_LIST_PATTERN.sub(lambda match: " ".join(match.group().split()), text) + "\n"
+    )
 
 
-def read_reference_file(path: Path) -> Reference:
+def read_reference_file(path: Path) -> BrakeReference:
     """Read reference values from a file of `write_reference_file`.
 
     Raises BadInput for a file that holds no reference values.
@@ -142,7 +144,7 @@ def read_reference_file(path: Path) -> Reference:
         data = json.loads(text, parse_constant=_refuse_non_finite_json_number)
         if data["format"] != REFERENCE_FORMAT:
             raise BadInput(f"{path}: format = {data['format']!r}: must be {REFERENCE_FORMAT!r}")
-        return Reference(
+        return BrakeReference(
             title=_require_value_to_be_text(data["title"]),
             text=_require_value_to_be_text(data["brake_file"]),
             command=_require_value_to_be_text(data["command"]),

@@ -17,7 +17,7 @@ import meshio
 import numpy as np
 
 from drumlin.brake.file import make_drum_brake_from_data
-from drumlin.fem.mesh.file import FORMATS, write_shoe_mesh_to_file
+from drumlin.fem.mesh.file import MESH_FILE_SUFFIXES, write_shoe_mesh_to_file
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin_studies.fuzzing.inputs import (
     SOUND_BRAKES,
@@ -38,7 +38,7 @@ def valid_mesh_files_by_suffix() -> dict[str, bytes]:
     brake = make_drum_brake_from_data(data, unit_required=True)
     mesh = make_prepared_model(brake, elements=6, kind="tri2").bodies[0].mesh
     with tempfile.TemporaryDirectory() as folder:
-        paths = [Path(folder) / f"shoe{suffix}" for suffix in FORMATS]
+        paths = [Path(folder) / f"shoe{suffix}" for suffix in MESH_FILE_SUFFIXES]
         for path in paths:
             write_shoe_mesh_to_file(path, mesh, brake.shoes[0])
         return {path.suffix: path.read_bytes() for path in paths} | {"brake": data_as_toml(data)}

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from drumlin.studies import REPOSITORY
+from drumlin.studies import FOLDER_OF_STUDIES_AND_MESHES
 from drumlin_studies.fuzzing.broken_meshes import valid_mesh_files_by_suffix
 from drumlin_studies.fuzzing.inputs import (
     FEW_ELEMENTS,
@@ -23,17 +23,17 @@ from drumlin_studies.fuzzing.inputs import (
     data_as_toml,
 )
 from drumlin_studies.fuzzing.wrong_values import (
-    WRONG_NUMBERS,
-    WRONG_QUANTITIES,
+    USUAL_TO_IMPOSSIBLE_NUMBERS,
+    USUAL_TO_IMPOSSIBLE_QUANTITIES,
     WRONG_WORDS,
     random_toml_value,
 )
 
-SWEEP_TABLE = "t.csv"
+SWEEP_TABLE_FILE_NAME = "t.csv"
 """Name of the table that a sweep writes."""
-SWEEP_JOURNAL = f"{SWEEP_TABLE}.journal"
+SWEEP_JOURNAL_FILE_NAME = f"{SWEEP_TABLE_FILE_NAME}.journal"
 """Name of the journal of a sweep, beside its table."""
-SWEEP_WORDS = ["sweep", "s.toml", "--jobs", "1", "--output", SWEEP_TABLE]
+SWEEP_COMMAND_WORDS = ["sweep", "s.toml", "--jobs", "1", "--output", SWEEP_TABLE_FILE_NAME]
 """Words of the command line, after "drumlin", that runs a sweep."""
 SOUND_SWEEP = """
 brake = "b.toml"
@@ -44,7 +44,7 @@ friction = [0.1, 0.2, 0.3, 0.4]
 "shoe[0].actuation.force" = ["1 kN", "2 kN"]
 """
 """Text of a valid sweep file with eight cases."""
-WRONG_SWEEP_KEYS = (
+MOSTLY_WRONG_SWEEP_KEYS = (
     "friction",
     "rotation",
     "shoe.lining.thickness",
@@ -77,11 +77,16 @@ WRONG_SWEEP_KEYS = (
     f"shoe[{'9' * 5000}].hinge.x",
 )
 """Keys under `vary` of a sweep file: some are allowed, most are not."""
-PLAIN_KEYS = ("friction", "shoe[0].actuation.force", "shoe.lining.thickness", "drum.radius") * 4
+ALLOWED_SWEEP_KEYS_REPEATED = (
+    "friction",
+    "shoe[0].actuation.force",
+    "shoe.lining.thickness",
+    "drum.radius",
+) * 4
 """Allowed keys under `vary`. Each stands four times in the list, so that a third of all drawn keys
 is allowed.
 """
-DISTRIBUTION_NAMES = (
+VALID_AND_WRONG_DISTRIBUTION_NAMES = (
     "normal",
     "uniform",
     "lognormal",
@@ -111,11 +116,13 @@ def table_and_journal_of_valid_sweep() -> tuple[bytes, bytes]:
                     "--jobs",
                     "1",
                     "--output",
-                    str(folder / SWEEP_TABLE),
+                    str(folder / SWEEP_TABLE_FILE_NAME),
                     "--keep-journal",
                 ]
             )
-        return (folder / SWEEP_TABLE).read_bytes(), (folder / SWEEP_JOURNAL).read_bytes()
+        return (folder / SWEEP_TABLE_FILE_NAME).read_bytes(), (
+            folder / SWEEP_JOURNAL_FILE_NAME
+        ).read_bytes()
 
 
 def files_of_valid_sweep() -> dict[str, bytes]:
@@ -137,7 +144,7 @@ def make_input_with_broken_sweep(rng: random.Random) -> BrokenInput:
             "vary": {"friction": rng.choice([[0.1, 0.3], {"from": 0.1, "to": 0.4, "count": 3}])},
         }
         if rng.random() < 0.7:
-            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = (
+            data["vary"][rng.choice([*MOSTLY_WRONG_SWEEP_KEYS, *ALLOWED_SWEEP_KEYS_REPEATED])] = (
                 _random_values_for_varied_sweep_key(rng)
             )
         if rng.random() < 0.4:
@@ -148,7 +155,7 @@ def make_input_with_broken_sweep(rng: random.Random) -> BrokenInput:
     return BrokenInput(
         "sweep file",
         {"b.toml": content_of_brake_file(SOUND_BRAKES[0]), "s.toml": text},
-        SWEEP_WORDS,
+        SWEEP_COMMAND_WORDS,
     )
 
 
@@ -162,11 +169,11 @@ def make_input_with_changed_sweep(rng: random.Random) -> BrokenInput:
         if kind < 0.1:
             table.pop(key, None)
         elif kind < 0.5 and isinstance(data.get("vary"), dict):
-            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = (
+            data["vary"][rng.choice([*MOSTLY_WRONG_SWEEP_KEYS, *ALLOWED_SWEEP_KEYS_REPEATED])] = (
                 _random_values_for_varied_sweep_key(rng)
             )
-        elif key in SWEEP_LENGTH_KEYS:
-            table[key] = rng.choice(WRONG_LENGTHS)
+        elif key in KEYS_THAT_SET_SWEEP_DURATION:
+            table[key] = rng.choice(SMALL_AND_WRONG_DURATION_VALUES)
         else:
             table[key] = random_toml_value(rng)
     files = {
@@ -174,12 +181,12 @@ def make_input_with_changed_sweep(rng: random.Random) -> BrokenInput:
         "m.msh": valid_mesh_files_by_suffix()[".msh"],
         "s.toml": data_as_toml(data),
     }
-    return BrokenInput("sweep file of a study", files, SWEEP_WORDS)
+    return BrokenInput("sweep file of a study", files, SWEEP_COMMAND_WORDS)
 
 
-SWEEP_LENGTH_KEYS = {"cases", "count", "elements"}
+KEYS_THAT_SET_SWEEP_DURATION = {"cases", "count", "elements"}
 """Keys of a sweep file whose numbers decide how long the sweep takes."""
-WRONG_LENGTHS: tuple[Any, ...] = (
+SMALL_AND_WRONG_DURATION_VALUES: tuple[Any, ...] = (
     0,
     -1,
     1,
@@ -194,7 +201,7 @@ WRONG_LENGTHS: tuple[Any, ...] = (
     float("nan"),
     float("inf"),
 )
-"""Values for the keys SWEEP_LENGTH_KEYS: small numbers, wrong types, and too large numbers."""
+"""Values for the keys KEYS_THAT_SET_SWEEP_DURATION: small, wrong and too large numbers."""
 
 
 def _random_small_sweep_data(rng: random.Random) -> dict[str, Any]:
@@ -202,7 +209,7 @@ def _random_small_sweep_data(rng: random.Random) -> dict[str, Any]:
 
     One of the choices is a sweep over mesh files, which no study has.
     """
-    paths = sorted((REPOSITORY / "studies" / "sweeps").glob("*.toml"))
+    paths = sorted((FOLDER_OF_STUDIES_AND_MESHES / "studies" / "sweeps").glob("*.toml"))
     path = rng.choice([*paths, None])
     if path is None:
         meshes = {"shoe.mesh": ["m.msh", "none.msh"], "shoe[0].mesh_unit": ["m", "mm"]}
@@ -237,7 +244,7 @@ def _random_values_for_varied_sweep_key(rng: random.Random) -> Any:
             (0.1, 0.2, 0.3, 0.35),
             ("1 kN", "2 kN", "30 N"),
             ("1 mm", "8 mm"),
-            (*WRONG_NUMBERS, *WRONG_QUANTITIES[:20]),
+            (*USUAL_TO_IMPOSSIBLE_NUMBERS, *USUAL_TO_IMPOSSIBLE_QUANTITIES[:20]),
         ]
     )
     numbers = [rng.choice(pool) for _ in range(4)]
@@ -248,13 +255,13 @@ def _random_values_for_varied_sweep_key(rng: random.Random) -> Any:
             random_toml_value(rng),
             {"from": numbers[0], "to": numbers[1], "count": rng.choice([1, 3, 0, -1, 10**7, "3"])},
             {
-                "distribution": rng.choice(DISTRIBUTION_NAMES),
+                "distribution": rng.choice(VALID_AND_WRONG_DISTRIBUTION_NAMES),
                 "from": numbers[0],
                 "to": numbers[1],
                 "deviation": numbers[2],
             },
             {
-                "distribution": rng.choice(DISTRIBUTION_NAMES),
+                "distribution": rng.choice(VALID_AND_WRONG_DISTRIBUTION_NAMES),
                 "mean": numbers[0],
                 "deviation": "5 %",
                 "each_shoe": rng.random() < 0.5,
@@ -301,7 +308,7 @@ def input_with_random_journal_damage(
             break
     return BrokenInput(
         "journal",
-        files_of_valid_sweep() | {SWEEP_JOURNAL: bytes(data)},
-        SWEEP_WORDS,
-        {SWEEP_TABLE: table},
+        files_of_valid_sweep() | {SWEEP_JOURNAL_FILE_NAME: bytes(data)},
+        SWEEP_COMMAND_WORDS,
+        {SWEEP_TABLE_FILE_NAME: table},
     )

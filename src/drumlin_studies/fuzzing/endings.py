@@ -203,32 +203,32 @@ def describe_fault_of_run(given: BrokenInput, end: Ending) -> str:
     )
 
 
-KEPT_FILES = ("m/", "m.", "t.csv")
+INITIALS_OF_ALLOWED_LEFTOVER_FILES = ("m/", "m.", "t.csv")
 """First letters of the names of files that a run may leave although it ends with an error.
 
 The files are meshes that were written before the error, and the table and journal of a sweep.
 """
-_NOTES = re.compile(r"(?:drumlin: t\.csv\.journal: [^\n]*\n)*")
+_JOURNAL_REPAIR_LINE_PATTERN = re.compile(r"(?:drumlin: t\.csv\.journal: [^\n]*\n)*")
 """Pattern of the lines in which a sweep reports that it has repaired its journal."""
 
 
 def _describe_fault_of_refused_run(end: Ending) -> str:
     """The fault of a run with exit status 2 or 3, as text, or "" if it ended well."""
-    said = _NOTES.sub("", end.err, count=1)
+    said = _JOURNAL_REPAIR_LINE_PATTERN.sub("", end.err, count=1)
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
-        # The error message of a sweep that refuses its journal matches _NOTES too, and must not be
-        # removed as a note.
+        # The error message of a sweep that refuses its journal matches _JOURNAL_REPAIR_LINE_PATTERN
+        # too, and must not be removed as a note.
         said = end.err
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
         return f"not one line: {end.err[:200]!r}"
-    if any(not name.startswith(KEPT_FILES) for name in end.written):
+    if any(not name.startswith(INITIALS_OF_ALLOWED_LEFTOVER_FILES) for name in end.written):
         return f"files of a refused run: {', '.join(end.written)[:200]}"
     return ""
 
 
 def _describe_fault_of_successful_run(given: BrokenInput, end: Ending) -> str:
     """The fault of a run with exit status 0, as text, or "" if it ended well."""
-    if not _NOTES.fullmatch(end.err):
+    if not _JOURNAL_REPAIR_LINE_PATTERN.fullmatch(end.err):
         return f"an answer with {end.err[:200]!r} in stderr"
     if given.must_fail:
         return "an answer of an input that has none"

@@ -16,8 +16,8 @@ from functools import cache
 from typing import Any
 
 from drumlin.brake.brake import Brake
-from drumlin.brake.plane_brake import read_any
-from drumlin.studies import REPOSITORY
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
+from drumlin.studies import FOLDER_OF_STUDIES_AND_MESHES
 from drumlin_studies.fuzzing.broken_meshes import (
     brake_file_that_refers_to_mesh_file,
     valid_mesh_files_by_suffix,
@@ -31,11 +31,11 @@ from drumlin_studies.fuzzing.inputs import (
     data_as_toml,
 )
 from drumlin_studies.fuzzing.wrong_values import (
-    WRONG_FLOATS,
-    WRONG_INTEGERS,
-    WRONG_NUMBERS,
-    WRONG_PATHS,
-    WRONG_TEXTS,
+    EXISTING_MISSING_AND_FORBIDDEN_PATHS,
+    USUAL_TO_IMPOSSIBLE_NUMBERS,
+    VALID_AND_WRONG_INTEGER_WORDS,
+    VALID_AND_WRONG_NUMBER_WORDS,
+    VALID_AND_WRONG_TEXTS_BY_OPTION,
     WRONG_WORDS,
     random_toml_value,
     random_value_near_type,
@@ -49,7 +49,7 @@ REFERENCE_FILE = "reports/reference/values/double_shoe_brake.json"
 @cache
 def content_of_reference_file() -> bytes:
     """The content of the file of reference values of the double-shoe brake."""
-    return (REPOSITORY / REFERENCE_FILE).read_bytes()
+    return (FOLDER_OF_STUDIES_AND_MESHES / REFERENCE_FILE).read_bytes()
 
 
 @cache
@@ -58,7 +58,9 @@ def csv_table_of_pressure_over_angle() -> bytes:
     from drumlin.models import MODELS  # noqa: PLC0415
     from drumlin.verification.check import pressure_curves_as_csv  # noqa: PLC0415
 
-    brake = read_any(REPOSITORY / "studies" / f"{SOUND_BRAKES[0]}.toml")
+    brake = read_drum_or_plane_brake(
+        FOLDER_OF_STUDIES_AND_MESHES / "studies" / f"{SOUND_BRAKES[0]}.toml"
+    )
     return pressure_curves_as_csv(MODELS["fem"].solve(brake, elements=12)).encode()
 
 
@@ -149,7 +151,7 @@ def make_input_with_broken_mesh(rng: random.Random) -> BrokenInput:
     """An input whose mesh file is broken.
 
     The file is cut off, or has the suffix of another format, a wrong number, shuffled or doubled
-    lines, or broken bytes. A file .inp may also have lines of INP_ENDS.
+    lines, or broken bytes. A file .inp may also have lines of WRONG_LINES_APPENDED_TO_INP_FILE.
     """
     files = valid_mesh_files_by_suffix()
     suffix = rng.choice([".msh", ".inp", ".vtu"])
@@ -163,7 +165,7 @@ def make_input_with_broken_mesh(rng: random.Random) -> BrokenInput:
         # One number of the file is replaced by another number.
         numbers = list(re.finditer(rb"[-+]?\d[\d.]*(?:e[-+]?\d+)?", data))
         at = rng.choice(numbers)
-        number = str(rng.choice([*WRONG_NUMBERS, 3, 10**9, 2**31])).encode()
+        number = str(rng.choice([*USUAL_TO_IMPOSSIBLE_NUMBERS, 3, 10**9, 2**31])).encode()
         data = data[: at.start()] + number + data[at.end() :]
     elif what == 3:
         lines = data.splitlines(keepends=True)
@@ -173,7 +175,7 @@ def make_input_with_broken_mesh(rng: random.Random) -> BrokenInput:
             lines.insert(rng.randrange(len(lines)), rng.choice(lines))
         data = b"".join(lines)
     elif what == 4 and suffix == ".inp":
-        data += rng.choice(INP_ENDS)
+        data += rng.choice(WRONG_LINES_APPENDED_TO_INP_FILE)
     else:
         data = bytes_with_random_noise(rng, data, WRONG_WORDS)
     text = brake_file_that_refers_to_mesh_file(files["brake"], f"m{suffix}")
@@ -182,7 +184,7 @@ def make_input_with_broken_mesh(rng: random.Random) -> BrokenInput:
     return BrokenInput(f"mesh: {suffix}", contents, words)
 
 
-INP_ENDS = (
+WRONG_LINES_APPENDED_TO_INP_FILE = (
     b"*NSET, NSET=HINGE, GENERATE\n1, 300000000\n",
     b"*NSET, NSET=HINGE, GENERATE\n1, 99999999999999999999\n",
     b"*NSET, NSET=A\n1\n" + b"".join(b"*NSET, NSET=A\n" + b"A, " * 40 + b"\n" for _ in range(20)),
@@ -206,7 +208,7 @@ def make_input_with_broken_reference(rng: random.Random) -> BrokenInput:
             owner, key = rng.choice(places)
             value = rng.choice(
                 [
-                    *WRONG_NUMBERS,
+                    *USUAL_TO_IMPOSSIBLE_NUMBERS,
                     *WRONG_WORDS,
                     None,
                     True,
@@ -256,7 +258,14 @@ def make_input_with_broken_pressure_table(rng: random.Random) -> BrokenInput:
         for _ in range(rng.choice([1, 1, 3])):
             row = rng.choice([rows[0], rng.choice(rows)])
             row[rng.randrange(len(row))] = rng.choice(
-                [*WRONG_WORDS, *map(str, WRONG_NUMBERS), "theta [deg]", "p [N]", "p [", "p"]
+                [
+                    *WRONG_WORDS,
+                    *map(str, USUAL_TO_IMPOSSIBLE_NUMBERS),
+                    "theta [deg]",
+                    "p [N]",
+                    "p [",
+                    "p",
+                ]
             )
         buffer = io.StringIO()
         csv.writer(buffer).writerows(rows)
@@ -326,19 +335,19 @@ def _random_value_for_command_option(rng: random.Random, option: Any) -> str | N
     if getattr(option, "is_flag", False) or getattr(option, "is_bool_flag", False):
         return None
     if option.name == "result":
-        return rng.choice(["r.csv", "r.csv", "ref.json", *WRONG_PATHS])
+        return rng.choice(["r.csv", "r.csv", "ref.json", *EXISTING_MISSING_AND_FORBIDDEN_PATHS])
     if option.name == "known":
-        return rng.choice(["ref.json", "ref.json", "r.csv", *WRONG_PATHS])
+        return rng.choice(["ref.json", "ref.json", "r.csv", *EXISTING_MISSING_AND_FORBIDDEN_PATHS])
     kind = str(getattr(option, "type", "")) + str(getattr(option, "type_descriptor", ""))
     pool: Sequence[str] = WRONG_WORDS
-    if option.name in WRONG_TEXTS:
-        pool = WRONG_TEXTS[option.name]
+    if option.name in VALID_AND_WRONG_TEXTS_BY_OPTION:
+        pool = VALID_AND_WRONG_TEXTS_BY_OPTION[option.name]
     elif "Path" in kind or "path" in kind or option.name in {"output", "json_file", "pressure"}:
-        pool = WRONG_PATHS
+        pool = EXISTING_MISSING_AND_FORBIDDEN_PATHS
     elif option.name in {"elements", "sections", "jobs"}:
-        pool = WRONG_INTEGERS
+        pool = VALID_AND_WRONG_INTEGER_WORDS
     elif option.name in {"tolerance", "exponent"}:
-        pool = WRONG_FLOATS
+        pool = VALID_AND_WRONG_NUMBER_WORDS
     return rng.choice(pool if rng.random() < 0.95 else WRONG_WORDS)
 
 
@@ -346,7 +355,9 @@ def make_input_with_wrong_command(rng: random.Random) -> BrokenInput:
     """An input whose command line is not valid: random words after the name of a command."""
     name = rng.choice([*_drumlin_commands_by_name(), "", "x", "--help", "--version", "-h", "--bad"])
     words = [name] + [
-        rng.choice([*WRONG_WORDS, *WRONG_PATHS, "--json", "--elements", "--bad"])
+        rng.choice(
+            [*WRONG_WORDS, *EXISTING_MISSING_AND_FORBIDDEN_PATHS, "--json", "--elements", "--bad"]
+        )
         for _ in range(rng.choice([0, 1, 2]))
     ]
     if name in SLOW_COMMANDS:

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Any
 
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.models import applicable_models
-from drumlin.studies import REPOSITORY
+from drumlin.studies import FOLDER_OF_STUDIES_AND_MESHES
 from drumlin_studies.fuzzing.inputs import (
     FEW_ELEMENTS,
     SOUND_BRAKES,
@@ -95,7 +95,7 @@ def _input_with_broken_brake_file(
 @cache
 def _models_that_can_solve_brake(name: str) -> tuple[str, ...]:
     """The names of the models that can solve the valid brake file `name` of the studies."""
-    brake = read_any(REPOSITORY / "studies" / f"{name}.toml")
+    brake = read_drum_or_plane_brake(FOLDER_OF_STUDIES_AND_MESHES / "studies" / f"{name}.toml")
     return tuple(model.name for model in applicable_models(brake))
 
 

@@ -6,7 +6,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from drumlin.studies import REPOSITORY
+from drumlin.studies import FOLDER_OF_STUDIES_AND_MESHES
 
 FEW_ELEMENTS = "6"
 """Number of elements along a lining, as a word of command lines. It is small, so that a solve takes
@@ -56,7 +56,7 @@ class UnquotedTomlText(NamedTuple):
 @cache
 def content_of_brake_file(name: str) -> bytes:
     """The content of the brake file `name` of the studies."""
-    return (REPOSITORY / "studies" / f"{name}.toml").read_bytes()
+    return (FOLDER_OF_STUDIES_AND_MESHES / "studies" / f"{name}.toml").read_bytes()
 
 
 def bytes_with_random_noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:

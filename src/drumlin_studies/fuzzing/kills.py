@@ -26,7 +26,7 @@ RUN_LIMIT = 900.0
 """Wall-clock time [s] after which a run is stopped. The time is long because the machine may be
 busy.
 """
-RUN_WAYS = ("one job", "two jobs", "Dask")
+WAYS_TO_RUN_A_SWEEP = ("one job", "two jobs", "Dask")
 """The ways to run a sweep: with one or two processes, or on a Dask cluster."""
 DRUMLIN_PROGRAM = "from drumlin.cli import main; main()"
 """Python program that runs drumlin's command line."""
@@ -46,9 +46,9 @@ to = "0.2 mm", each_shoe = true }}
 def kill_and_finish_one_sweep(case: dict[str, Any]) -> dict[str, Any]:
     """Kill a sweep several times, let it finish, and return a row of a table on how it ended.
 
-    `case` holds `way`, how the sweep is run (one of RUN_WAYS), the number of `kills`, and the
-    `seed` of the random moments of the kills. The row adds `met`, the number of kills that hit a
-    running sweep, and `fault`, the faults at the end as text, or "" without faults.
+    `case` holds `way`, how the sweep is run (one of WAYS_TO_RUN_A_SWEEP), the number of `kills`,
+    and the `seed` of the random moments of the kills. The row adds `met`, the number of kills that
+    hit a running sweep, and `fault`, the faults at the end as text, or "" without faults.
     """
     # Each kill comes when the journal has reached a random number of cases.
     rng = random.Random(f"kills {case['seed']} {case['way']}")
@@ -227,7 +227,7 @@ def killed_sweeps_summary_rows(rows: list[dict[str, Any]]) -> list[dict[str, Any
     A row counts the sweeps, the kills, the kills that hit a running sweep, and the faults.
     """
     lines: list[dict[str, Any]] = []
-    for way in RUN_WAYS:
+    for way in WAYS_TO_RUN_A_SWEEP:
         own = [row for row in rows if row["way"] == way]
         if not own:
             continue

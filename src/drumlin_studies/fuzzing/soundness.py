@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.brake.brake import Brake
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.models import MODELS
 from drumlin.response.balance import resultant_of_contact_on_shoe
 from drumlin.response.response import Response
@@ -42,7 +42,7 @@ def explain_wrong_answer_to_input(given: BrokenInput) -> str:
         warnings.simplefilter("error")
         for name, data in given.files.items():
             (Path(folder) / name).write_bytes(data)
-        brake = read_any(Path(folder) / "b.toml")
+        brake = read_drum_or_plane_brake(Path(folder) / "b.toml")
         return explain_wrong_response(brake, MODELS[model].solve(brake, **options))
 
 

@@ -30,12 +30,12 @@ from drumlin_studies.fuzzing.impossible import (
 )
 from drumlin_studies.fuzzing.inputs import BrokenInput
 from drumlin_studies.fuzzing.soundness import explain_wrong_answer_to_input
-from drumlin_studies.side_by_side import Case, compute_cases_in_parallel_with_journal
+from drumlin_studies.side_by_side import ComputationInput, compute_cases_in_parallel_with_journal
 
 INPUTS_AT_A_TIME = 50
 """Number of inputs that one process runs in one go. Their verdicts make one entry of the journal.
 """
-KEPT_LETTERS = 300
+LETTERS_KEPT_OF_ERROR_MESSAGE = 300
 """Number of letters of an error message that a verdict keeps, enough to see what was refused."""
 
 GENERATORS: dict[str, tuple[Callable[[random.Random], BrokenInput], str]] = {
@@ -134,7 +134,11 @@ def run_and_judge_input(generator: str, number: int, apart: bool = False) -> Inp
     # A brake that was solved successfully is solved again in this process, to check the numbers.
     if not fault and end.status == 0 and given.words[0] == "solve" and not apart:
         fault = _explain_wrong_or_failing_answer(given)
-    line = end.err.removeprefix("drumlin: ").strip()[:KEPT_LETTERS] if end.status else ""
+    line = (
+        end.err.removeprefix("drumlin: ").strip()[:LETTERS_KEPT_OF_ERROR_MESSAGE]
+        if end.status
+        else ""
+    )
     said = f"{faults.command_line_as_text(given)}: {fault}" if fault else ""
     return InputVerdict(number, end.status, end.seconds, said, line)
 
@@ -155,7 +159,7 @@ def can_be_process_argument(word: str) -> bool:
         return False
 
 
-def _run_chunk_of_inputs_and_return_verdicts(case: Case) -> dict[str, Any]:
+def _run_chunk_of_inputs_and_return_verdicts(case: ComputationInput) -> dict[str, Any]:
     """Run several inputs of a generator; returns their verdicts, which make one journal entry."""
     numbers = range(case["first"], case["first"] + case["count"])
     generator, apart = case["generator"], case["apart"]

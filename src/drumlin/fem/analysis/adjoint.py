@@ -28,7 +28,7 @@ from drumlin.fem.equilibrium.pressure_friction import (
 )
 from drumlin.fem.equilibrium.sharing import contact_matrix_with_forces_as_unknowns
 from drumlin.fem.equilibrium.springs import SpringMatrices
-from drumlin.fem.preparation.bodies import load_column_factors_under_all_loads
+from drumlin.fem.preparation.bodies import unit_load_factors_under_all_loads
 
 
 class ShoeAdjoint(NamedTuple):
@@ -162,8 +162,8 @@ def _approaches_of_springs(
     found = found + springs.approach_by_motion @ y
     for k, own in enumerate(shoes):
         body = group.substructures_of_shoes[k]
-        load = load_column_factors_under_all_loads(body, group.shoes[k], own.force)
-        for j, factors in enumerate(springs.load_factors):
+        load = unit_load_factors_under_all_loads(body, group.shoes[k], own.force)
+        for j, factors in enumerate(springs.load_column_factors):
             found[j] += float(factors[k] @ body.load_motion_by_load @ load)
     return np.asarray(found)
 

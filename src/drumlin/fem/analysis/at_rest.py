@@ -14,9 +14,9 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
-from drumlin.brake.support import UNHELD
+from drumlin.brake.support import SENSE_OF_RELEASED_ABUTMENT
 from drumlin.contact import equations
-from drumlin.contact.stick_slip import FrictionalProblem
+from drumlin.contact.stick_slip import StickSlipProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.sharing import (
     ForceEffects,
@@ -27,23 +27,23 @@ from drumlin.fem.equilibrium.spring_nodes import (
     actuation_effects_with_spring_nodes,
     spring_border_at_friction,
 )
-from drumlin.fem.model import PENALTY
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR
 from drumlin.fem.preparation.bodies import (
-    load_column_factors_and_pin_moment_per_newton,
-    load_column_factors_under_all_loads,
+    actuation_factors_and_pin_moment_per_newton,
     penalty_stiffness_of_contact_per_area,
+    unit_load_factors_under_all_loads,
 )
 
 
 def make_stick_slip_problem_and_slip_per_drum_rotation(
     group: ShoeGroup, springs: SpringNodes | None = None
-) -> tuple[FrictionalProblem, Floats]:
+) -> tuple[StickSlipProblem, Floats]:
     """The stick-slip problem of a group of shoes on a drum at rest, and the slip per drum rotation.
 
     The problem is stated per newton of the group's largest actuation force F. The second value (n,)
     [m^3] is the weighted slip of each node per radian of drum rotation: the integral of the slip
     times the node's shape function. If the drum turns by Omega, this value times Omega/F is added
-    to the weighted slips `FrictionalProblem.q_s`. Tractions and slips are positive along e_theta of
+    to the weighted slips `StickSlipProblem.q_s`. Tractions and slips are positive along e_theta of
     the brake.
 
     The nodes of the linings come first, then one node for each foot on a rough abutment, see
@@ -113,9 +113,9 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
         np.hstack([-coupling.N.T, T.T, condensed.load_on_contact])
     )
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
-    load, _ = load_column_factors_and_pin_moment_per_newton(body, shoe)
+    load, _ = actuation_factors_and_pin_moment_per_newton(body, shoe)
     acting = (
-        load_column_factors_under_all_loads(body, shoe, shoe.actuation.force)
+        unit_load_factors_under_all_loads(body, shoe, shoe.actuation.force)
         / group.largest_actuation_force
     )
     tip = dragged.T @ (loaded @ load)
@@ -138,7 +138,7 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
         compliance=coupling.M / group.contact_stiffness_per_area_of_shoes[k],
         q_s=-(dragged.T @ (loaded @ acting)),
         effects=effects._replace(
-            gap_by_force=-tip, tip_travel_by_pressure=tip, foot_force_by_pressure=bearing
+            gap_by_force=-tip, load_point_travel_by_pressure=tip, foot_force_by_pressure=bearing
         ),
         load_travel=dragged.T @ loaded,
     )
@@ -146,7 +146,7 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
 
 def _stick_slip_problem_without_abutments(
     still: ShoeGroup, shoes: list[_TractionMatrices]
-) -> FrictionalProblem:
+) -> StickSlipProblem:
     """The stick-slip problem of the linings of a group whose feet move freely in the plane.
 
     Parameters
@@ -171,7 +171,7 @@ def _stick_slip_problem_without_abutments(
         A_wt = A_wt + pressed.T @ dragged
         A_sp = A_sp - dragged.T @ pressed
         A_st = A_st - dragged.T @ dragged
-    return FrictionalProblem(
+    return StickSlipProblem(
         A_wp=normal.A,
         A_wt=A_wt,
         A_sp=A_sp,
@@ -197,8 +197,9 @@ class FeetOnRoughAbutments(NamedTuple):
     ----------
     group : the group of shoes
     shoe_numbers : numbers, within the group, of the shoes whose feet stand on rough abutments
-    senses : direction of friction at the abutment of each shoe of the group; UNHELD (the abutment
-        is left out) if the foot is a node of the stick-slip problem
+    senses : direction of friction at the abutment of each shoe of the group;
+        SENSE_OF_RELEASED_ABUTMENT (the abutment is left out) if the foot is a node of the
+        stick-slip problem
     foot_compliance : penalty compliance (feet,) [m/N] of the contact between each foot and its
         abutment, normal to the face and along it
     """
@@ -213,14 +214,14 @@ class FeetOnRoughAbutments(NamedTuple):
         """Collect the feet of a group's shoes on rough abutments."""
         # If the contact of the linings is exact (no penalty), a sticking foot needs a finite
         # contact stiffness nevertheless.
-        penalty = PENALTY if math.isinf(group.penalty) else group.penalty
+        penalty = DEFAULT_PENALTY_FACTOR if math.isinf(group.penalty) else group.penalty
         on, stiffness = [], []
         senses = [1] * len(group.shoes)
         for k, shoe in enumerate(group.shoes):
             if shoe.abutment is None or not shoe.abutment.friction > 0:
                 continue
             on.append(k)
-            senses[k] = UNHELD
+            senses[k] = SENSE_OF_RELEASED_ABUTMENT
             area = float(group.substructures_of_shoes[k].coupling.areas_of_contact_nodes.sum())
             stiffness.append(penalty_stiffness_of_contact_per_area(shoe, penalty) * area)
         return cls(group, on, tuple(senses), 1 / np.array(stiffness))
@@ -246,8 +247,8 @@ class FeetOnRoughAbutments(NamedTuple):
         return np.concatenate([of_linings, of_feet, of_supports])
 
     def stick_slip_problem_with_abutment_nodes(
-        self, problem: FrictionalProblem, still: ShoeGroup
-    ) -> FrictionalProblem:
+        self, problem: StickSlipProblem, still: ShoeGroup
+    ) -> StickSlipProblem:
         """Add a node for each foot on a rough abutment to a stick-slip problem.
 
         Parameters
@@ -264,7 +265,7 @@ class FeetOnRoughAbutments(NamedTuple):
         # translation moves the foot off the abutment, the other along it; the rotation does not
         # move it.
         for row, k in enumerate(self.shoe_numbers):
-            names = still.shoes[k].rigid_body_modes_of_support(UNHELD).names
+            names = still.shoes[k].rigid_body_modes_of_support(SENSE_OF_RELEASED_ABUTMENT).names
             first = still.rigid_body_mode_slices_of_shoes[k].start
             off[row, first + names.index("off")] = 1.0
             slid[row, first + names.index("slide")] = 1.0
@@ -286,8 +287,8 @@ class FeetOnRoughAbutments(NamedTuple):
 
 
 def _stick_slip_problem_with_one_sided_support_nodes(
-    still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
-) -> FrictionalProblem:
+    still: ShoeGroup, problem: StickSlipProblem, shoes: list[_TractionMatrices]
+) -> StickSlipProblem:
     """Add a node without friction for each one-sided support to a stick-slip problem.
 
     The pressure of the node is the force of the support [N], and its gap is the opening [m].
@@ -308,7 +309,7 @@ def _stick_slip_problem_with_one_sided_support_nodes(
     linings = matrices.opening_by_pressure.shape[1]
     by_pressure[:, :linings] = matrices.opening_by_pressure
     gap[:linings] = matrices.gap_by_force
-    penalty = PENALTY if math.isinf(still.penalty) else still.penalty
+    penalty = DEFAULT_PENALTY_FACTOR if math.isinf(still.penalty) else still.penalty
     for j, support in enumerate(supports):
         for side in support.sides:
             nodes = still.contact_node_slices_of_shoes[side.shoe]
@@ -346,10 +347,10 @@ def _zero_matrix_with_lower_left_block(block: Floats, count: int) -> Floats:
 
 def _stick_slip_problem_with_spring_nodes(
     still: ShoeGroup,
-    problem: FrictionalProblem,
+    problem: StickSlipProblem,
     shoes: list[_TractionMatrices],
     springs: SpringNodes,
-) -> FrictionalProblem:
+) -> StickSlipProblem:
     """Add a node without friction for each spring with a rate to a stick-slip problem.
 
     The pressure of the node is the pull of the spring [N], and its gap is zero while it acts.
@@ -362,7 +363,7 @@ def _stick_slip_problem_with_spring_nodes(
     springs : the springs
     """
     border, count = spring_border_at_friction(still, springs, 0.0), len(springs.numbers)
-    factors = still.spring_matrices_at_friction(0.0).load_factors
+    factors = still.spring_matrices_at_friction(0.0).load_column_factors
     size, linings = len(problem.q_w), border.opening_by_pressure.shape[1]
     by_pressure, by_traction = np.zeros((count, size)), np.zeros((count, size))
     gap, of_shoes = np.zeros((size, count)), still.contact_node_slices_of_shoes
@@ -389,10 +390,10 @@ def _stick_slip_problem_with_spring_nodes(
 
 def _stick_slip_problem_with_strut_and_cam_forces(
     still: ShoeGroup,
-    problem: FrictionalProblem,
+    problem: StickSlipProblem,
     shoes: list[_TractionMatrices],
     springs: SpringNodes | None,
-) -> FrictionalProblem:
+) -> StickSlipProblem:
     """Replace the actuation forces in a stick-slip problem by the forces of struts and a cam.
 
     Parameters
@@ -414,7 +415,7 @@ def _stick_slip_problem_with_strut_and_cam_forces(
 
 
 def _contact_problem_with_tractions_among_pressures(
-    problem: FrictionalProblem,
+    problem: StickSlipProblem,
 ) -> equations.ContactProblem:
     """A stick-slip problem written as a contact problem, with tractions among the pressures.
 
@@ -455,8 +456,8 @@ def _actuation_effects_on_pressures_and_tractions(
         both = normal._replace(
             nodes=np.concatenate([nodes, n + slips]),
             gap_by_force=np.concatenate([normal.gap_by_force, tangential.gap_by_force]),
-            tip_travel_by_pressure=np.concatenate(
-                [normal.tip_travel_by_pressure, tangential.tip_travel_by_pressure]
+            load_point_travel_by_pressure=np.concatenate(
+                [normal.load_point_travel_by_pressure, tangential.load_point_travel_by_pressure]
             ),
             foot_force_by_pressure=np.concatenate(
                 [normal.foot_force_by_pressure, tangential.foot_force_by_pressure]
@@ -468,14 +469,14 @@ def _actuation_effects_on_pressures_and_tractions(
 
 def _stick_slip_problem_from_contact_problem(
     stacked: equations.ContactProblem, Q: Floats
-) -> FrictionalProblem:
+) -> StickSlipProblem:
     """The stick-slip problem from a contact problem with stacked pressures and tractions.
 
     `Q` (n, n) is the compliance of the penalty contact.
     """
     A, q, B, C, h = stacked
     n = len(Q)
-    return FrictionalProblem(
+    return StickSlipProblem(
         A_wp=A[:n, :n],
         A_wt=A[:n, n:],
         A_sp=A[n:, :n],

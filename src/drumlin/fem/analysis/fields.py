@@ -14,7 +14,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.brake.brake import Brake, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
-from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.preparation.bodies import (
     functions_of_free_thermal_strain_by_layer,
 )
@@ -29,9 +29,12 @@ from drumlin.fem.substructure.elasticity import (
     elastic_layers_of_shoe,
     stresses_from_displacement_gradients,
 )
-from drumlin.fem.substructure.expansion import Strains, stress_times_width_of_free_strain
+from drumlin.fem.substructure.expansion import (
+    FreeStrainFunctionByLayer,
+    stress_times_width_of_free_strain,
+)
 from drumlin.fem.substructure.interface import (
-    Directions,
+    NormalsAndTangentsFunction,
     function_that_returns_drum_normals_and_tangents,
     plane_normals_and_tangents,
 )
@@ -103,7 +106,7 @@ class _SolvedBody(NamedTuple):
     layers: dict[str, ElasticLayer]
     u: Floats
     pressure: Floats
-    strains: Strains = MappingProxyType({})
+    strains: FreeStrainFunctionByLayer = MappingProxyType({})
 
 
 class _Placement(NamedTuple):
@@ -118,7 +121,7 @@ class _Placement(NamedTuple):
 
     frame: ShoeFrame
     points: Callable[[Floats], Floats]
-    directions: Directions
+    directions: NormalsAndTangentsFunction
 
 
 class _SubdomainFields(NamedTuple):
@@ -292,7 +295,7 @@ def _mean_nodal_stresses_of_subdomain(solved: _SolvedBody, name: str) -> _Subdom
     The free thermal strains of a heated subdomain are subtracted from its strains.
     """
     basis, layer = solved.basis, solved.layers[name]
-    mesh = basis if isinstance(basis, ColumnGrid) else basis.mesh
+    mesh = basis if isinstance(basis, HpElementGrid) else basis.mesh
     dofs, slopes, corners = _shape_gradients_at_element_nodes(basis, mesh.subdomains[name])
     gradient = np.einsum("ian,ajnq->ijnq", solved.u[:, dofs], slopes)
     points = basis.doflocs[:, dofs].transpose(0, 2, 1)
@@ -327,7 +330,7 @@ def nodal_means_of_element_tensors(values: Floats, dofs: Ints) -> NodalMeans:
 
 def _shape_gradients_at_element_nodes(basis: Any, elements: Ints) -> _ElementNodes:
     """The shape functions of chosen elements of a body, at the nodes of the elements."""
-    if isinstance(basis, ColumnGrid):
+    if isinstance(basis, HpElementGrid):
         dofs = basis.element_dofs[:, elements]
         return _ElementNodes(
             dofs,

@@ -40,9 +40,9 @@ from drumlin.contact.stick_slip import (
     FORWARD,
     OPEN,
     STICK,
-    FrictionalProblem,
-    Increment,
+    LoadIncrementSolution,
     SlipHistory,
+    StickSlipProblem,
 )
 from drumlin.fem.analysis.at_rest import (
     FeetOnRoughAbutments,
@@ -62,7 +62,7 @@ from drumlin.fem.equilibrium.spring_nodes import (
     group_under_spring_pulls,
     spring_nodes_of_brake,
 )
-from drumlin.fem.model import PENALTY, solve_prepared_model
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 
 MOST_HALVINGS = 4
@@ -74,23 +74,23 @@ which has one state for each node, then has no solution. This happens if the inc
 times as large as the rotation to full slip. An increment of 640 times the rotation to full slip
 needs four halvings. With more halvings a brake without a solution is only refused later.
 """
-FIRST_ROTATION = 1e-7
+FIRST_ROTATION_OF_FULL_SLIP_SEARCH = 1e-7
 """First rotation of the drum [rad] in the search for full slip, which enlarges it step by step.
 
 It lies far below any rotation that makes a lining slip, which is 1e-4 p/E or more for a lining of
 modulus E under the pressure p. The rotation grows by a factor, so that a hundred times smaller
 first rotation takes only one more increment, out of about a hundred.
 """
-EXTRA_ROTATION = 0.1
+MARGIN_OF_FULL_SLIP_ROTATION = 0.1
 """Fraction by which `find_drum_rotation_of_full_slip` enlarges the rotation that gave full slip.
 
 The rotation at which all nodes slip depends on the increments, and may be larger in a later
 computation with other increments. With half of this fraction some linings on a pivot then still
 stick at a few nodes. With a larger fraction, a table of states up to this rotation has fewer rows
-before full slip. Each increment of the search is between EXTRA_ROTATION and 1/EXTRA_ROTATION times
-the rotation reached so far.
+before full slip. Each increment of the search is between MARGIN_OF_FULL_SLIP_ROTATION and
+1/MARGIN_OF_FULL_SLIP_ROTATION times the rotation reached so far.
 """
-MOST_INCREMENTS = 100
+MOST_INCREMENTS_OF_FULL_SLIP_SEARCH = 100
 """Number of increments of rotation after which the search for full slip fails as not converged."""
 LARGEST_TORQUE_DIFFERENCE = 1e-6
 """Relative difference of two torques at full slip above which they count as two equilibria.
@@ -104,12 +104,12 @@ differ.
 Smaller differences are round-off and the effect of the penalty.
 """
 
-NO_FRICTION_ACROSS_WIDTH = (
+NOTE_ON_NEGLECTED_FRICTION_ACROSS_WIDTH = (
     "solid: friction acts along theta; across the width the face slides freely, "
     "also where it sticks"
 )
 """Note with each state of a holding brake of solid shoes."""
-FIRST_OF_STATES_ACROSS_WIDTH = (STICK, FORWARD, BACKWARD)
+PRECEDENCE_OF_STATES_ACROSS_WIDTH = (STICK, FORWARD, BACKWARD)
 """The states of contact nodes in order of precedence across the width of a solid shoe.
 
 The nodes across the width at one angle may have different states. The lining counts as sticking at
@@ -143,7 +143,7 @@ class HeldFace(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Hold(EqualByArrays):
+class HoldingState(EqualByArrays):
     """The state of a holding brake at one rotation of the drum, which began to turn from rest.
 
     Attributes
@@ -156,7 +156,7 @@ class Hold(EqualByArrays):
     traction : tangential traction (n,) [Pa] on each lining along e_theta; for solid shoes the mean
         over the width
     state : state (n,) at each angle: open, stick, slip forward or slip backward; for solid shoes
-        the first state in FIRST_OF_STATES_ACROSS_WIDTH that occurs across the width
+        the first state in PRECEDENCE_OF_STATES_ACROSS_WIDTH that occurs across the width
     stick, slip : arcs [rad] of each lining that stick, and arcs that slip
     dissipated : energy [J] dissipated by slip since the actuation force was zero
     face : contact nodes of each lining
@@ -209,14 +209,14 @@ class _LoadedGroupAtRest(NamedTuple):
     """
 
     group: ShoeGroup
-    problem: FrictionalProblem
+    problem: StickSlipProblem
     slip_per_rotation: Floats
     friction: NodesFriction
-    rest: Increment
+    rest: LoadIncrementSolution
     dissipated: float
     springs: SpringNodes | None = None
 
-    def pulls_of_springs(self, at: Increment) -> tuple[float, ...]:
+    def pulls_of_springs(self, at: LoadIncrementSolution) -> tuple[float, ...]:
         """The pull [N] of each spring of the brake at an increment; empty without a rate.
 
         Raises NoAnswer if a spring is slack.
@@ -231,13 +231,13 @@ class _LoadedGroupAtRest(NamedTuple):
         """The number of nodes on linings, which come before the nodes of feet and supports."""
         return self.group.contact_node_slices_of_shoes[-1].stop
 
-    def torque(self, at: Increment) -> float:
+    def torque(self, at: LoadIncrementSolution) -> float:
         """The moment [N m] of the linings on the drum at an increment, against the rotation."""
         return float(self.group.largest_actuation_force**2 * (self.slip_per_rotation @ at.t))
 
     def turn_drum_from_start_to_end_rotation(
-        self, increment: Increment, start: float, end: float
-    ) -> Iterator[Increment]:
+        self, increment: LoadIncrementSolution, start: float, end: float
+    ) -> Iterator[LoadIncrementSolution]:
         """Turn the drum from `start` to `end` [rad], and yield each converged increment.
 
         `increment` is the converged increment at the rotation `start`.
@@ -277,7 +277,7 @@ class _RotationPath(NamedTuple):
     """
 
     held: _LoadedGroupAtRest
-    increments: list[Increment]
+    increments: list[LoadIncrementSolution]
     dissipated: list[float]
     solve_under_sliding_drum: Callable[[int], _SlidingDrumSolution]
 
@@ -285,7 +285,7 @@ class _RotationPath(NamedTuple):
 class _LiningNodeStates(NamedTuple):
     """Angles [rad], pressures [Pa], tractions [Pa] and states (n,) along one lining, and its face.
 
-    n is the number of angles. The values become the entries of one shoe in a `Hold`.
+    n is the number of angles. The values become the entries of one shoe in a `HoldingState`.
     """
 
     theta: Floats
@@ -295,14 +295,15 @@ class _LiningNodeStates(NamedTuple):
     face: HeldFace
 
 
-class _FootSlide(NamedTuple):
+class _FootSlideWords(NamedTuple):
     """The slide of a foot along its abutment, as words for a note.
 
-    `came_to` is the slide after the drum has turned from rest, `by_solve` the slide by `solve`.
+    `foot_slide_from_rest` is the slide after the drum has turned from rest, `foot_slide_by_solve`
+    the slide by `solve`.
     """
 
-    came_to: str
-    by_solve: str
+    foot_slide_from_rest: str
+    foot_slide_by_solve: str
 
 
 def turn_holding_brake_and_return_states_at_rotations(
@@ -310,9 +311,9 @@ def turn_holding_brake_and_return_states_at_rotations(
     brake: Brake,
     rotations: Floats,
     *,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     say: Callable[[str], None] = lambda _: None,
-) -> list[Hold]:
+) -> list[HoldingState]:
     """Apply the force, turn the drum through rotations, and return the state at each rotation.
 
     The actuation force grows while the drum rests. If the linings have a gap to close, the force
@@ -453,12 +454,12 @@ def _friction_of_lining_and_further_nodes(
 
 
 def _solve_load_increment(
-    problem: FrictionalProblem,
+    problem: StickSlipProblem,
     friction: NodesFriction,
     history: SlipHistory,
     state: Ints,
     p: Floats,
-) -> Increment:
+) -> LoadIncrementSolution:
     """Solve a load increment under friction that may depend on the pressure.
 
     `state` and `p` (n,) are the states and pressures from which the iteration starts.
@@ -471,8 +472,8 @@ def _solve_load_increment(
 
 
 def _increase_actuation_force_at_rest(
-    problem: FrictionalProblem, gap: Floats, friction: NodesFriction, state: Ints, increments: int
-) -> tuple[Increment, float]:
+    problem: StickSlipProblem, gap: Floats, friction: NodesFriction, state: Ints, increments: int
+) -> tuple[LoadIncrementSolution, float]:
     """Increase the actuation force to its full value while the drum rests.
 
     Without gaps all quantities are proportional to the force, and one increment is exact. With gaps
@@ -558,13 +559,13 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
 
 
 def turn_drum_in_increments(
-    problem: FrictionalProblem,
+    problem: StickSlipProblem,
     lever: Floats,
     friction: NodesFriction,
-    increment: Increment,
+    increment: LoadIncrementSolution,
     start: float,
     end: float,
-) -> Iterator[Increment]:
+) -> Iterator[LoadIncrementSolution]:
     """Turn the drum from one rotation to another, and yield each converged increment.
 
     The whole turn is one increment if the states of the nodes (open, stick, slip) converge.
@@ -621,7 +622,7 @@ def _shoe_group_with_other_rotation_or_friction(group: ShoeGroup, brake: Brake) 
 
 
 def _energy_dissipated_by_slip_per_squared_force(
-    problem: FrictionalProblem, after: Increment, before: SlipHistory
+    problem: StickSlipProblem, after: LoadIncrementSolution, before: SlipHistory
 ) -> float:
     """The energy dissipated by slip in an increment, per squared actuation force [J/N^2].
 
@@ -634,7 +635,7 @@ def _energy_dissipated_by_slip_per_squared_force(
 
 def _state_of_brake_at_rotation(
     brake: Brake, paths: list[_RotationPath], k: int, rotation: float
-) -> Hold:
+) -> HoldingState:
     """The state of the whole brake at rotation number `k`, from the increments of its groups."""
     linings: dict[int, _LiningNodeStates] = {}
     torque, dissipated = 0.0, 0.0
@@ -649,9 +650,9 @@ def _state_of_brake_at_rotation(
     order = sorted(linings)
     theta, pressure, traction, state, face = zip(*(linings[i] for i in order), strict=True)
     if any(path.held.group.prepared_model.model == "solid" for path in paths):
-        notes.append(NO_FRICTION_ACROSS_WIDTH)
+        notes.append(NOTE_ON_NEGLECTED_FRICTION_ACROSS_WIDTH)
     arcs = list(map(stick_slip.sticking_and_slipping_arcs_of_lining, theta, state))
-    return Hold(
+    return HoldingState(
         rotation=rotation,
         torque=torque,
         names=tuple(brake.shoes[i].name for i in order),
@@ -669,7 +670,7 @@ def _state_of_brake_at_rotation(
 
 
 def _nodal_contact_states_of_linings(
-    group: ShoeGroup, at: Increment
+    group: ShoeGroup, at: LoadIncrementSolution
 ) -> dict[int, _LiningNodeStates]:
     """The nodal states of each lining at an increment, by the shoe's position in the brake."""
     size = group.largest_actuation_force
@@ -702,10 +703,11 @@ def _nodal_contact_states_of_linings(
 def stick_slip_state_at_each_angle_of_lining(state: Ints) -> Ints:
     """The state (n,) at each angle of a lining, from the states (n, m) of nodes across the width.
 
-    It is the first state in FIRST_OF_STATES_ACROSS_WIDTH that a node at this angle has, or OPEN.
+    It is the first state in PRECEDENCE_OF_STATES_ACROSS_WIDTH that a node at this angle has, or
+    OPEN.
     """
     found = np.full(len(state), OPEN)
-    for kind in reversed(FIRST_OF_STATES_ACROSS_WIDTH):
+    for kind in reversed(PRECEDENCE_OF_STATES_ACROSS_WIDTH):
         found[(state == kind).any(axis=1)] = kind
     return found
 
@@ -770,7 +772,7 @@ def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str
     ]
 
 
-def _sense_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: Increment) -> int:
+def _sense_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: LoadIncrementSolution) -> int:
     """The sense, +1 or -1, in which all touching nodes of the linings slip.
 
     It is 0 if some touching nodes stick, or slip the other way.
@@ -780,8 +782,8 @@ def _sense_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: Increment) -> int:
 
 
 def _abutments_whose_friction_differs_from_solve(
-    held: _LoadedGroupAtRest, at: Increment, group: ShoeGroup, contact: Contact
-) -> list[_FootSlide]:
+    held: _LoadedGroupAtRest, at: LoadIncrementSolution, group: ShoeGroup, contact: Contact
+) -> list[_FootSlideWords]:
     """The slides of feet whose ratio of friction to normal force differs from the ratio by `solve`.
 
     Parameters
@@ -811,14 +813,22 @@ def _abutments_whose_friction_differs_from_solve(
         )
         # The slip of a node is the negative of the slide of its foot. The subtraction from 0.0, in
         # place of a minus sign, keeps the text from showing -0.
-        came_to = f"{1e6 * size * (0.0 - at.s[node]):.6g} µm"
-        by_solve = f"{1e6 * size * slide:.6g} µm"
-        feet.append(_FootSlide(f"the foot of shoe {shoe.name!r} {came_to}", by_solve))
+        foot_slide_from_rest = f"{1e6 * size * (0.0 - at.s[node]):.6g} µm"
+        foot_slide_by_solve = f"{1e6 * size * slide:.6g} µm"
+        feet.append(
+            _FootSlideWords(
+                f"the foot of shoe {shoe.name!r} {foot_slide_from_rest}", foot_slide_by_solve
+            )
+        )
     return feet
 
 
 def find_drum_rotation_of_full_slip(
-    scene: PreparedModel, brake: Brake, *, increments: int = 20, penalty: float = PENALTY
+    scene: PreparedModel,
+    brake: Brake,
+    *,
+    increments: int = 20,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
 ) -> float:
     """Find a rotation of the drum [rad] after which every touching node slips.
 
@@ -846,7 +856,7 @@ def find_drum_rotation_of_full_slip(
             ends.append(_find_drum_rotation_of_full_slip_of_group(held, target, slipping))
         except NoAnswer as error:
             raise NoAnswer(f"{held.group.names_of_shoes_as_text}: {error}") from error
-    return (1 + EXTRA_ROTATION) * max(ends)
+    return (1 + MARGIN_OF_FULL_SLIP_ROTATION) * max(ends)
 
 
 def _find_drum_rotation_of_full_slip_of_group(
@@ -866,8 +876,8 @@ def _find_drum_rotation_of_full_slip_of_group(
         if the moment at full slip differs from the target, and if no rotation is found
     """
     increment, reached = held.rest, 0.0
-    step, n = FIRST_ROTATION, held.number_of_lining_nodes
-    for _ in range(MOST_INCREMENTS):
+    step, n = FIRST_ROTATION_OF_FULL_SLIP_SEARCH, held.number_of_lining_nodes
+    for _ in range(MOST_INCREMENTS_OF_FULL_SLIP_SEARCH):
         before = held.torque(increment)
         *_, increment = held.turn_drum_from_start_to_end_rotation(
             increment, reached, reached + step
@@ -887,7 +897,10 @@ def _find_drum_rotation_of_full_slip_of_group(
         # By linear extrapolation the missing moment needs another rotation of `lacking` times the
         # last step.
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
-        step = min(max(step * lacking, EXTRA_ROTATION * reached), reached / EXTRA_ROTATION)
+        step = min(
+            max(step * lacking, MARGIN_OF_FULL_SLIP_ROTATION * reached),
+            reached / MARGIN_OF_FULL_SLIP_ROTATION,
+        )
     sticking = np.count_nonzero(increment.state[:n] == STICK)
     raise NoAnswer(
         f"not converged: after a rotation of {reached:.3g} rad "
@@ -899,7 +912,7 @@ def _find_drum_rotation_of_full_slip_of_group(
 # The following functions convert the states to plain data for JSON.
 
 
-def holding_states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
+def holding_states_as_plain_data(states: list[HoldingState]) -> list[dict[str, Any]]:
     """Convert the states of a holding brake to plain data for JSON, in rad, N m, Pa and J.
 
     The state of each node is a word: "open", "stick", "slip" or "slip back".
@@ -925,7 +938,7 @@ def _stick_slip_states_as_words(states: Ints) -> list[str]:
     return [names[int(state)] for state in states]
 
 
-def _stick_slip_state_of_lining_as_dict(state: Hold, i: int) -> dict[str, Any]:
+def _stick_slip_state_of_lining_as_dict(state: HoldingState, i: int) -> dict[str, Any]:
     """Convert the nodal values of lining `i` in a state of the brake to plain data for JSON.
 
     If there are several nodes across the width, the key "face" has the values at all of them.

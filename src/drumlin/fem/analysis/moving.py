@@ -19,7 +19,7 @@ from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.fields import Point
-from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
+from drumlin.fem.preparation.bodies import NodesAndActuationForces, ShoeSubstructure
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.interface import ContactLine
 
@@ -195,11 +195,11 @@ def _rotation_of_beam_axis_per_motion_of_point(shoe: Shoe, key: str, direction: 
 
 def _shoe_nodes_and_nodal_forces_in_brake_frame(
     scene: PreparedModel, i: int, shoe: Shoe
-) -> BodyNodes:
+) -> NodesAndActuationForces:
     """The nodes and nodal forces of `shoe`, a changed copy of shoe `i`, in the brake's frame."""
     assert scene.nodes_of_changed_shoe is not None
     nodes = scene.nodes_of_changed_shoe(i, shoe)
-    return BodyNodes(
+    return NodesAndActuationForces(
         shoe.convert_points_to_brake_frame(nodes.xy),
         shoe.frame.convert_vectors_from_shoe_to_brake_frame(nodes.load.T).T,
     )

@@ -36,7 +36,7 @@ from drumlin.fem.hp.element import (
     reference_element_of_degree,
     shape_function_gradients_and_gauss_areas,
 )
-from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.substructure.body import (
     quadrature_points_of_elements,
     shape_function_values_at_quadrature_points,
@@ -306,7 +306,7 @@ def _layer_directions_at_quadrature_points(
         which_elasticity_matrices_are_orthotropic(layers[name].elasticity) for name in subdomains
     ):
         return None
-    if isinstance(basis, ColumnGrid):
+    if isinstance(basis, HpElementGrid):
         points = np.moveaxis(
             gauss_points_of_elements(basis.node_coordinates_of_each_element, basis.degree), 1, 0
         )
@@ -323,12 +323,12 @@ def _layer_directions_at_quadrature_points(
 
 def _mesh_of_finite_element_basis(basis: Any) -> Any:
     """The mesh of a basis, which names the subdomains. A grid of hp elements is its own mesh."""
-    return basis if isinstance(basis, ColumnGrid) else basis.mesh
+    return basis if isinstance(basis, HpElementGrid) else basis.mesh
 
 
 def _shape_functions_in_element_chunks(basis: Any) -> Iterator[_QuadratureSample]:
     """Yield the shape functions of all elements of a body, in chunks that fit in memory."""
-    if isinstance(basis, ColumnGrid):
+    if isinstance(basis, HpElementGrid):
         count = len(basis.element_nodes_boundary_nodes_first)
         for first in range(0, count, ELEMENTS_AT_A_TIME):
             own = slice(first, first + ELEMENTS_AT_A_TIME)

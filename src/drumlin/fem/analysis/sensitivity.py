@@ -41,7 +41,7 @@ from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.brake.orthotropic import names_of_orthotropic_parts
-from drumlin.brake.support import SupportChange, resultant_force_and_moment
+from drumlin.brake.support import SupportModeDerivatives, resultant_force_and_moment
 from drumlin.fem.analysis.adjoint import (
     GroupAdjoint,
     ShoeAdjoint,
@@ -58,26 +58,26 @@ from drumlin.fem.analysis.mutual_work import (
     mutual_work_derivatives_by_node_motions,
 )
 from drumlin.fem.analysis.wide_moduli import (
-    BodiesOfModulus,
-    VirtualLoads,
+    BodiesWithChangedModuli,
+    LoadsAndAdjointLoads,
     function_that_condenses_shoes_with_other_moduli,
     torque_slopes_by_moduli_of_solid_shoe,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
-from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
     couple_shoe_with_drum_or_plane,
-    load_column_factors_under_all_loads,
+    unit_load_factors_under_all_loads,
 )
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
-from drumlin.fem.substructure.body import FRAME
+from drumlin.fem.substructure.body import NUMBER_OF_FRAME_DISPLACEMENTS
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.interface import ContactLine
-from drumlin.fem.substructure.loads import ACTUATION
+from drumlin.fem.substructure.loads import ACTUATION_LOAD_NAME
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law as rigid_law
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.laws.naming import name_of_rigid_shoe_law
@@ -239,7 +239,7 @@ def compute_torque_sensitivity(
     scene: PreparedModel,
     brake: Brake,
     *,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     wanted: WantedSlopes = ALL_SLOPES,
 ) -> Sensitivity:
     """Compute the sensitivities of a brake's torque to its data, on a prepared model.
@@ -395,7 +395,7 @@ class _TorqueSlopesOfShoe:
         self,
         adjoint: GroupAdjoint,
         k: int,
-        changed: BodiesOfModulus,
+        changed: BodiesWithChangedModuli,
         wanted: WantedSlopes = ALL_SLOPES,
     ) -> None:
         """Collect the shoe, its adjoint, and the signs of its rigid-body modes."""
@@ -475,16 +475,19 @@ class _TorqueSlopesOfShoe:
     @cached_property
     def displacements_due_to_loads_and_adjoint_loads(self) -> _LoadedDisplacements:
         """The displacements of the shoe's nodes under its loads, and under the adjoint loads."""
-        own, load = self.own, self.group.actuation_of_each_shoe_by_one_newton[self.k].load_factors
+        own, load = (
+            self.own,
+            self.group.actuation_of_each_shoe_by_one_newton[self.k].load_column_factors,
+        )
         N, T = self.body.coupling.N, self.body.coupling.T
         nodal = np.column_stack(
             [self.drag * (T.T @ self.dragging) - N.T @ own.pressures, N.T @ own.gap_multipliers]
         )
         adjoint_force = -own.force_multiplier if self.under_cam else 0.0
-        adjoint_load = adjoint_force * load + self._adjoint_load_of_springs()
-        loads = np.column_stack([self._load_column_factors_of_shoe(), adjoint_load])
+        adjoint_load_factors = adjoint_force * load + self._adjoint_load_of_springs()
+        loads = np.column_stack([self._load_column_factors_of_shoe(), adjoint_load_factors])
         u, v = self.body.condensed.nodal_displacements_in_load_cases(
-            nodal, np.zeros((FRAME, 2)), loads
+            nodal, np.zeros((NUMBER_OF_FRAME_DISPLACEMENTS, 2)), loads
         ).T
         return _LoadedDisplacements(u, v)
 
@@ -518,9 +521,12 @@ class _TorqueSlopesOfShoe:
         `by_penalty` is the derivative [N m] of the torque by the logarithm of the contact
         stiffness, which is proportional to the lining's modulus.
         """
-        own, load = self.own, self.group.actuation_of_each_shoe_by_one_newton[self.k].load_factors
+        own, load = (
+            self.own,
+            self.group.actuation_of_each_shoe_by_one_newton[self.k].load_column_factors,
+        )
         adjoint_force = -own.force_multiplier if self.under_cam else 0.0
-        loads = VirtualLoads(
+        loads = LoadsAndAdjointLoads(
             own.pressures,
             self.drag,
             self._load_column_factors_of_shoe(),
@@ -543,14 +549,14 @@ class _TorqueSlopesOfShoe:
         """The factors (l,) of the load columns by which springs add to the adjoint load."""
         load = np.zeros(self.body.load_matrix_columns_by_load_name.number_of_load_columns)
         for multiplier, factors in zip(
-            self._spring_multipliers, self.adjoint.springs.load_factors, strict=True
+            self._spring_multipliers, self.adjoint.springs.load_column_factors, strict=True
         ):
             load -= multiplier * factors[self.k]
         return load
 
     def _load_column_factors_of_shoe(self) -> Floats:
         """The factors (l,) by which the load columns make up all loads on the shoe."""
-        return load_column_factors_under_all_loads(self.body, self.shoe, self.own.force)
+        return unit_load_factors_under_all_loads(self.body, self.shoe, self.own.force)
 
     # The following methods compute slopes of the torque by data of supports.
 
@@ -602,7 +608,7 @@ class _TorqueSlopesOfShoe:
             and do_nodes_of_shoe_move_with_point(self.group.prepared_model, self.shoe, key)
         )
 
-    def _torque_slope_by_rigid_body_mode_change(self, change: SupportChange) -> float:
+    def _torque_slope_by_rigid_body_mode_change(self, change: SupportModeDerivatives) -> float:
         """The slope of the torque by a change of the shoe's rigid-body modes.
 
         The equations contain a rigid-body mode only in the work of forces on this mode. This work
@@ -771,7 +777,7 @@ class _TorqueSlopesOfShoe:
         )
         pushing = np.array([*shoe.frame.convert_vectors_to_shoe_frame(force), couple])
         load = body.load_matrix_columns_by_load_name.column_factors_of_all_loads(
-            {ACTUATION: pushing}
+            {ACTUATION_LOAD_NAME: pushing}
         )
         work = free.test_modes @ np.array([*force, moment])
         tested = self.mode_signs * self.works * work
@@ -1008,7 +1014,7 @@ class _ProbedSlope(NamedTuple):
 
 
 def compare_torque_slopes_with_solve_differences(
-    brake: Brake, index: int, *, elements: int, penalty: float = PENALTY
+    brake: Brake, index: int, *, elements: int, penalty: float = DEFAULT_PENALTY_FACTOR
 ) -> tuple[Sensitivity, list[dict[str, Any]]]:
     """Compare exact slopes of the whole torque with central differences of complete solves.
 

@@ -19,7 +19,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.file import vary
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.width.face import WidthFace
+from drumlin.fem.width.face import ContactFaceWithWidth
 from drumlin.fem.width.prepare import condense_and_couple_shoe_with_width
 
 MODULUS_STEP = 1e-3
@@ -33,7 +33,7 @@ MATERIAL_KEYS = {"lining": "lining", "backing": "backing", "shoe": "body"}
 """The key of the brake file that holds the material of a part, by the part's name in the slopes."""
 
 
-class VirtualLoads(NamedTuple):
+class LoadsAndAdjointLoads(NamedTuple):
     """The loads of a shoe in the solution, and the adjoint loads by which they are multiplied.
 
     Attributes
@@ -44,14 +44,14 @@ class VirtualLoads(NamedTuple):
     load_column_factors : factors (l,) by which the body's load columns make up the other loads on
         the shoe
     gap_multipliers : adjoint multipliers (n,) of the weighted gaps
-    adjoint_load : factors (l,) by which the load columns make up the adjoint load
+    adjoint_load_factors : factors (l,) by which the load columns make up the adjoint load
     """
 
     pressures: Floats
     signed_friction: float
     load_column_factors: Floats
     gap_multipliers: Floats
-    adjoint_load: Floats
+    adjoint_load_factors: Floats
 
     def work_of_adjoint_loads_on_body(self, body: ShoeSubstructure) -> float:
         """The work [N m] of the adjoint loads on a body's displacements under the actual loads."""
@@ -62,7 +62,7 @@ class VirtualLoads(NamedTuple):
         assert body.closure_by_friction is not None and body.load_motion_by_friction is not None
         closed = closed + drag * (body.closure_by_friction @ p)
         moved = moved + drag * (body.load_motion_by_friction @ p)
-        return float(self.gap_multipliers @ closed + self.adjoint_load @ moved)
+        return float(self.gap_multipliers @ closed + self.adjoint_load_factors @ moved)
 
 
 class ModulusSlopes(NamedTuple):
@@ -80,7 +80,7 @@ class ModulusSlopes(NamedTuple):
     error: float
 
 
-BodiesOfModulus = Callable[[int], dict[str, tuple[ShoeSubstructure, ShoeSubstructure]]]
+BodiesWithChangedModuli = Callable[[int], dict[str, tuple[ShoeSubstructure, ShoeSubstructure]]]
 """Function that takes a shoe's position in the brake and returns bodies with changed moduli.
 
 The keys of the result are the names of the shoe's parts. The first body of a pair has a larger
@@ -88,7 +88,9 @@ modulus of this part, the second body a smaller one.
 """
 
 
-def function_that_condenses_shoes_with_other_moduli(scene: PreparedModel) -> BodiesOfModulus:
+def function_that_condenses_shoes_with_other_moduli(
+    scene: PreparedModel,
+) -> BodiesWithChangedModuli:
     """The function that condenses solid shoes of a prepared model with changed moduli.
 
     Shoes of one shape share their bodies, which are condensed when they are first needed.
@@ -104,7 +106,7 @@ def _condensed_shoes_with_larger_and_smaller_moduli(
     """For each part of shoe `i`, the condensed shoe with a larger and with a smaller modulus."""
     brake, face = scene.brake, scene.bodies[i].line
     # The function is called only for prepared models of three-dimensional shoes.
-    assert isinstance(face, WidthFace)
+    assert isinstance(face, ContactFaceWithWidth)
     bodies = {}
     for part, key in MATERIAL_KEYS.items():
         owner = getattr(brake.shoes[i], key)
@@ -130,7 +132,7 @@ def _condensed_shoes_with_larger_and_smaller_moduli(
 def torque_slopes_by_moduli_of_solid_shoe(
     body: ShoeSubstructure,
     changed: dict[str, tuple[ShoeSubstructure, ShoeSubstructure]],
-    loads: VirtualLoads,
+    loads: LoadsAndAdjointLoads,
 ) -> ModulusSlopes:
     """The slopes of the torque by the moduli of a solid shoe at a given contact stiffness.
 

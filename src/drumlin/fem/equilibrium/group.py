@@ -23,7 +23,7 @@ from drumlin.fem.equilibrium.problems import GroupProblems
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    load_column_factors_and_pin_moment_per_newton,
+    actuation_factors_and_pin_moment_per_newton,
     moment_of_loads_besides_actuation_about_pin,
 )
 from drumlin.fem.preparation.scene import PreparedModel
@@ -37,7 +37,7 @@ ELASTIC_BRAKE_WORDS = "elastic as it is"
 
 The message also states the limit by the law of the rigid shoe.
 """
-FRICTION_STEP = self_locking.LARGEST_FRICTION_STEP / 4
+LARGEST_FRICTION_STEP_BETWEEN_CHECKS = self_locking.LARGEST_FRICTION_STEP / 4
 """Largest step of the drum's friction coefficient between two checks of feet, cam and struts.
 
 The checks are made while the friction grows to the limit of self-locking. A check finds in which
@@ -45,7 +45,7 @@ direction the feet of the shoes slide on their abutments, and whether the cam an
 push all shoes. Above a friction coefficient of 1 the step is relative to the coefficient. A foot
 that leaves its abutment and comes back within a step goes unnoticed; a smaller step costs time.
 """
-CHECK_DISTANCE_FROM_POLE = 1e-4
+LAST_CHECK_DISTANCE_BELOW_LOCKING = 1e-4
 """Relative distance below the limit of self-locking at which feet, cam and struts are last checked.
 
 The limit is the friction coefficient at which the pressures would be infinite. If a foot begins to
@@ -401,8 +401,10 @@ class ShoeGroup(GroupProblems):
             return FollowedFrictionLimit(limit, pulling_part="")
         low, at = self._find_least_friction_with_equilibrium_and_its_solution(largest_friction)
         end = at.self_locking_limit_with_present_supports(low, largest_friction)
-        while low < (last := min(end.friction * (1 - CHECK_DISTANCE_FROM_POLE), largest_friction)):
-            high = min(low + FRICTION_STEP * max(1.0, low), last)
+        while low < (
+            last := min(end.friction * (1 - LAST_CHECK_DISTANCE_BELOW_LOCKING), largest_friction)
+        ):
+            high = min(low + LARGEST_FRICTION_STEP_BETWEEN_CHECKS * max(1.0, low), last)
             after = at.solution_at_higher_friction_or_none(high)
             # Under more friction the group may have a solution again, but the solution that is
             # followed ends between `low` and `high`.
@@ -421,15 +423,15 @@ class ShoeGroup(GroupProblems):
     ) -> tuple[float, "_FollowedSolution"]:
         """Find the least friction coefficient of the drum with an equilibrium, and the equilibrium.
 
-        The friction grows from 0 in steps of FRICTION_STEP. It need not be 0: a shoe may need the
-        friction of the drum to press its foot on the abutment.
+        The friction grows from 0 in steps of LARGEST_FRICTION_STEP_BETWEEN_CHECKS. It need not be
+        0: a shoe may need the friction of the drum to press its foot on the abutment.
         """
         friction = 0.0
         while friction < largest_friction:
             found = self._solve_if_struts_and_cam_push(friction)
             if found is not None:
                 return friction, _followed_solution_of_settled_group(found)
-            friction += FRICTION_STEP * max(1.0, friction)
+            friction += LARGEST_FRICTION_STEP_BETWEEN_CHECKS * max(1.0, friction)
         # The group has no solution at any friction. The next line raises an error with the reason
         # at friction 0.
         found = self.copy_of_group_with_other_drum_friction(
@@ -585,8 +587,8 @@ def _friction_limit_by_bisection(
     high : friction coefficient without a solution
     """
     tried: set[tuple[object, ...]] = set()
-    reach = self_locking.POLE_DISTANCE * high
-    while high - low > self_locking.POLE_DISTANCE * high:
+    reach = self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * high
+    while high - low > self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * high:
         if at.friction_directions_and_bearing_supports not in tried:
             # The solution mostly ends where its directions of friction and its supports cease to
             # hold. Each step of the search for this friction takes one contact solve.
@@ -622,7 +624,9 @@ def _bisect_friction_at_which_supports_change(
     """
     # If the present choice of directions and supports fails at every friction above 0, the search
     # ends at a friction that is practically 0.
-    while high - low > self_locking.POLE_DISTANCE * max(high, self_locking.FRICTION_RESOLUTION):
+    while high - low > self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * max(
+        high, self_locking.FRICTION_RESOLUTION
+    ):
         middle = 0.5 * (low + high)
         after = at.solution_continued_with_present_supports_or_none(middle)
         if after is None:
@@ -725,7 +729,7 @@ def is_shoe_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) ->
         return False
     if shoe.kind_of_support != "hinge":
         return rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
-    _, moment = load_column_factors_and_pin_moment_per_newton(body, shoe)
+    _, moment = actuation_factors_and_pin_moment_per_newton(body, shoe)
     if shoe.has_loads_besides_actuation:
         pushed = abs(shoe.actuation.force) * moment + moment_of_loads_besides_actuation_about_pin(
             shoe

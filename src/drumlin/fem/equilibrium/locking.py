@@ -23,26 +23,26 @@ from drumlin.fem.equilibrium.pressure_friction import (
 )
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.self_locking import (
-    WARNED_SHARE,
+    WARNED_FRACTION_OF_LOCKING_FRICTION,
     LockedShoes,
     SelfLocking,
     SelfLockingFactor,
     first_shoes_to_lock,
 )
 
-NEAR_LAW = 0.5
+FRICTION_NEAR_RIGID_LAW_LIMIT = 0.5
 """Friction, relative to the self-locking limit mu_lock of the rigid-shoe law, above which the limit
 of the elastic brake is sought and stated.
 
 At lower friction the elastic limit is sought only as far as is needed to decide whether a warning
 is printed. The value is a judgement that changes the time and the printed line alone.
 """
-FURTHEST_SEARCH = 3.0
+LARGEST_SOUGHT_FRICTION_RATIO = 3.0
 """Upper end of the search for the elastic limit of self-locking, relative to the brake's friction.
 
-It holds for brakes whose friction is above NEAR_LAW of the rigid-shoe limit. In the studies,
-elastic limits are up to 1.8 times as high as rigid-shoe limits. The value changes the time and the
-printed line alone.
+It holds for brakes whose friction is above FRICTION_NEAR_RIGID_LAW_LIMIT of the rigid-shoe limit.
+In the studies, elastic limits are up to 1.8 times as high as rigid-shoe limits. The value changes
+the time and the printed line alone.
 """
 
 
@@ -51,12 +51,13 @@ def compare_friction_with_self_locking_limits(
 ) -> SelfLocking:
     """Compare a brake's friction with its self-locking limits by law and by finite elements.
 
-    If the friction is above NEAR_LAW times the smallest rigid-shoe limit, the elastic limit is
-    sought up to FURTHEST_SEARCH times the friction. Otherwise it is sought up to 1/WARNED_SHARE
-    times the friction, which is enough to decide on a warning; mostly a single contact solve shows
-    that no limit lies so low. The elastic limit is not sought if a cam, a strut or an abutment may
-    end the equilibrium earlier, nor on meshes of more than COARSE_PATH_ABOVE_NODES contact nodes,
-    on which the search would take longer than the solve.
+    If the friction is above FRICTION_NEAR_RIGID_LAW_LIMIT times the smallest rigid-shoe limit, the
+    elastic limit is sought up to LARGEST_SOUGHT_FRICTION_RATIO times the friction. Otherwise it is
+    sought up to 1/WARNED_FRACTION_OF_LOCKING_FRICTION times the friction, which is enough to decide
+    on a warning; mostly a single contact solve shows that no limit lies so low. The elastic limit
+    is not sought if a cam, a strut or an abutment may end the equilibrium earlier, nor on meshes of
+    more than COARSE_PATH_ABOVE_NODES contact nodes, on which the search would take longer than the
+    solve.
 
     Parameters
     ----------
@@ -78,7 +79,7 @@ def compare_friction_with_self_locking_limits(
     law = first_shoes_to_lock(by_law)
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty) if friction > 0 else []
     if not groups or not all(map(_is_locking_friction_of_group_cheap_to_compute, groups)):
-        return SelfLocking(friction, law, scaled=scaled)
+        return SelfLocking(friction, law, key_of_lining_with_own_friction=scaled)
 
     def smallest_locking_friction_of_group_by_rigid_law(group: ShoeGroup) -> float:
         """The smallest self-locking friction of the shoes of a group, by the rigid-shoe law."""
@@ -87,9 +88,9 @@ def compare_friction_with_self_locking_limits(
     # The search begins with the group that locks at the least friction by the rigid-shoe law. The
     # limit of each group bounds the search in the next groups, since only the smallest limit is
     # stated.
-    limits, sought = [], friction / WARNED_SHARE
-    if friction > NEAR_LAW * law.friction:
-        sought = friction * FURTHEST_SEARCH
+    limits, sought = [], friction / WARNED_FRACTION_OF_LOCKING_FRICTION
+    if friction > FRICTION_NEAR_RIGID_LAW_LIMIT * law.friction:
+        sought = friction * LARGEST_SOUGHT_FRICTION_RATIO
     for group in sorted(groups, key=smallest_locking_friction_of_group_by_rigid_law):
         shoes = tuple(brake.shoes[i].name for i in group.members)
         limits.append(LockedShoes(shoes, _locking_friction_of_elastic_group(group, sought)))
@@ -124,9 +125,9 @@ def compare_friction_over_pressure_with_self_locking_limit(
         limit / brake.friction_coefficient_curve_of_shoe(shoe).mu.max()
         for shoe, limit in zip(brake.shoes, scene.locking_frictions_of_rigid_shoes, strict=True)
     ]
-    limits, sought = [], 1 / WARNED_SHARE
-    if NEAR_LAW * min(by_law) < 1:
-        sought = FURTHEST_SEARCH
+    limits, sought = [], 1 / WARNED_FRACTION_OF_LOCKING_FRICTION
+    if FRICTION_NEAR_RIGID_LAW_LIMIT * min(by_law) < 1:
+        sought = LARGEST_SOUGHT_FRICTION_RATIO
     for group in groups:
         shoes = tuple(brake.shoes[i].name for i in group.members)
         settled = solve_shoe_group_with_lining_friction(group)

@@ -17,8 +17,8 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.one_sided import (
-    LARGEST_PULL,
-    Bearing,
+    LARGEST_ROUND_OFF_PULL_OF_SUPPORT,
+    WhichSupportsBear,
     divide_motions_into_held_and_free,
     do_linings_resist_free_motions,
 )
@@ -67,7 +67,7 @@ class BearingSupports:
     """
 
     problem: ContactProblem
-    bearing: Bearing
+    bearing: WhichSupportsBear
     matrices: SupportMatrices
     forces_without_pressure: Floats
     forces_by_pressure: Floats
@@ -99,13 +99,15 @@ class BearingSupports:
         opening, largest = np.sum(parts, axis=0), float(np.abs(parts).max())
         on = np.array(self.bearing)
         # The largest actuation force is 1, since forces are relative to it.
-        pulls = forces[on] < -LARGEST_PULL * max(1.0, float(np.abs(forces).max()))
-        overlaps = opening[~on] < -LARGEST_PULL * largest
+        pulls = forces[on] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * max(
+            1.0, float(np.abs(forces).max())
+        )
+        overlaps = opening[~on] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * largest
         return not (pulls.any() or overlaps.any())
 
 
 def contact_problem_on_supports_that_bear(
-    problem: ContactProblem, matrices: SupportMatrices, bearing: Bearing
+    problem: ContactProblem, matrices: SupportMatrices, bearing: WhichSupportsBear
 ) -> BearingSupports | None:
     """Make the contact problem of a group of shoes on the one-sided supports that bear.
 

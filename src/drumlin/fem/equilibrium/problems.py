@@ -8,7 +8,11 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Shoe
-from drumlin.brake.one_sided import Bearing, SupportForce, forces_of_one_sided_supports_on_shoe
+from drumlin.brake.one_sided import (
+    SupportForce,
+    WhichSupportsBear,
+    forces_of_one_sided_supports_on_shoe,
+)
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.self_locking import FrictionDependentProblem
@@ -28,12 +32,12 @@ from drumlin.fem.equilibrium.springs import (
     unit_pulls_on_shoe,
     work_of_force_on_test_modes,
 )
-from drumlin.fem.equilibrium.state import GroupState
+from drumlin.fem.equilibrium.state import ShoeGroupData
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    load_column_factors_of_force_at_point,
-    load_column_factors_of_loads_besides_actuation,
-    load_column_factors_under_all_loads,
+    unit_load_factors_of_force_at_point,
+    unit_load_factors_of_loads_besides_actuation,
+    unit_load_factors_under_all_loads,
 )
 
 ROWS_AT_A_TIME = 64
@@ -44,7 +48,7 @@ more calls of numpy. The number changes no result.
 """
 
 
-class GroupProblems(GroupState):
+class GroupProblems(ShoeGroupData):
     """A group of shoes with its contact problem at every friction coefficient of the drum.
 
     The drum drags the linings by the traction mu p. The weighted gap is w = M (g + p/eps) - N u +
@@ -183,7 +187,7 @@ class GroupProblems(GroupState):
             self.shoes[k],
             self.rigid_body_modes_of_shoes[k],
         )
-        load = self.actuation_of_each_shoe_by_one_newton[k].load_factors
+        load = self.actuation_of_each_shoe_by_one_newton[k].load_column_factors
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
         tip = self._elastic_load_point_travel_per_nodal_pressure(k, load, friction)
         # `contact` has the force of pressure and friction on the lining, per nodal pressure.
@@ -195,7 +199,7 @@ class GroupProblems(GroupState):
         further = np.zeros(len(load))
         if shoe.has_loads_besides_actuation:
             further = (
-                load_column_factors_of_loads_besides_actuation(body, shoe)
+                unit_load_factors_of_loads_besides_actuation(body, shoe)
                 / self.largest_actuation_force
             )
         if shoe.abutment is not None:
@@ -215,11 +219,11 @@ class GroupProblems(GroupState):
             nodes=self.contact_node_slices_of_shoes[k],
             modes=self.rigid_body_mode_slices_of_shoes[k],
             gap_by_force=-(body.closure_by_load @ load),
-            tip_travel_by_pressure=tip,
-            tip_travel_by_force=float(load @ body.load_motion_by_load @ load),
-            tip_travel_by_further_loads=float(load @ body.load_motion_by_load @ further),
+            load_point_travel_by_pressure=tip,
+            load_point_travel_by_force=float(load @ body.load_motion_by_load @ load),
+            load_point_travel_by_further_loads=float(load @ body.load_motion_by_load @ further),
             work=modes.actuation_work,
-            tip_travel_by_modes=modes.tip_travel,
+            load_point_travel_by_modes=modes.load_point_travel,
             foot_force_by_pressure=bearing,
             foot_force_by_force=direct,
             foot_force_by_further_loads=borne,
@@ -268,11 +272,11 @@ class GroupProblems(GroupState):
         shoe, body = self.shoes[i], self.substructures_of_shoes[i]
         sense = self.known_abutment_friction_directions[i]
         nodes, modes = self.contact_node_slices_of_shoes[i], self.rigid_body_mode_slices_of_shoes[i]
-        acting = self.actuation_of_each_shoe_by_one_newton[i].load_factors
+        acting = self.actuation_of_each_shoe_by_one_newton[i].load_column_factors
         pulls = unit_pulls_on_shoe(self.brake, shoe)
         for j, place, pull in pulls:
-            load = load_column_factors_of_force_at_point(body, shoe, place, pull)
-            found.load_factors[j][i][:] = load
+            load = unit_load_factors_of_force_at_point(body, shoe, place, pull)
+            found.load_column_factors[j][i][:] = load
             found.resultants[j, i] = pull.resultant
             found.gap_by_pull[nodes, j] = -(body.closure_by_load @ load)
             found.work[modes, j] = work_of_force_on_test_modes(shoe, sense, pull)
@@ -289,7 +293,7 @@ class GroupProblems(GroupState):
                     shoe.unit_vector_of_smooth_abutment_force @ np.array(pull.force)
                 )
         for (one, *_), (other, *_) in product(pulls, repeat=2):
-            loads = found.load_factors[one][i], found.load_factors[other][i]
+            loads = found.load_column_factors[one][i], found.load_column_factors[other][i]
             found.approach_by_pull[one, other] += loads[0] @ body.load_motion_by_load @ loads[1]
 
     # The following methods treat supports that push and cannot pull.
@@ -318,7 +322,7 @@ class GroupProblems(GroupState):
                 k, load = side.shoe, loads[j][side.shoe]
                 nodes, body = self.contact_node_slices_of_shoes[k], self.substructures_of_shoes[k]
                 force = self.shoes[k].actuation.force
-                acting = load_column_factors_under_all_loads(body, self.shoes[k], force)
+                acting = unit_load_factors_under_all_loads(body, self.shoes[k], force)
                 travel = load @ body.load_motion_by_load @ acting
                 opening[j] += travel / self.largest_actuation_force
                 by_pressure[j, nodes] = self._elastic_load_point_travel_per_nodal_pressure(
@@ -364,7 +368,7 @@ class GroupProblems(GroupState):
         return found
 
     def contact_problem_on_given_supports_or_none(
-        self, bearing: Bearing, friction: float
+        self, bearing: WhichSupportsBear, friction: float
     ) -> BearingSupports | None:
         """The contact problem on chosen bearing supports; None if they do not hold the shoes."""
         if len(bearing) != len(self.one_sided_supports):

@@ -67,7 +67,7 @@ def require_small_shoe_turns_in_contact_solution(
     ----------
     shoe : the shoe
     sense : direction of the friction at its abutment: +1 or -1 along the face, 0 if the foot
-        sticks, see `Held.rigid_body_modes_of_support`
+        sticks, see `SupportedShoe.rigid_body_modes_of_support`
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
     coordinates : generalised coordinates (k,) [rad, m] of the shoe in the solution
     """

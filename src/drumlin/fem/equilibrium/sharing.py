@@ -45,11 +45,12 @@ class ForceEffects(NamedTuple):
     modes : indices of the shoe's k generalised coordinates among the coordinates of the group
     gap_by_force : opening (n,) of the weighted gaps, the integrals of the gap times each node's
         shape function, by the force
-    tip_travel_by_pressure : elastic travel (n,) of the tip along the force, by the pressures
-    tip_travel_by_force : elastic travel of the tip along the force, by the force
-    tip_travel_by_further_loads : elastic travel of the tip by springs, weight and further forces
+    load_point_travel_by_pressure : elastic travel (n,) of the tip along the force, by the pressures
+    load_point_travel_by_force : elastic travel of the tip along the force, by the force
+    load_point_travel_by_further_loads : elastic travel of the tip by springs, weight and further
+        forces
     work : work (k,) of the force on the test modes
-    tip_travel_by_modes : travel (k,) of the tip along the force, by the rigid-body modes
+    load_point_travel_by_modes : travel (k,) of the tip along the force, by the rigid-body modes
     foot_force_by_pressure : force (n,) along the strut that the foot transmits, by the pressures
     foot_force_by_force : force along the strut that the foot transmits, by the actuation force
     foot_force_by_further_loads : force along the strut that the foot transmits, by springs, weight
@@ -59,11 +60,11 @@ class ForceEffects(NamedTuple):
     nodes: slice | Ints
     modes: slice
     gap_by_force: Floats
-    tip_travel_by_pressure: Floats
-    tip_travel_by_force: float
-    tip_travel_by_further_loads: float
+    load_point_travel_by_pressure: Floats
+    load_point_travel_by_force: float
+    load_point_travel_by_further_loads: float
     work: Floats
-    tip_travel_by_modes: Floats
+    load_point_travel_by_modes: Floats
     foot_force_by_pressure: Floats
     foot_force_by_force: float
     foot_force_by_further_loads: float
@@ -235,17 +236,17 @@ def _contact_problem_with_cam_travel_as_unknown(
         mode = _index_of_mode_replaced_by_cam_travel(blocks, shoe)
         main = shoe.modes.start + mode
         mains.append(main)
-        size = shoe.tip_travel_by_modes[mode]
+        size = shoe.load_point_travel_by_modes[mode]
         # The main mode gives the tip (the point of actuation) the travel of the cam, less the
         # elastic travel and the travel by all other modes.
         by_pressure[main] = (
             -_elastic_actuation_point_travel_per_pressure(shoe, forces.by_pressure[i]) / size
         )
-        elastic = shoe.tip_travel_by_force * forces.without_pressure[i]
-        of_loads[main] = -(elastic + shoe.tip_travel_by_further_loads) / size
+        elastic = shoe.load_point_travel_by_force * forces.without_pressure[i]
+        of_loads[main] = -(elastic + shoe.load_point_travel_by_further_loads) / size
         # The subtraction also makes the entry of the main mode itself zero, because the coordinate
         # of this mode is no longer an unknown.
-        of_coordinates[main, shoe.modes] -= shoe.tip_travel_by_modes / size
+        of_coordinates[main, shoe.modes] -= shoe.load_point_travel_by_modes / size
         per_travel[main] = 1 / size
     # The travel of the cam replaces the coordinates of the main modes, and is the first unknown.
     kept = np.delete(np.arange(k), mains)
@@ -269,8 +270,8 @@ def _elastic_actuation_point_travel_per_pressure(
     The n contact nodes are those of the group. `force_by_pressure` (n,) is the shoe's actuation
     force per pressure at each of them.
     """
-    elastic = shoe.tip_travel_by_force * force_by_pressure
-    elastic[shoe.nodes] += shoe.tip_travel_by_pressure
+    elastic = shoe.load_point_travel_by_force * force_by_pressure
+    elastic[shoe.nodes] += shoe.load_point_travel_by_pressure
     return elastic
 
 
@@ -317,9 +318,9 @@ def contact_matrix_with_forces_as_unknowns(
     # sum of the cam's forces.
     for i in cam_shoes:
         shoe, row = effects[i], matrix[force + i]
-        row[shoe.nodes] = shoe.tip_travel_by_pressure
-        row[n + shoe.modes.start : n + shoe.modes.stop] = shoe.tip_travel_by_modes
-        row[force + i] = shoe.tip_travel_by_force
+        row[shoe.nodes] = shoe.load_point_travel_by_pressure
+        row[n + shoe.modes.start : n + shoe.modes.stop] = shoe.load_point_travel_by_modes
+        row[force + i] = shoe.load_point_travel_by_force
         row[-1] = -1.0
         matrix[-1, force + i] = 1.0
     return matrix
@@ -331,7 +332,8 @@ def _index_of_mode_replaced_by_cam_travel(blocks: ContactProblem, shoe: ForceEff
     On this main mode the force does most work, relative to the squared effect of the mode on the
     gaps. The choice is the same at every friction coefficient.
     """
-    # Turns and slides have different units. The work on them is comparable after division by their
-    # squared effect on the gaps.
+    # A rotation and a translation have different units. The work and the travel of the load point
+    # are both proportional to the size of the mode. Their product is comparable after division by
+    # the squared effect of the mode on the gaps.
     size = np.linalg.norm(blocks.B[:, shoe.modes], axis=0)
-    return int((shoe.work * shoe.tip_travel_by_modes / size**2).argmax())
+    return int((shoe.work * shoe.load_point_travel_by_modes / size**2).argmax())

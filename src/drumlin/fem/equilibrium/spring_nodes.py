@@ -24,7 +24,7 @@ from drumlin.fem.equilibrium.sharing import (
     ForceEffects,
     make_contact_problem_with_strut_and_cam_forces,
 )
-from drumlin.fem.preparation.bodies import load_column_factors_under_all_loads
+from drumlin.fem.preparation.bodies import unit_load_factors_under_all_loads
 
 
 class SpringNodes(NamedTuple):
@@ -123,9 +123,11 @@ def spring_border_at_friction(
     opening = -nodes.preloads / (nodes.rates * size)
     for k, body in enumerate(group.substructures_of_shoes):
         own_force = group.shoes[k].actuation.force
-        acting = load_column_factors_under_all_loads(body, group.shoes[k], own_force) / size
+        acting = unit_load_factors_under_all_loads(body, group.shoes[k], own_force) / size
         for row, j in enumerate(numbers.tolist()):
-            opening[row] += float(springs.load_factors[j][k] @ body.load_motion_by_load @ acting)
+            opening[row] += float(
+                springs.load_column_factors[j][k] @ body.load_motion_by_load @ acting
+            )
     of_pulls = springs.approach_by_pull[np.ix_(numbers, numbers)]
     return SpringBorder(
         gap_by_force=springs.gap_by_pull[:, numbers] * signs,
@@ -192,8 +194,8 @@ def actuation_effects_with_spring_nodes(
                 gap_by_force=np.append(
                     own.gap_by_force, nodes.signs * springs.approach_by_force[numbers, k]
                 ),
-                tip_travel_by_pressure=np.append(
-                    own.tip_travel_by_pressure,
+                load_point_travel_by_pressure=np.append(
+                    own.load_point_travel_by_pressure,
                     nodes.signs * springs.tip_travel_by_pull[k, numbers],
                 ),
                 foot_force_by_pressure=np.append(

@@ -17,19 +17,19 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Actuation
 from drumlin.brake.one_sided import (
-    Bearing,
     OneSidedSupport,
-    SideOfSupport,
+    SupportPushOnShoe,
+    WhichSupportsBear,
     one_sided_supports_of_brake,
     work_of_support_push_in_rigid_body_modes,
 )
 from drumlin.fem.equilibrium.modes import RigidBodyModes, make_rigid_body_modes
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    load_column_factors_and_pin_moment_per_newton,
-    load_column_factors_of_one_sided_support_push,
-    load_column_factors_under_all_loads,
+    actuation_factors_and_pin_moment_per_newton,
     penalty_stiffness_of_contact_per_area,
+    unit_load_factors_of_one_sided_support_push,
+    unit_load_factors_under_all_loads,
 )
 from drumlin.fem.preparation.scene import PreparedModel
 
@@ -37,19 +37,19 @@ from drumlin.fem.preparation.scene import PreparedModel
 class UnitLoad(NamedTuple):
     """The actuation of a shoe by a force of one newton.
 
-    `load_factors` (l,) are the factors by which the load columns of the substructure make up the
-    load. `moment_about_pin` is the moment of the actuation about the pin [m].
+    `load_column_factors` (l,) are the factors by which the load columns of the substructure make up
+    the load. `moment_about_pin` is the moment of the actuation about the pin [m].
     """
 
-    load_factors: Floats
+    load_column_factors: Floats
     moment_about_pin: float
 
 
 class ModeClosures(NamedTuple):
     """The effects of a shoe's k test modes on its n contact nodes, per unit of each mode.
 
-    `normal` (n, k) are the weighted closures N u of the gap, and `tangential` (n, k) the weighted
-    slips T u. A test mode is a rigid-body motion on which the shoe's support does no work.
+    `normal` (n, k) are the closures N u of the gap, and `tangential` (n, k) the slips T u. Both are
+    integrated along the contact line with the shape function of each node. A test mode is a rigid-body motion on which the shoe's support does no work.
     """
 
     normal: Floats
@@ -91,7 +91,7 @@ class RingFlexibility(NamedTuple):
 
 
 @dataclass(frozen=True)
-class GroupState:
+class ShoeGroupData:
     """Shoes of a brake that are solved together, on a prepared model.
 
     All contact problems of the group are stated per newton of `largest_actuation_force`. If only
@@ -125,7 +125,7 @@ class GroupState:
     relative_frictions: tuple[float, ...] = ()
     friction_at_nodes: Floats | None = None
     worn_depth: Floats | None = None
-    bearing: Bearing = ()
+    bearing: WhichSupportsBear = ()
 
     # These properties describe the shoes of the group and the friction on them.
 
@@ -230,7 +230,7 @@ class GroupState:
         return tuple(
             UnitLoad(*each)
             for each in map(
-                load_column_factors_and_pin_moment_per_newton,
+                actuation_factors_and_pin_moment_per_newton,
                 self.substructures_of_shoes,
                 self.shoes,
             )
@@ -249,7 +249,7 @@ class GroupState:
 
     @cached_property
     def gaps_of_unloaded_linings(self) -> tuple[Floats, ...]:
-        """The gaps (n_i,) [m] of each unloaded lining at its contact nodes."""
+        """For each shoe the gaps (n_i,) [m] of its unloaded linings at its contact nodes, worn or new."""
         gaps = []
         for body, shoe, part in zip(
             self.substructures_of_shoes,
@@ -295,7 +295,7 @@ class GroupState:
         force = abs(own_force) / self.largest_actuation_force
         gap = body.coupling.M @ (self.gaps_of_unloaded_linings[k] / self.largest_actuation_force)
         acting = (
-            load_column_factors_under_all_loads(body, self.shoes[k], own_force)
+            unit_load_factors_under_all_loads(body, self.shoes[k], own_force)
             / self.largest_actuation_force
         )
         q = gap - body.closure_by_load @ acting
@@ -306,7 +306,7 @@ class GroupState:
             closure = body.coupling.N @ modes.contact_modes
         h = -force * modes.actuation_work
         if self.shoes[k].has_loads_besides_actuation:
-            h = h - modes.further_work / self.largest_actuation_force
+            h = h - modes.work_of_further_loads / self.largest_actuation_force
         return FrictionlessTerms(q, -closure, h)
 
     # These properties describe supports that push and cannot pull.
@@ -333,10 +333,10 @@ class GroupState:
         work[0] *= shoe.frame.sense
         return work
 
-    def load_column_factors_of_support_push(self, side: SideOfSupport) -> Floats:
+    def load_column_factors_of_support_push(self, side: SupportPushOnShoe) -> Floats:
         """The factors (l,) by which a shoe's load columns make up the push of a support by 1 N."""
         body, shoe = self.substructures_of_shoes[side.shoe], self.shoes[side.shoe]
-        return load_column_factors_of_one_sided_support_push(
+        return unit_load_factors_of_one_sided_support_push(
             body, shoe, side.unit_push, self.brake.size
         )
 

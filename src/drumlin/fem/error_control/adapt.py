@@ -15,7 +15,11 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_text_in_percent
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.error_control.estimate import SOFTER, Errors, estimate_errors_from_two_mesh_levels
+from drumlin.fem.error_control.estimate import (
+    SAFETY_FACTOR_OF_PENALTY_ERROR,
+    Errors,
+    estimate_errors_from_two_mesh_levels,
+)
 from drumlin.fem.error_control.levels import (
     ResponseFunction,
     SolvedLevel,
@@ -23,7 +27,7 @@ from drumlin.fem.error_control.levels import (
 )
 from drumlin.fem.error_control.singular_points import reason_if_contact_is_too_short
 from drumlin.fem.hp.corner import (
-    TIP_TOLERANCE,
+    TOLERANCE_OF_COLUMN_END_AT_GAP_KINK,
     remaining_pressure_error_at_lining_corners,
     remaining_pressure_error_at_pointed_gap_kinks,
     response_with_power_laws_at_corners,
@@ -41,7 +45,7 @@ from drumlin.response.resultants import (
     length_of_edge_zone_left_out_of_pressure_errors,
 )
 
-PEAK_NEAR_END = 0.5
+LARGEST_PEAK_FRACTION_AT_LINING_END = 0.5
 """Fraction of the peak pressure that p may reach in the hp element at a lining's end.
 
 If the largest p in this element exceeds this fraction of the peak, the peak pressure is stated as
@@ -188,7 +192,10 @@ def _shoes_with_unbounded_pressure_as_text(brake: Brake, response: Response) -> 
     """
     unbounded = []
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
-        if _missing_fraction_of_peak_pressure(shoe, brake.scale_factor, answer) == 1.0:
+        if (
+            _missing_fraction_of_peak_pressure(shoe, brake.length_per_surface_coordinate, answer)
+            == 1.0
+        ):
             unbounded.append(repr(shoe.name))
     if not unbounded:
         return ""
@@ -208,7 +215,7 @@ def _reached_errors_as_text(progress: _Progress, tolerance: Tolerance) -> str:
     )
     text = f"estimated error of p {pressure}, of the torque {torque}"
     shoes = progress.responses[-1].shoes
-    by_penalty = SOFTER * max(shoe.softness.pressure for shoe in shoes)
+    by_penalty = SAFETY_FACTOR_OF_PENALTY_ERROR * max(shoe.softness.pressure for shoe in shoes)
     if by_penalty > 0.5 * tolerance.pressure:
         text += (
             f"; the penalty makes {error_text_in_percent(by_penalty)} of it; a larger --penalty "
@@ -284,9 +291,13 @@ def errors_with_singular_points_and_text_on_short_contacts(
     """
     shoes, text = [], ""
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        missing_peak = _missing_fraction_of_peak_pressure(shoe, brake.scale_factor, answer)
+        missing_peak = _missing_fraction_of_peak_pressure(
+            shoe, brake.length_per_surface_coordinate, answer
+        )
         at_corners = remaining_pressure_error_at_lining_corners(brake, i, answer)
-        under_tips = remaining_pressure_error_at_pointed_gap_kinks(shoe, brake.scale_factor, answer)
+        under_tips = remaining_pressure_error_at_pointed_gap_kinks(
+            shoe, brake.length_per_surface_coordinate, answer
+        )
         at_singular_points = at_corners + under_tips
         errors = {
             **error.shoes[i],
@@ -308,19 +319,21 @@ def _errors_of_shoe_with_unknown_pressure(errors: Mapping[str, float]) -> dict[s
 
 
 def _missing_fraction_of_peak_pressure(
-    shoe: Shoe, scale_factor: float, answer: ShoeResponse
+    shoe: Shoe, length_per_surface_coordinate: float, answer: ShoeResponse
 ) -> float:
     """The fraction by which the computed peak pressure of a shoe may be too small.
 
     A computed peak is too small if the exact pressure p grows without bound nearby: at an end of
     the lining, or under a kink of the gap that points to the drum (a tip). The fraction is then 1,
-    which means that the peak is unknown. `scale_factor` is the length per unit of the surface's
-    coordinate [m/rad; 1 on a plane].
+    which means that the peak is unknown. `length_per_surface_coordinate` is the length per unit of
+    the surface's coordinate [m/rad; 1 on a plane].
     """
-    zone = length_of_edge_zone_left_out_of_peak_search(shoe, scale_factor)
+    zone = length_of_edge_zone_left_out_of_peak_search(shoe, length_per_surface_coordinate)
     if _is_peak_pressure_at_lining_end(answer, zone):
         return 1.0
-    return _missing_fraction_of_peak_at_pointed_gap_kinks(shoe, scale_factor, answer, zone)
+    return _missing_fraction_of_peak_at_pointed_gap_kinks(
+        shoe, length_per_surface_coordinate, answer, zone
+    )
 
 
 def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
@@ -328,8 +341,8 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
 
     `zone` is the length of the zone at each end of the lining in which the peak is usually not
     sought. If the peak was sought there nevertheless, the result is also true if the pressure in an
-    end element exceeds PEAK_NEAR_END times the peak: on finer elements the largest pressure would
-    lie there.
+    end element exceeds LARGEST_PEAK_FRACTION_AT_LINING_END times the peak: on finer elements the
+    largest pressure would lie there.
     """
     theta, p, order = answer.theta, answer.pressure, answer.order
     # `heights` are the largest pressures in the elements at pressed ends of linings, relative to
@@ -341,7 +354,7 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
             heights.append(height / answer.peak_pressure)
     if any(math.isclose(height, 1.0) for height in heights):
         return True
-    is_high = max(heights, default=0.0) > PEAK_NEAR_END
+    is_high = max(heights, default=0.0) > LARGEST_PEAK_FRACTION_AT_LINING_END
     return (
         is_high
         and length_of_edge_zone_left_out_of_pressure_errors(theta, p, order, zone, answer.slots)
@@ -363,7 +376,7 @@ def _elements_at_ends_of_linings(answer: ShoeResponse) -> list[tuple[int, slice]
 
 
 def _missing_fraction_of_peak_at_pointed_gap_kinks(
-    shoe: Shoe, scale_factor: float, answer: ShoeResponse, zone: float
+    shoe: Shoe, length_per_surface_coordinate: float, answer: ShoeResponse, zone: float
 ) -> float:
     """The fraction by which the computed pressure peak may be too small because of tips of the gap.
 
@@ -381,7 +394,8 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
     Parameters
     ----------
     shoe, answer : the shoe and its response
-    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
+    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
+        plane]
     zone : length of the zone at each end of the lining in which the peak is usually not sought
     """
     order = answer.order
@@ -400,14 +414,17 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
         # the tip.
         nearest = int(np.abs(theta[::order] - tip).argmin()) * order
         around = slice(max(nearest - order, 0), nearest + order + 1)
-        width = scale_factor * float(theta[around][-1] - theta[around][0])
+        width = length_per_surface_coordinate * float(theta[around][-1] - theta[around][0])
         size_ratio = max(width / (SMALLEST_COLUMN * shoe.lining.thickness), 1.0)
-        growth = modulus * slope / scale_factor * math.log(size_ratio) / (2 * math.pi)
+        growth = (
+            modulus * slope / length_per_surface_coordinate * math.log(size_ratio) / (2 * math.pi)
+        )
         possible_peak = (
             largest_value_of_piecewise_polynomial(theta[around], p[around], order) + growth
         )
         elements_end_at_tip = (
-            abs(theta[nearest] - tip) < TIP_TOLERANCE * shoe.frame.surface_coordinate_per_phi
+            abs(theta[nearest] - tip)
+            < TOLERANCE_OF_COLUMN_END_AT_GAP_KINK * shoe.frame.surface_coordinate_per_phi
         )
         if possible_peak > answer.peak_pressure:
             excess = possible_peak / answer.peak_pressure - 1.0

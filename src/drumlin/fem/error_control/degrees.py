@@ -28,10 +28,10 @@ from drumlin.fem.error_control.adapt import (
 )
 from drumlin.fem.error_control.changed_shape import prepared_model_with_moved_nodes
 from drumlin.fem.error_control.estimate import (
-    FACTORS,
-    QUANTITIES,
+    QUANTITIES_WITH_STATED_ERROR,
+    SAFETY_FACTORS,
     Errors,
-    Factors,
+    SafetyFactors,
     estimate_errors_from_response_differences,
     relative_differences_of_responses_on_two_levels,
 )
@@ -47,9 +47,9 @@ from drumlin.fem.hp.division import Level
 from drumlin.fem.mesh.degree import nodal_basis_of_shoe_mesh
 from drumlin.fem.mesh.smooth_outline import node_displacements_onto_smooth_outline
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.meshes import RaisedDegree, read_mesh_file_of_shoe
+from drumlin.fem.preparation.meshes import DegreeAndSplittingOfMesh, read_mesh_file_of_shoe
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.preparation.scene import PointsByShape, PreparedModel
+from drumlin.fem.preparation.scene import PreparedModel, SingularPointsByShoeShape
 from drumlin.response.response import Response
 
 
@@ -77,61 +77,66 @@ the sizes of hp elements of a degree higher by one, p at degree 3 was 0.3 % to 1
 meshes by Gmsh. Now p is off by 0.02 % to 0.1 % on most meshes, and many solves need one level less.
 """
 FINE_MESH_LEVELS = MeshLevels(LEVELS[1:6], degrees_below=3)
-"""The levels of refinement on fine meshes, see FINE_MESH, with elements of degree 1 to 5.
+"""The levels of refinement on fine meshes, with elements of degree 1 to 5.
+
+A mesh is fine from LEAST_VERTICES_OF_FINE_MESH vertices on.
 
 The sizes at singular points are those of hp elements of a degree higher by three. On four meshes of
 10 000 nodes p is 0.4 % to 0.8 % off on the first level, and 0.05 % to 0.2 % on the second.
 """
-FINE_MESH = 2000
+LEAST_VERTICES_OF_FINE_MESH = 2000
 """Number of vertices of a file's mesh from which on it is solved on FINE_MESH_LEVELS.
 
 On such a mesh elements of degree 2 often suffice, and higher degrees would take most of the time. A
 smaller number adds a level to solves on coarse meshes, where degree 2 does not suffice. With a
 larger number solves on fine meshes take about 1.5 times as long. The value is a judgement.
 """
-FORCE_FACTOR = 0.05
-"""The factor of the error estimate on a mesh file for torque and reactions; see `Factors`.
+MESH_FILE_FORCE_FACTOR = 0.05
+"""The factor of the error estimate on a mesh file for torque and reactions; see `SafetyFactors`.
 
-On 45 meshes by Gmsh 0.018 would just suffice, together with 0.0003 for CANCELLED_FORCE_FACTOR.
-Either factor may be smaller if the other one is larger. A larger factor makes stated errors larger.
-The value is a judgement.
+On 45 meshes by Gmsh 0.018 would just suffice, together with 0.0003 for
+MESH_FILE_CANCELLED_FORCE_FACTOR. Either factor may be smaller if the other one is larger. A larger
+factor makes stated errors larger. The value is a judgement.
 """
-CANCELLED_FORCE_FACTOR = 0.004
-"""The factor of the error estimate on a mesh file for forces whose errors cancel; see `Factors`.
+MESH_FILE_CANCELLED_FORCE_FACTOR = 0.004
+"""The factor of the error estimate on a mesh file for forces whose errors cancel.
 
 A larger factor makes stated errors larger. With 0.002 a torque's error of 5e-7 was stated 1.3 times
 too small on one of 50 meshes by Gmsh. With 0.003 no error is too small on these meshes. The value
 is a judgement.
 """
-DEGREE_FACTORS = Factors(
-    pressure=0.45, force=FORCE_FACTOR, cancelled=CANCELLED_FORCE_FACTOR, peak=0.5
+MESH_FILE_SAFETY_FACTORS = SafetyFactors(
+    pressure=0.45,
+    force=MESH_FILE_FORCE_FACTOR,
+    cancelled=MESH_FILE_CANCELLED_FORCE_FACTOR,
+    peak=0.5,
 )
-"""The factors of the error estimate from two levels on a mesh file; see `Factors` for each number.
+"""The `SafetyFactors` of the error estimate from two levels on a mesh file.
 
 A smaller factor makes stated errors too small, a larger one only larger. On 70 meshes by Gmsh a
 pressure factor of 0.3 and a peak factor of 0.45 would just suffice. `make degrees` compares stated
 with true errors on further meshes.
 """
-FORMER_SHARE = 0.04
+EARLIER_DIFFERENCE_SHARE = 0.04
 """Fraction of the difference between the two earlier levels that is added to the last difference.
 
 The last difference, between the last two levels, may be small by accident. A larger fraction makes
 stated errors larger. With 0.02 the error of p was stated 8 % too small on a uniform mesh of ten
 elements along the lining; no other mesh needed a larger fraction than 0.02.
 """
-SHAPE_FACTORS = Factors(pressure=1.3, force=1.3, cancelled=0.1, peak=1.3)
+SHAPE_FACTORS = SafetyFactors(pressure=1.3, force=1.3, cancelled=0.1, peak=1.3)
 """Error that the shape of a mesh causes, divided by the change of the result with another shape.
 
 Arcs replace straight sides on curved outlines, or a round lining replaces a gap below the rounding
 of coordinates. For such a gap the change is the error itself, if rounding alone has caused the gap.
-See `Factors` for each number. If the straight sides cause the largest error, the change is nearly
-the true error: on 45 meshes by Gmsh with straight sides the error of p was 1.0 to 1.15 times its
-change, and the error of the peak up to 1.25 times the larger of the changes of p and of the peak.
-On one mesh the changes of p cancelled in the torque, whose error was 5 times its change, or 0.12
-times the change that random signs of the changes of p would give. Smaller factors make stated
+See `SafetyFactors` for each number. If the straight sides cause the largest error, the change is
+nearly the true error: on 45 meshes by Gmsh with straight sides the error of p was 1.0 to 1.15 times
+its change, and the error of the peak up to 1.25 times the larger of the changes of p and of the
+peak. On one mesh the changes of p cancelled in the torque, whose error was 5 times its change, or
+0.12 times the change that random signs of the changes of p would give. Smaller factors make stated
 errors too small.
 """
-ROUNDING_FACTORS = {"pressure": 1.5, "torque": 0.1, "peak": 0.8, "reaction": 0.25}
+ERROR_PER_COORDINATE_ROUNDING = {"pressure": 1.5, "torque": 0.1, "peak": 0.8, "reaction": 0.25}
 """Relative errors by rounded coordinates of a mesh file, divided by the ratio of the rounding to
 the lining's thickness.
 
@@ -141,7 +146,7 @@ highest degree, p changed by 0.3 to 1.3 times the relative rounding, the peak by
 the reaction by up to 0.2 times and the torque by up to 0.07 times. Smaller factors make stated
 errors of rounded meshes too small.
 """
-NEGLIGIBLE_SHARE = 0.1
+NEGLIGIBLE_SHARE_OF_LEVEL_ERROR = 0.1
 """Fraction of an estimated error up to which the part that levels reduce is negligible.
 
 Straight sides and rounded coordinates cause the rest of the error, and further levels do not change
@@ -149,7 +154,7 @@ this rest. With a smaller fraction some meshes with straight sides need one more
 two to three times as long, for errors that are smaller by less than this fraction. With a larger
 fraction the last level could leave a larger part of the errors. The value is a judgement.
 """
-NEGLIGIBLE_MOVE = 1e-5
+NEGLIGIBLE_DISTANCE_OF_SIDE_FROM_ARC = 1e-5
 """Largest distance between a side and its arc, in lining thicknesses, that is neglected.
 
 On four meshes by Gmsh with third-order sides a tenth of the drum's radius long, all sides lay up to
@@ -253,7 +258,7 @@ def mesh_levels_of_brake(brake: Brake, cache: Cache) -> MeshLevels:
     """
     read = [read_mesh_file_of_shoe(brake, shoe, cache) for shoe in brake.shoes]
     vertices = max(each.mesh.nvertices for each in read if each is not None)
-    return FINE_MESH_LEVELS if vertices >= FINE_MESH else MESH_LEVELS
+    return FINE_MESH_LEVELS if vertices >= LEAST_VERTICES_OF_FINE_MESH else MESH_LEVELS
 
 
 def prepared_model_on_second_level_of_mesh_files(
@@ -274,7 +279,7 @@ def prepared_model_on_second_level_of_mesh_files(
 def prepared_model_of_mesh_files(
     brake: Brake,
     level: Level,
-    points: PointsByShape | None = None,
+    points: SingularPointsByShoeShape | None = None,
     *,
     degrees_below: int = MESH_LEVELS.degrees_below,
     fitting: bool = False,
@@ -305,7 +310,7 @@ def prepared_model_of_mesh_files(
     of_shoes = tuple(tuple((points or {}).get(i, ())) for i in range(len(brake.shoes)))
     degree = level.degree - degrees_below
     own = replace(level, degree=degree)
-    raised = RaisedDegree(
+    raised = DegreeAndSplittingOfMesh(
         degree,
         fitting=fitting,
         level=own,
@@ -331,21 +336,21 @@ def _estimated_errors_on_last_mesh_level(
         steps = relative_differences_of_responses_on_two_levels(
             brake, former[-1], before
         ).differences
-        moved = moved._replace(differences=moved.differences + FORMER_SHARE * steps)
+        moved = moved._replace(differences=moved.differences + EARLIER_DIFFERENCE_SHARE * steps)
     factors = _factors_of_error_estimate(brake)
     errors = estimate_errors_from_response_differences(moved, last, factors, shape)
     return errors_with_singular_points_and_text_on_short_contacts(errors, brake, last)[0]
 
 
-def _factors_of_error_estimate(brake: Brake) -> Factors:
+def _factors_of_error_estimate(brake: Brake) -> SafetyFactors:
     """The factors of the error estimate of a brake with mesh files.
 
     Hp elements beside the meshes need larger factors, since their levels begin with larger
     elements. A force may depend on all bodies, so that the larger factors count for all shoes.
     """
     if brake.ring is None and all(shoe.mesh is not None for shoe in brake.shoes):
-        return DEGREE_FACTORS
-    return Factors(*map(max, DEGREE_FACTORS, FACTORS))
+        return MESH_FILE_SAFETY_FACTORS
+    return SafetyFactors(*map(max, MESH_FILE_SAFETY_FACTORS, SAFETY_FACTORS))
 
 
 def _would_finer_mesh_level_reduce_error(error: Errors, of_level: Errors, aim: Tolerance) -> bool:
@@ -359,7 +364,8 @@ def _would_finer_mesh_level_reduce_error(error: Errors, of_level: Errors, aim: T
     aim : largest errors that are allowed
     """
     return any(
-        error.brake[name] > allowed and of_level.brake[name] > NEGLIGIBLE_SHARE * error.brake[name]
+        error.brake[name] > allowed
+        and of_level.brake[name] > NEGLIGIBLE_SHARE_OF_LEVEL_ERROR * error.brake[name]
         for name, allowed in aim._asdict().items()
     )
 
@@ -403,9 +409,9 @@ def _errors_by_change_of_shape(
     moved = relative_differences_of_responses_on_two_levels(brake, changed, solved.response)
     torque, of_shoes = (
         moved.differences[:1],
-        moved.differences[1:].reshape(-1, len(QUANTITIES)).copy(),
+        moved.differences[1:].reshape(-1, len(QUANTITIES_WITH_STATED_ERROR)).copy(),
     )
-    pressure, peak = (QUANTITIES.index(name) for name in ("pressure", "peak"))
+    pressure, peak = (QUANTITIES_WITH_STATED_ERROR.index(name) for name in ("pressure", "peak"))
     # The difference of a peak may be small by accident; it counts as at least the difference of p.
     of_shoes[:, peak] = of_shoes[:, [pressure, peak]].max(axis=1)
     steps = np.concatenate([torque, of_shoes.ravel()])
@@ -418,10 +424,12 @@ def _errors_due_to_rounded_mesh_coordinates(brake: Brake, cache: Cache) -> Float
     of_shoes = []
     for shoe in brake.shoes:
         read = read_mesh_file_of_shoe(brake, shoe, cache)
-        moved = 0.0 if read is None else read.contact.rounded_by
+        moved = 0.0 if read is None else read.contact.largest_rounding_offset
         of_shoes.append(moved / shoe.lining.thickness)
-    rows = np.outer(of_shoes, [ROUNDING_FACTORS[name] for name in QUANTITIES])
-    return np.array([ROUNDING_FACTORS["torque"] * max(of_shoes), *rows.ravel()])
+    rows = np.outer(
+        of_shoes, [ERROR_PER_COORDINATE_ROUNDING[name] for name in QUANTITIES_WITH_STATED_ERROR]
+    )
+    return np.array([ERROR_PER_COORDINATE_ROUNDING["torque"] * max(of_shoes), *rows.ravel()])
 
 
 def _errors_due_to_gaps_below_rounding(
@@ -449,7 +457,7 @@ def _errors_due_to_gaps_below_rounding(
     for shoe in brake.shoes:
         read = read_mesh_file_of_shoe(brake, shoe, cache)
         gaps = np.zeros(0) if read is None else np.abs(read.off[read.off != 0])
-        if read is not None and (gaps <= read.contact.rounded_by).any():
+        if read is not None and (gaps <= read.contact.largest_rounding_offset).any():
             cause = "without gaps below the rounding of coordinates"
             level = solved.prepared_model.level
             assert level is not None
@@ -469,6 +477,6 @@ def _has_mesh_sides_off_smooth_outline(brake: Brake, degree: int, cache: Cache) 
         if read is not None:
             basis = nodal_basis_of_shoe_mesh(read.mesh, degree, shoe, brake.size)
             largest = abs(node_displacements_onto_smooth_outline(basis)).max()
-            if largest > NEGLIGIBLE_MOVE * shoe.lining.thickness:
+            if largest > NEGLIGIBLE_DISTANCE_OF_SIDE_FROM_ARC * shoe.lining.thickness:
                 return True
     return False

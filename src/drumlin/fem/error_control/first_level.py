@@ -20,10 +20,10 @@ from drumlin.fem.error_control.adapt import (
     response_with_estimated_errors,
 )
 from drumlin.fem.error_control.estimate import (
-    FACTORS,
-    QUANTITIES,
+    QUANTITIES_WITH_STATED_ERROR,
+    SAFETY_FACTORS,
     Errors,
-    Factors,
+    SafetyFactors,
     relative_differences_of_responses_on_two_levels,
     sum_of_penalty_and_round_off_errors,
 )
@@ -42,7 +42,7 @@ from drumlin.fem.hp.division import Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
 from drumlin.response.response import Response
 
-SAMPLE_SAFETY = 2.0
+SAFETY_FACTOR_OF_SAMPLE_ERROR = 2.0
 """Safety factor on the largest error of the first level in a sample, for brakes out of the sample.
 
 The stated error of a brake that is not in the sample is this factor times the largest error of the
@@ -53,16 +53,16 @@ and manufacturing tolerances. With a smaller factor some stated errors are too s
 factor stated errors are larger than they need be.
 """
 
-FIRST_LEVEL_FACTORS = Factors(
-    pressure=1.0 + FACTORS.pressure,
-    force=1.0 + FACTORS.force,
-    cancelled=FACTORS.cancelled,
-    peak=1.0 + FACTORS.peak,
+FIRST_LEVEL_FACTORS = SafetyFactors(
+    pressure=1.0 + SAFETY_FACTORS.pressure,
+    force=1.0 + SAFETY_FACTORS.force,
+    cancelled=SAFETY_FACTORS.cancelled,
+    peak=1.0 + SAFETY_FACTORS.peak,
 )
 """Largest ratio of the error of the first level to its distance from the last level.
 
 The error of the first level is at most its distance from the last level plus the error of the last
-level. The error of the last level is at most FACTORS times this distance.
+level. The error of the last level is at most SAFETY_FACTORS times this distance.
 """
 
 
@@ -111,9 +111,9 @@ def errors_of_first_refinement_level(
 ) -> dict[str, float]:
     """The errors of the response on the first level, from its distance to the last level.
 
-    The errors are relative and have the names of QUANTITIES. Errors at singular points, by the
-    penalty and by round-off are not included. On a plane the errors of the torque are those of the
-    braking force.
+    The errors are relative and have the names of QUANTITIES_WITH_STATED_ERROR. Errors at singular
+    points, by the penalty and by round-off are not included. On a plane the errors of the torque
+    are those of the braking force.
     """
     first, last = map(_response_with_braking_forces_as_torques, (first, last))
     moved = relative_differences_of_responses_on_two_levels(brake, first, last)
@@ -122,8 +122,8 @@ def errors_of_first_refinement_level(
         factors * moved.differences
         + FIRST_LEVEL_FACTORS.cancelled * moved.changes_with_random_signs
     )
-    worst = np.reshape(found[1:], (-1, len(QUANTITIES))).max(axis=0).tolist()
-    return dict(zip(QUANTITIES, worst, strict=True)) | {"torque": float(found[0])}
+    worst = np.reshape(found[1:], (-1, len(QUANTITIES_WITH_STATED_ERROR))).max(axis=0).tolist()
+    return dict(zip(QUANTITIES_WITH_STATED_ERROR, worst, strict=True)) | {"torque": float(found[0])}
 
 
 def _response_with_braking_forces_as_torques(response: Response) -> Response:
@@ -142,14 +142,15 @@ def first_level_response_with_errors_of_sample(
     """A copy of a response on the first level, with stated errors from a sample of similar brakes.
 
     `largest` are the largest errors of the first level in the sample, as
-    `errors_of_first_refinement_level` returns them. The stated errors are SAMPLE_SAFETY times these
-    errors, plus the errors of the brake itself at singular points, by the penalty and by round-off.
+    `errors_of_first_refinement_level` returns them. The stated errors are
+    SAFETY_FACTOR_OF_SAMPLE_ERROR times these errors, plus the errors of the brake itself at
+    singular points, by the penalty and by round-off.
     """
-    of_sample = {name: SAMPLE_SAFETY * error for name, error in largest.items()}
+    of_sample = {name: SAFETY_FACTOR_OF_SAMPLE_ERROR * error for name, error in largest.items()}
     own = sum_of_penalty_and_round_off_errors(first.shoes)
     shoes = []
-    for row in np.reshape(own[1:], (-1, len(QUANTITIES))).tolist():
-        by_name = zip(QUANTITIES, row, strict=True)
+    for row in np.reshape(own[1:], (-1, len(QUANTITIES_WITH_STATED_ERROR))).tolist():
+        by_name = zip(QUANTITIES_WITH_STATED_ERROR, row, strict=True)
         shoes.append({name: of_sample[name] + more for name, more in by_name})
     errors = Errors.brake_errors_from_torque_and_shoe_errors(
         of_sample["torque"] + float(own[0]), shoes

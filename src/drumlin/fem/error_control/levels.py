@@ -20,9 +20,9 @@ from drumlin.fem.error_control.singular_points import (
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Level, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import indices_of_first_shoes_of_equal_shape as equal_shapes
-from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.preparation.scene import PointsByShape, PreparedModel
+from drumlin.fem.preparation.scene import PreparedModel, SingularPointsByShoeShape
 from drumlin.response.response import Response
 
 DEG = math.pi / 180
@@ -163,7 +163,7 @@ class ResponseFunction(Protocol):
         """
 
 
-PrepareFunction = Callable[[Level, PointsByShape], PreparedModel]
+PrepareFunction = Callable[[Level, SingularPointsByShoeShape], PreparedModel]
 """Function that makes a prepared model from a level and the singular points of each shoe shape."""
 
 
@@ -188,9 +188,9 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     The contact is found in steps of growing friction. At a lower friction the contact may lie where
     the elements are large, and a short contact on nodes far apart may have no solution. A level
     without a solution is therefore solved once more with narrower columns of elements: at least as
-    many along the lining as a uniform mesh has (ELEMENTS). All later levels keep this largest width
-    of a column. If a solution has lost too many digits to round-off, the level is not solved again,
-    because other elements would not restore the digits.
+    many along the lining as a uniform mesh has (DEFAULT_ELEMENTS_ALONG_LINING). All later levels
+    keep this largest width of a column. If a solution has lost too many digits to round-off, the
+    level is not solved again, because other elements would not restore the digits.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def solve_brake_on_finer_and_finer_mesh_levels(
         error = level.pressure_error_due_to_column_size_ratio
         points_after = partial(singular_points_of_each_shoe_shape, brake, alike=alike, error=error)
         points = points_after(last)
-        points_of_passes: list[PointsByShape] = []
+        points_of_passes: list[SingularPointsByShoeShape] = []
         for _ in range(MOST_PASSES):
             # The brake is divided with small elements at the singular points of the earlier pass,
             # and solved.
@@ -228,7 +228,7 @@ def solve_brake_on_finer_and_finer_mesh_levels(
             except NoAnswer as refusal:
                 solved = None
                 if math.isinf(column_limit) and not isinstance(refusal, LostDigits):
-                    column_limit = shortest_arc / ELEMENTS
+                    column_limit = shortest_arc / DEFAULT_ELEMENTS_ALONG_LINING
                     continue
                 refusals += 1
                 if refusals == 2 or (last is start and math.isfinite(column_limit)):
@@ -246,7 +246,9 @@ def solve_brake_on_finer_and_finer_mesh_levels(
 
 
 def _do_singular_points_repeat_earlier_pass(
-    brake: Brake, points_of_passes: Sequence[PointsByShape], points: PointsByShape
+    brake: Brake,
+    points_of_passes: Sequence[SingularPointsByShoeShape],
+    points: SingularPointsByShoeShape,
 ) -> bool:
     """Whether the singular points agree with the points of an earlier pass on the level."""
     return any(
@@ -256,7 +258,7 @@ def _do_singular_points_repeat_earlier_pass(
 
 
 def has_any_lining_new_singular_points(
-    brake: Brake, before: PointsByShape, now: PointsByShape
+    brake: Brake, before: SingularPointsByShoeShape, now: SingularPointsByShoeShape
 ) -> bool:
     """Whether the pressure has singular points where the elements on which it was solved are large.
 

@@ -38,9 +38,9 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.contact.active_set import SET_ROUND_OFF
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.preparation.bodies import load_column_factors_under_all_loads
+from drumlin.fem.preparation.bodies import unit_load_factors_under_all_loads
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.substructure.body import FRAME, sparse_stiffness_of_body
+from drumlin.fem.substructure.body import NUMBER_OF_FRAME_DISPLACEMENTS, sparse_stiffness_of_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.ring import stiffness_of_drum_ring_without_supports
 
@@ -316,7 +316,7 @@ def _assemble_shoe_block_of_full_system(
     # in long double.
     K = sparse_stiffness_of_body(body.basis, elastic_layers_of_shoe(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
-    inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
+    inside, n = constrained.shape[0] - NUMBER_OF_FRAME_DISPLACEMENTS, len(body.line.nodes)
     N, T = body.coupling.N.astype(LONG_DOUBLE), body.coupling.T.astype(LONG_DOUBLE)
     drag = LONG_DOUBLE(group.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe))
     drags = drag * group.node_friction_over_shoe_friction(k)[:, None].astype(LONG_DOUBLE)
@@ -357,15 +357,13 @@ def _loads_on_unknowns_of_shoe(group: ShoeGroup, k: int, inside: int) -> Floats:
     """
     body, shoe = group.substructures_of_shoes[k], group.shoes[k]
     share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.largest_actuation_force
-    acting = load_column_factors_under_all_loads(body, shoe, shoe.actuation.force).astype(
-        LONG_DOUBLE
-    )
+    acting = unit_load_factors_under_all_loads(body, shoe, shoe.actuation.force).astype(LONG_DOUBLE)
     load = body.condensed.unit_loads_on_reduced_unknowns.astype(LONG_DOUBLE) @ (
         acting / group.largest_actuation_force
     )
     work = group.rigid_body_modes_of_shoes[k].actuation_work.astype(LONG_DOUBLE)
     modes = group.rigid_body_modes_of_shoes[k]
-    further = modes.further_work.astype(LONG_DOUBLE) / group.largest_actuation_force
+    further = modes.work_of_further_loads.astype(LONG_DOUBLE) / group.largest_actuation_force
     return np.append(load[:inside], share * work + further)
 
 
@@ -381,9 +379,13 @@ def _assemble_ring_block_of_full_system(scene: PreparedModel, brake: Brake) -> _
     keep[2 * ring.held] = keep[2 * ring.held + 1] = False
     K = K[keep][:, keep]
     if ring.rim_balance is not None:
-        forces = ring.rim_balance.forces.transpose(1, 0, 2).reshape(-1, FRAME)
+        forces = ring.rim_balance.forces.transpose(1, 0, 2).reshape(
+            -1, NUMBER_OF_FRAME_DISPLACEMENTS
+        )
         rim = sp.csr_matrix(forces.astype(LONG_DOUBLE))
-        K = _sparse_matrix_from_blocks([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])
+        K = _sparse_matrix_from_blocks(
+            [[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, NUMBER_OF_FRAME_DISPLACEMENTS]
+        )
     # `place` has the number of each displacement among the displacements that are kept.
     place = np.cumsum(keep) - 1
     nodes = ring.line.nodes
@@ -498,7 +500,7 @@ def solve_full_system_by_iterative_refinement(
     )
 
 
-class _Solution(NamedTuple):
+class _RefinedSolutionOnContactSet(NamedTuple):
     """The refined solution of the full system on one contact set.
 
     Attributes
@@ -519,7 +521,11 @@ class _Solution(NamedTuple):
 
 
 def _divide_refined_solution_into_shoes(
-    system: FullSystem, on: Bools, solution: _Solution, gap: Floats, contact_sets: int
+    system: FullSystem,
+    on: Bools,
+    solution: _RefinedSolutionOnContactSet,
+    gap: Floats,
+    contact_sets: int,
 ) -> RefinedSolution:
     """The refined solution of a group on its final contact set, divided into shoes.
 
@@ -548,7 +554,9 @@ def _divide_refined_solution_into_shoes(
     )
 
 
-def _refined_solution_on_contact_set(system: FullSystem, on: Bools, order: str) -> _Solution:
+def _refined_solution_on_contact_set(
+    system: FullSystem, on: Bools, order: str
+) -> _RefinedSolutionOnContactSet:
     """The refined solution of a full system on one contact set.
 
     `on` (unknowns,) marks the unknowns that are solved for. The other unknowns, the pressures of
@@ -581,11 +589,11 @@ def _refined_solution_on_contact_set(system: FullSystem, on: Bools, order: str) 
         previous = correction
     solution, last_correction = np.zeros((2, len(on)), dtype=LONG_DOUBLE)
     solution[at], last_correction[at] = scale * x, scale * dx
-    return _Solution(solution, last_correction, correction, corrections, factors)
+    return _RefinedSolutionOnContactSet(solution, last_correction, correction, corrections, factors)
 
 
 def _condition_number_of_torque(
-    system: FullSystem, on: Bools, solution: _Solution, torque: float
+    system: FullSystem, on: Bools, solution: _RefinedSolutionOnContactSet, torque: float
 ) -> float:
     """The condition number of the torque for relative changes of each entry of the full system.
 

@@ -98,18 +98,23 @@ def singular_points_of_each_shoe_shape(
     first_alike = alike or equal_shapes(brake)
     for i, (shoe, first) in enumerate(zip(brake.shoes, first_alike, strict=True)):
         answer = None if response is None else response.shoes[i]
-        points_of_shoe = _singular_points_of_lining(shoe, answer, brake.scale_factor, error)
+        points_of_shoe = _singular_points_of_lining(
+            shoe, answer, brake.length_per_surface_coordinate, error
+        )
         curve = brake.friction_coefficient_curve_of_shoe(shoe)
         if answer is not None and answer.contact_arcs and len(curve.mu) > 1:
             points_of_shoe += _singular_points_at_kinks_of_friction(
-                shoe, answer, curve, brake.scale_factor, error
+                shoe, answer, curve, brake.length_per_surface_coordinate, error
             )
         points.setdefault(first, []).extend(points_of_shoe)
     return {first: sorted(points_of_shape) for first, points_of_shape in points.items()}
 
 
 def _singular_points_of_lining(
-    shoe: Shoe, answer: ShoeResponse | None, scale_factor: float, level_error: float
+    shoe: Shoe,
+    answer: ShoeResponse | None,
+    length_per_surface_coordinate: float,
+    level_error: float,
 ) -> list[SingularPoint]:
     """The singular points of the pressure on the lining of one shoe, in any order.
 
@@ -117,14 +122,17 @@ def _singular_points_of_lining(
     ----------
     shoe : the shoe
     answer : its earlier response, or None
-    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
+    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
+        plane]
     level_error : planned error of p on the next level
     """
     arcs = [] if answer is None else contact_arcs_merged_over_narrow_gaps(shoe, answer)
     points = _singular_points_at_steps_of_lining(shoe, answer, arcs)
     if answer is None:
         return points
-    points += _singular_points_at_kinks_of_gap(shoe, answer, arcs, scale_factor, level_error)
+    points += _singular_points_at_kinks_of_gap(
+        shoe, answer, arcs, length_per_surface_coordinate, level_error
+    )
     # The ends of each contact arc are singular points. Their angles are rounded, and moved into the
     # lining if rounding has put them outside.
     for arc_start, arc_end in [*arcs, *_contact_arcs_in_mid_plane(shoe, answer)]:
@@ -194,7 +202,7 @@ def _singular_points_at_kinks_of_gap(
     shoe: Shoe,
     answer: ShoeResponse,
     arcs: list[list[float]],
-    scale_factor: float,
+    length_per_surface_coordinate: float,
     level_error: float,
 ) -> list[SingularPoint]:
     """The singular points at the kinks of a lining's table of clearances.
@@ -205,7 +213,8 @@ def _singular_points_at_kinks_of_gap(
     Parameters
     ----------
     shoe, answer : the shoe and its earlier response
-    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
+    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
+        plane]
     level_error : planned error of p on the next level
     arcs : contacts of the lining [rad]
     """
@@ -214,7 +223,7 @@ def _singular_points_at_kinks_of_gap(
     # Most linings have no table.
     if not len(angle):
         return []
-    change = pressure_change_norms_due_to_kinks_of_gap(shoe.lining, scale_factor)
+    change = pressure_change_norms_due_to_kinks_of_gap(shoe.lining, length_per_surface_coordinate)
     near = [
         start < phi < end and _is_angle_near_contact(phi, arcs)
         for phi in frame.phi_coordinates_as_list(angle)
@@ -230,14 +239,16 @@ def _singular_points_at_kinks_of_gap(
         SingularPoint(phi, end - start, Singularity.KINK)
         for phi in frame.phi_coordinates_as_list(kinks)
     ]
-    return points + _singular_points_at_pointed_gap_kinks(shoe, scale_factor, norm, kinks)
+    return points + _singular_points_at_pointed_gap_kinks(
+        shoe, length_per_surface_coordinate, norm, kinks
+    )
 
 
 def _singular_points_at_kinks_of_friction(
     shoe: Shoe,
     answer: ShoeResponse,
     curve: FrictionCurve,
-    scale_factor: float,
+    length_per_surface_coordinate: float,
     level_error: float,
 ) -> list[SingularPoint]:
     """The singular points where the pressure has the value of a row of a friction table.
@@ -251,7 +262,8 @@ def _singular_points_at_kinks_of_friction(
     ----------
     shoe, answer : the shoe and its earlier response
     curve : friction coefficient of the shoe as a function of pressure
-    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
+    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
+        plane]
     level_error : planned error of p on the next level
     """
     theta, p = answer.curve()
@@ -276,7 +288,11 @@ def _singular_points_at_kinks_of_friction(
     )
     # The elements at such a point get the sizes of elements at a step between blocks. The thickness
     # of the lining takes the place of the step's length.
-    length = shoe.lining.thickness / scale_factor / shoe.frame.surface_coordinate_per_phi
+    length = (
+        shoe.lining.thickness
+        / length_per_surface_coordinate
+        / shoe.frame.surface_coordinate_per_phi
+    )
     (start, end), points = shoe.arc, []
     for phi in shoe.frame.phi_coordinates_as_list(kinks):
         if start < phi < end:
@@ -286,19 +302,20 @@ def _singular_points_at_kinks_of_friction(
 
 
 def _singular_points_at_pointed_gap_kinks(
-    shoe: Shoe, scale_factor: float, norm: float, kinks: Floats
+    shoe: Shoe, length_per_surface_coordinate: float, norm: float, kinks: Floats
 ) -> list[SingularPoint]:
     """The singular points at kinks of a lining's gap that point to the drum (kind TIP).
 
     Parameters
     ----------
     shoe : the shoe
-    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
+    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
+        plane]
     norm : L2 norm of the pressure over the surface's coordinate [Pa rad^0.5; Pa m^0.5 on a plane]
     kinks : (k,) angles theta [rad] of the kinks that are singular points
     """
     points: list[SingularPoint] = []
-    for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, scale_factor):
+    for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, length_per_surface_coordinate):
         if tip.theta in kinks:
             (phi,) = shoe.frame.phi_coordinates_as_list([tip.theta])
             length = (norm / tip.factor) ** 2 / shoe.frame.surface_coordinate_per_phi
@@ -306,7 +323,9 @@ def _singular_points_at_pointed_gap_kinks(
     return points
 
 
-def pressure_change_norms_due_to_kinks_of_gap(lining: Lining, scale_factor: float) -> Floats:
+def pressure_change_norms_due_to_kinks_of_gap(
+    lining: Lining, length_per_surface_coordinate: float
+) -> Floats:
     """The change of p in L2 (k,) [Pa rad^0.5] by the kink at each row of a clearance table.
 
     Between the rows of the table the gap varies linearly, along chords. The change of p is the
@@ -325,7 +344,11 @@ def pressure_change_norms_due_to_kinks_of_gap(lining: Lining, scale_factor: floa
         for part in lining.linings_with_touching_ones_joined:
             rows = np.array(clearance.coordinates_of_clearance_table_rows(part))
             on_part = (part.start < rows) & (rows < part.end)
-            changes.append(pressure_change_norms_due_to_kinks_of_gap(part, scale_factor)[on_part])
+            changes.append(
+                pressure_change_norms_due_to_kinks_of_gap(part, length_per_surface_coordinate)[
+                    on_part
+                ]
+            )
         return np.concatenate(changes)
     angle = np.array(clearance.coordinates_of_clearance_table_rows(lining))
     if len(angle) == 0:
@@ -333,12 +356,15 @@ def pressure_change_norms_due_to_kinks_of_gap(lining: Lining, scale_factor: floa
     middles = 0.5 * (angle[1:] + angle[:-1])
     ends = np.concatenate([[lining.start], middles, [lining.end]])
     spacing = np.maximum(np.diff(ends), 0.0)
-    slope = np.abs(clearance.clearance_slope_change_at_each_table_row(lining)) / scale_factor
+    slope = (
+        np.abs(clearance.clearance_slope_change_at_each_table_row(lining))
+        / length_per_surface_coordinate
+    )
     material = lining.material
     half_plane = (
         material.young_modulus_of_equivalent_half_plane / material.E_through / math.sqrt(48)
     )
-    layer = scale_factor * spacing / (math.sqrt(720) * lining.thickness)
+    layer = length_per_surface_coordinate * spacing / (math.sqrt(720) * lining.thickness)
     stiffness = half_plane + layer
     return np.asarray(material.E_through * slope * stiffness * np.sqrt(spacing))
 

@@ -34,7 +34,7 @@ from drumlin.fem.hp.columns import (
 )
 from drumlin.fem.hp.element import (
     gauss_points_and_weights_on_0_to_1,
-    points_of_square_grid,
+    points_of_square_tensor_grid,
     replace_matrices_by_schur_complements,
     shape_function_values_and_slopes,
 )
@@ -86,7 +86,7 @@ def nodal_functions_along_element_column(p: int) -> NodalFunctions:
     """
     n = p + 1
     x, weights = gauss_points_and_weights_on_0_to_1(p)
-    value, slope = shape_function_values_and_slopes(p, points_of_square_grid(x))
+    value, slope = shape_function_values_and_slopes(p, points_of_square_tensor_grid(x))
     # The sum of an element's shape functions over the nodes across the column is the nodal function
     # along the column. The sum has the same value at all Gauss points across the column, so that
     # the first of them is taken.

@@ -27,7 +27,7 @@ from drumlin.fem.hp.element import (
     replace_matrix_by_schur_complement,
 )
 
-UnknownsAt = tuple[slice, slice]
+ElementAndColumnSlices = tuple[slice, slice]
 """Two slices for the same unknowns: in an element's stiffness, and in its column's stiffness.
 """
 
@@ -48,8 +48,8 @@ class ColumnUnknowns(NamedTuple):
     number_of_side_unknowns : number of unknowns of the nodes on one side of the column (a line)
     """
 
-    kept: tuple[tuple[UnknownsAt, ...], ...]
-    inside: tuple[UnknownsAt, ...]
+    kept: tuple[tuple[ElementAndColumnSlices, ...], ...]
+    inside: tuple[ElementAndColumnSlices, ...]
     number_of_kept_unknowns: int
     number_of_eliminated_unknowns: int
     number_of_side_unknowns: int
@@ -109,7 +109,7 @@ def numbering_of_element_column_unknowns(
 
 def _contact_unknowns_of_element_column(
     p: int, line: int, far: int, sides: int
-) -> list[UnknownsAt]:
+) -> list[ElementAndColumnSlices]:
     """The unknowns of a column's contact nodes: in its first element, and in the whole column.
 
     All contact nodes, with the two at the column's sides, are numbered after the left line and
@@ -174,7 +174,10 @@ def condensed_element_column_stiffness(
 
 
 def _add_element_stiffness_to_columns(
-    part: Floats, rows: Sequence[UnknownsAt], columns: Sequence[UnknownsAt], target: Floats
+    part: Floats,
+    rows: Sequence[ElementAndColumnSlices],
+    columns: Sequence[ElementAndColumnSlices],
+    target: Floats,
 ) -> None:
     """Add blocks of element stiffness to the stiffness of their element columns, in place.
 

@@ -32,7 +32,7 @@ from drumlin.response.resultants import (
     polynomial_values_at_gauss_points,
 )
 
-SMALLEST_ROOT = 1e-3
+SMALLEST_SOUGHT_EXPONENT_ROOT = 1e-3
 """Lower end of the interval in which the root l = a + 1 is searched, with a the exponent of p.
 
 The pressure p goes as x^a at the distance x from a pressed corner of a lining. With l below 1/2 the
@@ -53,7 +53,7 @@ The pressure's exponent is a zero of the determinant. It lies between two neighb
 which the determinant has opposite signs. Two zeros between neighbouring exponents would be missed.
 """
 
-POWER_LAW_PART = 2e-3
+POWER_LAW_FRACTION_OF_CONTACT = 2e-3
 """Fraction of a contact, from a pressed corner of the lining on, in which p follows a power law.
 
 In this part the polynomials of the pressure p are replaced by the power law of the corner. The part
@@ -62,14 +62,14 @@ one, polynomials are a poor approximation of the power law. In columns farther a
 also depends on the rest of the lining. On two brakes the error of p was the same with three to six
 columns, and 10 to 30 times as large with one.
 """
-SMALLEST_PIECE = 1e-12
+LENGTH_OF_PRESSURE_PIECE_AT_CORNER = 1e-12
 """Length [rad] of the polynomial piece of the pressure next to a pressed corner of a lining.
 
 Angles of 3 rad are rounded to 4e-16, and neighbouring nodes of a piece of degree 7 can be as near
 as a sixteenth of its length. In a shorter piece round-off would change the distances of the nodes
 too much.
 """
-PIECE_RATIO = 0.4
+RATIO_OF_NEIGHBOURING_PRESSURE_PIECES = 0.4
 """Ratio of the lengths of neighbouring polynomial pieces of the pressure at a pressed corner.
 
 The pieces become shorter towards the corner of the lining. Polynomials of degree 5 follow a power
@@ -77,7 +77,7 @@ function to about 1e-4 on each piece. With a smaller ratio the polynomials are l
 a larger ratio more pieces are needed.
 """
 
-TIP_TOLERANCE = 1e-9
+TOLERANCE_OF_COLUMN_END_AT_GAP_KINK = 1e-9
 """Distance [rad] from a gap kink, below which an element column counts as ending at the kink.
 
 Such a kink points to the drum, and p is unbounded there. A smaller distance is round-off.
@@ -131,14 +131,21 @@ def pressure_exponent_at_lining_corner(
 
     # If no exponent in the searched interval fulfils the equation, the end of the interval that is
     # nearer to the solution is returned.
-    if residual_of_exponent_equation(SMALLEST_ROOT) <= 0:
-        return SMALLEST_ROOT - 1
+    if residual_of_exponent_equation(SMALLEST_SOUGHT_EXPONENT_ROOT) <= 0:
+        return SMALLEST_SOUGHT_EXPONENT_ROOT - 1
     if residual_of_exponent_equation(1 - BOUNDED_EXPONENT) >= 0:
         return 0.0
     # scipy.optimize takes time to load, and only the few brakes with a pressed corner need it.
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    return float(brentq(residual_of_exponent_equation, SMALLEST_ROOT, 1 - BOUNDED_EXPONENT)) - 1
+    return (
+        float(
+            brentq(
+                residual_of_exponent_equation, SMALLEST_SOUGHT_EXPONENT_ROOT, 1 - BOUNDED_EXPONENT
+            )
+        )
+        - 1
+    )
 
 
 @cache
@@ -174,13 +181,13 @@ def pressure_exponent_at_orthotropic_corner(
     determinant = corner.determinant_of_pressure_exponent_equations
     # The exponent is the smallest zero of the determinant. It is found at the first change of sign
     # among the determinants at many exponents.
-    roots = np.linspace(SMALLEST_ROOT, 1 - BOUNDED_EXPONENT, ROOTS_TRIED)
+    roots = np.linspace(SMALLEST_SOUGHT_EXPONENT_ROOT, 1 - BOUNDED_EXPONENT, ROOTS_TRIED)
     signs = np.sign([determinant(root, inward_friction) for root in roots.tolist()])
     changes = np.flatnonzero(signs[1:] != signs[:-1])
     if not len(changes):
         # Without a zero, either p is bounded, or the zero lies below the smallest root tried.
-        below_smallest = signs[0] != np.sign(determinant(SMALLEST_ROOT, 0.0))
-        return SMALLEST_ROOT - 1 if below_smallest else 0.0
+        below_smallest = signs[0] != np.sign(determinant(SMALLEST_SOUGHT_EXPONENT_ROOT, 0.0))
+        return SMALLEST_SOUGHT_EXPONENT_ROOT - 1 if below_smallest else 0.0
     first = int(changes[0])
     # scipy.optimize takes time to load, and only the few brakes with a pressed corner need it.
     from scipy.optimize import brentq  # noqa: PLC0415
@@ -459,7 +466,7 @@ def _shoe_response_with_one_corner_power_law(
         response.pressure,
         response.order,
         corner,
-        reach=POWER_LAW_PART * contact_length,
+        reach=POWER_LAW_FRACTION_OF_CONTACT * contact_length,
         unit=unit,
     )
     return replace(response, theta=theta, pressure=pressure)
@@ -500,10 +507,10 @@ def nodes_and_pressures_with_power_law_at_corner(
     x, p = np.abs(theta - at_corner)[::sign], pressure[::sign]
     # Whole polynomial pieces are replaced. If no piece lies within `reach`, p is not changed.
     last = order * (int(np.searchsorted(x[::order], reach, side="right")) - 1)
-    if last <= 0 or x[last] <= unit * SMALLEST_PIECE:
+    if last <= 0 or x[last] <= unit * LENGTH_OF_PRESSURE_PIECE_AT_CORNER:
         return theta, pressure
     distances = _pressure_node_positions_closer_towards_corner(
-        float(x[last]), order, unit * SMALLEST_PIECE
+        float(x[last]), order, unit * LENGTH_OF_PRESSURE_PIECE_AT_CORNER
     )
     angles = at_corner + sign * distances
     nodes = np.abs(angles - at_corner)
@@ -538,8 +545,10 @@ def _pressure_node_positions_closer_towards_corner(
     order : degree of the pieces
     smallest : upper limit of the length of the piece at 0 [rad]
     """
-    count = math.ceil(math.log(smallest / length) / math.log(PIECE_RATIO))
-    ends = np.append(0.0, length * PIECE_RATIO ** np.arange(count, -1, -1))
+    count = math.ceil(math.log(smallest / length) / math.log(RATIO_OF_NEIGHBOURING_PRESSURE_PIECES))
+    ends = np.append(
+        0.0, length * RATIO_OF_NEIGHBOURING_PRESSURE_PIECES ** np.arange(count, -1, -1)
+    )
     inner = ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + gauss_lobatto_points(order)[:-1])
     return np.append(inner.ravel(), length)
 
@@ -638,43 +647,44 @@ class LogarithmicPressure(NamedTuple):
 
 
 def logarithmic_pressures_at_pointed_gap_kinks(
-    shoe: Shoe, scale_factor: float
+    shoe: Shoe, length_per_surface_coordinate: float
 ) -> list[LogarithmicPressure]:
     """The logarithmic pressure c ln(1/x) under each kink of the gap that points to the drum.
 
     The distance from the kink is x. For a half-plane of modulus E and a change of slope s at the
-    kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is the length per unit
-    of the surface's coordinate [m/rad, on a plane 1].
+    kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `length_per_surface_coordinate` is the
+    length per unit of the surface's coordinate [m/rad, on a plane 1].
     """
     # `half_plane` is the factor c in p = c ln(1/x) if the slope of the gap at the kink changes by 1
     # per unit of the surface's coordinate.
     half_plane = shoe.lining.material.young_modulus_of_equivalent_half_plane / (
-        2 * math.pi * scale_factor
+        2 * math.pi * length_per_surface_coordinate
     )
     tips = clearance.gap_kinks_that_point_to_drum(shoe.lining)
     return [LogarithmicPressure(theta, half_plane * slope) for theta, slope in tips]
 
 
 def remaining_pressure_error_at_pointed_gap_kinks(
-    shoe: Shoe, scale_factor: float, response: ShoeResponse
+    shoe: Shoe, length_per_surface_coordinate: float, response: ShoeResponse
 ) -> float:
     """The relative error in L2 of a shoe's pressure p due to kinks that point to the drum.
 
     If such a kink is in contact, p goes as ln(1/x) at the distance x from it. The error arises in
     the element columns on both sides of each kink, because a polynomial cannot follow the
-    logarithm. `scale_factor` is the length per unit of the surface's coordinate [m/rad, on a plane
-    1].
+    logarithm. `length_per_surface_coordinate` is the length per unit of the surface's coordinate
+    [m/rad, on a plane 1].
     """
     theta, p, order = response.theta, response.pressure, response.order
     column_ends, pressed = theta[::order], p[::order] > 0
     squared_error = 0.0
-    for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, scale_factor):
+    for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, length_per_surface_coordinate):
         # A kink counts if the lining is in contact there, and if two element columns meet at the
         # kink.
         k = int(np.abs(column_ends - tip.theta).argmin())
         has_two_columns = 0 < k < len(column_ends) - 1
         at_tip = (
-            abs(column_ends[k] - tip.theta) < TIP_TOLERANCE * shoe.frame.surface_coordinate_per_phi
+            abs(column_ends[k] - tip.theta)
+            < TOLERANCE_OF_COLUMN_END_AT_GAP_KINK * shoe.frame.surface_coordinate_per_phi
         )
         if has_two_columns and at_tip and pressed[k]:
             both_columns = float(column_ends[k + 1] - column_ends[k - 1])

@@ -21,7 +21,7 @@ from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.fem.hp.corner import element_column_size_for_error_at_pointed_gap_kink
-from drumlin.response.response import EDGE_ZONE
+from drumlin.response.response import UNCOMPARED_EDGE_ZONE
 
 SMALLEST_COLUMN = 1e-7
 """Smallest size of a column or layer of elements, relative to the lining's thickness.
@@ -51,19 +51,19 @@ p on the second level of two brakes was 2.5 times as large. With 1e-5 the error 
 sixth more unknowns. The size must be far below 0.03 of the contact's length, because farther than
 this from the corner p depends on the rest of the contact too, and not on the power law alone.
 """
-HALF_FORCE_PART = 0.1632
+HALF_FORCE_FRACTION_OF_CONTACT = 0.1632
 """Fraction of a contact, from a corner of the lining on, that bears half of the contact's force.
 
 The pressure is assumed to go as x^(-1/2) at the distance x from the corner, and to fall to zero as
 a square root at the other end. The fraction is then the median of the beta distribution with the
 parameters 1/2 and 3/2. No square-integrable pressure is more concentrated at the corner.
 """
-LONGEST_CORNER_CONTACT = EDGE_ZONE / HALF_FORCE_PART
+LONGEST_CONTACT_WITH_CORNER_COLUMNS = UNCOMPARED_EDGE_ZONE / HALF_FORCE_FRACTION_OF_CONTACT
 """Length of a contact [rad] up to which element columns shrink towards the corner that it reaches.
 
 The corner of the lining has an unbounded pressure p. In a longer contact more than half of the
-force acts farther than EDGE_ZONE from the corner. The error of p is then stated for these distances
-alone, so that no small columns are needed at the corner.
+force acts farther than UNCOMPARED_EDGE_ZONE from the corner. The error of p is then stated for
+these distances alone, so that no small columns are needed at the corner.
 """
 
 
@@ -132,10 +132,10 @@ class Level:
     Attributes
     ----------
     degree : degree of the hp elements
-    face_layer_size : size of the layer of elements at the lining's face, relative to EDGE_ZONE, or
-        to the lining's thickness or the contact's length if these are less. Columns at a lining's
-        end that the contact reaches are no wider than `face_layer_size` times EDGE_ZONE, even if
-        `lining_end_column_size` gives a larger size.
+    face_layer_size : size of the layer of elements at the lining's face, relative to
+        UNCOMPARED_EDGE_ZONE, or to the lining's thickness or the contact's length if these are
+        less. Columns at a lining's end that the contact reaches are no wider than `face_layer_size`
+        times UNCOMPARED_EDGE_ZONE, even if `lining_end_column_size` gives a larger size.
     lining_end_column_size : size of the columns at the lining's ends, relative to the lining's
         thickness or to half its length, whichever is less. At an end that a contact reaches, the
         size is relative to half the contact's length.
@@ -339,7 +339,7 @@ def shoe_layers_with_their_thickness(shoe: Shoe, radius: float) -> list[ShoeLaye
     """
     layers = [ShoeLayer("lining", shoe.lining.thickness)]
     if isinstance(shoe.body, Beam):
-        # `reason_why_brake_is_not_modelled` refuses beams without section or block, so that the
+        # `reason_against_finite_element_model` refuses beams without section or block, so that the
         # assertion holds.
         assert shoe.body.section is not None and shoe.backing is not None
         beam_thickness = shoe.body.section.thickness
@@ -567,7 +567,12 @@ def _size_of_first_element_layer_at_lining_face(level: Level, contact: "_Contact
     start, end = contact.arc
     size = min(
         level.face_layer_size
-        * min(EDGE_ZONE, contact.thickness, end - start, *contact.reaching_lengths),
+        * min(
+            UNCOMPARED_EDGE_ZONE,
+            contact.thickness,
+            end - start,
+            *contact.lengths_of_contacts_at_lining_ends,
+        ),
         *(level.contact_end_column_size * length for length in contact.lengths),
         math.inf,
     )
@@ -587,10 +592,10 @@ class _ContactExtent(NamedTuple):
     lengths : for each end of a contact the length of this contact
     longest : length of the longest contact, on which the sizes of elements far from the contact
         depend; the length of the lining if no contact is known
-    open_lengths : distance of the first contact from the lining's start, and of the last contact
-        from the lining's end
-    reaching_lengths : lengths of the contacts that reach the lining's start and end; inf for an end
-        that no contact reaches
+    contact_distances_from_lining_ends : distance of the first contact from the lining's start, and
+        of the last contact from the lining's end
+    lengths_of_contacts_at_lining_ends : lengths of the contacts that reach the lining's start and
+        end; inf for an end that no contact reaches
     may_coarsen_far_from_contact : whether elements at corners far from the contact may be larger
     """
 
@@ -599,8 +604,8 @@ class _ContactExtent(NamedTuple):
     smallest_column: float
     lengths: list[float]
     longest: float
-    open_lengths: tuple[float, float]
-    reaching_lengths: tuple[float, float]
+    contact_distances_from_lining_ends: tuple[float, float]
+    lengths_of_contacts_at_lining_ends: tuple[float, float]
     may_coarsen_far_from_contact: bool
 
 
@@ -643,8 +648,10 @@ def _extent_of_lining_contacts(
         smallest_column=smallest_column,
         lengths=lengths,
         longest=longest,
-        open_lengths=(positions[0] - start, end - positions[-1]),
-        reaching_lengths=_shortest_contact_lengths_at_lining_ends(arc, t, level, contact_ends),
+        contact_distances_from_lining_ends=(positions[0] - start, end - positions[-1]),
+        lengths_of_contacts_at_lining_ends=_shortest_contact_lengths_at_lining_ends(
+            arc, t, level, contact_ends
+        ),
         may_coarsen_far_from_contact=not deep and (shoe.body is None or one_short),
     )
 
@@ -660,8 +667,8 @@ def _element_column_sizes_at_corners(
     from both corners.
     """
     sizes = []
-    for length, exponent in zip(contact.reaching_lengths, exponents, strict=True):
-        graded = exponent < 0 and length <= LONGEST_CORNER_CONTACT
+    for length, exponent in zip(contact.lengths_of_contacts_at_lining_ends, exponents, strict=True):
+        graded = exponent < 0 and length <= LONGEST_CONTACT_WITH_CORNER_COLUMNS
         size = CORNER_COLUMN * length if graded else math.inf
         sizes.append(max(size, contact.smallest_column))
     return sizes[0], sizes[1]
@@ -682,10 +689,15 @@ def _element_column_sizes_at_lining_ends(
     t, smallest = contact.thickness, contact.smallest_column
     pressed_size = min(
         level.lining_end_column_size * min(t, 0.5 * (end - start)),
-        level.face_layer_size * EDGE_ZONE,
+        level.face_layer_size * UNCOMPARED_EDGE_ZONE,
     )
     sizes = []
-    both_ends = zip(contact.open_lengths, contact.reaching_lengths, corner_sizes, strict=True)
+    both_ends = zip(
+        contact.contact_distances_from_lining_ends,
+        contact.lengths_of_contacts_at_lining_ends,
+        corner_sizes,
+        strict=True,
+    )
     for open_length, reaching_length, corner_size in both_ends:
         # If the gap is open at the lining's end, at least two columns lie between this end and the
         # contact.

@@ -37,9 +37,12 @@ from drumlin.fem.hp.element import (
     gauss_points_of_elements,
     reference_element_of_degree,
 )
-from drumlin.fem.substructure.body import FRAME, rigid_body_displacements_of_nodes
+from drumlin.fem.substructure.body import (
+    NUMBER_OF_FRAME_DISPLACEMENTS,
+    rigid_body_displacements_of_nodes,
+)
 from drumlin.fem.substructure.elasticity import elasticity_times_width_of_layers
-from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
+from drumlin.fem.substructure.loads import ACTUATION_LOAD_NAME, ColumnsOfUnitLoads
 from drumlin.response.resultants import (
     GAUSS,
     WEIGHTS,
@@ -47,12 +50,12 @@ from drumlin.response.resultants import (
     shape_functions_and_derivatives_at_gauss_points,
 )
 
-PointMap = Callable[[Floats, Floats], Floats]
+PointAtDepthAndAngleFunction = Callable[[Floats, Floats], Floats]
 """A function from depths below the lining's face and positions phi to a shoe's points (2, ...) [m].
 """
 
 
-class LoadedEnd(NamedTuple):
+class UnitLoadsOnLoadedEndFace(NamedTuple):
     """The unit loads on the end face of a shoe's body where the actuation force acts.
 
     Attributes
@@ -65,7 +68,7 @@ class LoadedEnd(NamedTuple):
     """
 
     forces: Floats
-    columns: LoadColumns
+    columns: ColumnsOfUnitLoads
     centre: Floats
     moments: Floats
 
@@ -79,7 +82,7 @@ class LoadedEnd(NamedTuple):
 
 def unit_actuation_loads_on_end_face(
     xy: Floats, depths: Floats, p: int, share: Floats | float = 1.0
-) -> LoadedEnd:
+) -> UnitLoadsOnLoadedEndFace:
     """The unit actuations on the straight end face of a shoe: force x, force y and couple.
 
     The forces are spread evenly over the end face. The couple is a traction that grows linearly
@@ -106,11 +109,16 @@ def unit_actuation_loads_on_end_face(
     linear = np.bincount(at.ravel(), ((weights * where) @ psi.T).ravel()) * 12
     end = xy[:, -1] - xy[:, 0]
     centre = 0.5 * (xy[:, -1] + xy[:, 0])
-    load = np.zeros((xy.shape[1], 2, FRAME))
+    load = np.zeros((xy.shape[1], 2, NUMBER_OF_FRAME_DISPLACEMENTS))
     load[:, 0, 0] = load[:, 1, 1] = even
     load[:, :, 2] = linear[:, None] * np.array([-end[1], end[0]]) / (end @ end)
-    columns = LoadColumns(((ACTUATION, FRAME),))
-    return LoadedEnd(load.reshape(-1, FRAME), columns, centre, np.eye(FRAME))
+    columns = ColumnsOfUnitLoads(((ACTUATION_LOAD_NAME, NUMBER_OF_FRAME_DISPLACEMENTS),))
+    return UnitLoadsOnLoadedEndFace(
+        load.reshape(-1, NUMBER_OF_FRAME_DISPLACEMENTS),
+        columns,
+        centre,
+        np.eye(NUMBER_OF_FRAME_DISPLACEMENTS),
+    )
 
 
 class CondensedShoe(NamedTuple):
@@ -140,10 +148,12 @@ class CondensedShoe(NamedTuple):
     centre: Floats
     rigid_mode_forces: Floats
     force_imbalance: float
-    columns: LoadColumns
+    columns: ColumnsOfUnitLoads
 
 
-def function_from_depth_and_angle_to_point(shoe: Shoe, radius: float) -> PointMap:
+def function_from_depth_and_angle_to_point(
+    shoe: Shoe, radius: float
+) -> PointAtDepthAndAngleFunction:
     """The function from depths and positions along the lining to points in the shoe's frame [m].
 
     `radius` is the radius of the drum [m].
@@ -155,13 +165,15 @@ def function_from_depth_and_angle_to_point(shoe: Shoe, radius: float) -> PointMa
     )
 
 
-def _function_from_depth_and_angle_to_beam_shoe_point(shoe: Shoe, radius: float) -> PointMap:
+def _function_from_depth_and_angle_to_beam_shoe_point(
+    shoe: Shoe, radius: float
+) -> PointAtDepthAndAngleFunction:
     """The function from depths and positions to points [m] of a shoe with a straight beam.
 
     Depths from 0 to 1 are in the lining, from 1 to 2 in the block between lining and beam, and from
     2 to 3 in the beam. The ends of the block are cut square to the beam.
     """
-    # `reason_why_brake_is_not_modelled` refuses shoes without a section before, so that the
+    # `reason_against_finite_element_model` refuses shoes without a section before, so that the
     # assertion holds.
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
@@ -215,7 +227,7 @@ def node_positions_of_element_row(ends: Floats, p: int) -> Floats:
 
 
 def node_coordinates_of_layers_and_columns(
-    place: PointMap, depths: Floats, along: Floats, p: int
+    place: PointAtDepthAndAngleFunction, depths: Floats, along: Floats, p: int
 ) -> Floats:
     """The coordinates (l, c, 2, a) [m] of the a nodes of each element in l layers and c columns.
 
@@ -264,7 +276,7 @@ def _unit_vectors_along_shoe_layers(
     return np.moveaxis(np.array(vectors), 1, 2)
 
 
-class _ShoeColumns(NamedTuple):
+class _CondensedShoeColumns(NamedTuple):
     """The condensed element columns of a shoe, in the order of their positions.
 
     Columns of equal shape and material are the same Python object.
@@ -283,7 +295,7 @@ class _ShoeColumns(NamedTuple):
     grip: tuple[int, int]
 
 
-class _ColumnKinds(NamedTuple):
+class _ElementColumnKinds(NamedTuple):
     """The kinds of element columns of a shoe; columns of one kind have the same stiffness.
 
     Attributes
@@ -302,7 +314,7 @@ class _ColumnKinds(NamedTuple):
 
 def group_equal_element_columns_of_shoe(
     shoe: Shoe, div: ShoeDivision, *, directed: bool
-) -> _ColumnKinds:
+) -> _ElementColumnKinds:
     """The kinds of element columns of a shoe; the stiffness is computed once for each kind.
 
     On an arc or a plane, columns of equal width are of one kind. In a straight beam each column is
@@ -319,16 +331,16 @@ def group_equal_element_columns_of_shoe(
         rows += [div.column_ends_before_lining[::-1], div.column_ends_behind_lining]
     if isinstance(shoe.body, Beam):
         along = np.concatenate([node_positions_in_each_element_of_row(ends, p) for ends in rows])
-        return _ColumnKinds(along, None, np.arange(len(along)))
+        return _ElementColumnKinds(along, None, np.arange(len(along)))
     sizes, which = distinct_sizes_and_index_of_each_size(
         np.concatenate([ends[1:] - ends[:-1] for ends in rows])
     )
     along = 0.5 * sizes[:, None] * gauss_lobatto_points(p)
     A = angular_factors_of_column_stiffness(along, p, flat=shoe.is_on_plane, directed=directed)
-    return _ColumnKinds(along, A, which)
+    return _ElementColumnKinds(along, A, which)
 
 
-class _ShoeInElements(NamedTuple):
+class _ShoeDividedIntoHpElements(NamedTuple):
     """A shoe divided into elements, before its element columns are condensed.
 
     Attributes
@@ -348,12 +360,12 @@ class _ShoeInElements(NamedTuple):
     layers: dict[str, ElasticLayer]
     elasticity: Floats
     directed: bool
-    kinds: _ColumnKinds
+    kinds: _ElementColumnKinds
 
 
 def _condensed_hp_columns_of_shoe(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: dict[str, ElasticLayer]
-) -> _ShoeColumns:
+) -> _CondensedShoeColumns:
     """The element columns of a shoe, each condensed to its two sides and its contact nodes.
 
     `div` divides the shoe into columns and layers of elements. `layers` has the elasticity of the
@@ -362,7 +374,7 @@ def _condensed_hp_columns_of_shoe(
     elasticity = elasticity_times_width_of_layers(layers, div.part)
     directed = bool(which_elasticity_matrices_are_orthotropic(elasticity).any())
     kinds = group_equal_element_columns_of_shoe(shoe, div, directed=directed)
-    whole = _ShoeInElements(shoe, radius, div, layers, elasticity, directed, kinds)
+    whole = _ShoeDividedIntoHpElements(shoe, radius, div, layers, elasticity, directed, kinds)
     # The columns inside a grip are fixed at their back, the edge farthest from the contact. All
     # other columns are free there.
     which = kinds.which
@@ -386,11 +398,11 @@ def _condensed_hp_columns_of_shoe(
         columns |= dict(zip(where.tolist(), made, strict=False))
     rest = _condensed_hp_columns_of_row(whole, which[under:], body, contact=False, held=False)
     row = [columns[k] for k in sorted(columns)]
-    return _ShoeColumns(row, rest[:before], rest[before:], (a, b))
+    return _CondensedShoeColumns(row, rest[:before], rest[before:], (a, b))
 
 
 def _condensed_hp_columns_of_row(
-    whole: _ShoeInElements, row: Ints, layer: int, *, contact: bool, held: bool
+    whole: _ShoeDividedIntoHpElements, row: Ints, layer: int, *, contact: bool, held: bool
 ) -> list[ColumnSubstructure]:
     """The condensed element columns of one row of a shoe, with the layers from number `layer` on.
 
@@ -432,7 +444,7 @@ def _condensed_hp_columns_of_row(
 
 
 def _condensed_elements_of_straight_beam_shoe(
-    whole: _ShoeInElements, along: Floats, layer: int
+    whole: _ShoeDividedIntoHpElements, along: Floats, layer: int
 ) -> Floats:
     """The stiffness (l, c, 8 p, 8 p) of elements of a straight beam, condensed to their boundary.
 
@@ -464,7 +476,7 @@ def displacement_axis_angles_at_contact_nodes(ends: Floats, p: int) -> Floats:
     return angles
 
 
-def angles_of_displacement_axes(shoe: Shoe, phi: Floats) -> Floats:
+def displacement_axis_angles_of_shoe_at_positions(shoe: Shoe, phi: Floats) -> Floats:
     """The angles [rad] of the axes in which a shoe's displacements at positions phi are measured.
 
     The first axis is the radius on an arc and the plane's normal on a pad. A shoe with a straight
@@ -484,7 +496,7 @@ def rotation_angles_of_contact_nodes_to_shoe_frame(shoe: Shoe, div: ShoeDivision
         displacement_axis_angles_at_contact_nodes(ends, div.degree)
         for ends in div.element_column_ends_on_each_lining
     ]
-    return -angles_of_displacement_axes(shoe, np.concatenate(angles))
+    return -displacement_axis_angles_of_shoe_at_positions(shoe, np.concatenate(angles))
 
 
 def angles_of_contact_nodes_on_each_lining(div: ShoeDivision) -> list[Floats]:
@@ -524,33 +536,33 @@ def condense_shoe_to_contact_nodes(
     if div.index_of_first_body_layer < div.number_of_element_layers and not any(row.grip):
         return _condense_shoe_that_hinge_holds(shoe, radius, div, row, R)
     S = (
-        _contact_stiffness_of_gripped_shoe(row, div)
+        _contact_stiffness_of_shoe_with_back_in_grip(row, div)
         if any(row.grip)
         else _contact_stiffness_of_linings_on_rigid_body(row.under, div)
     )
-    return condensed_shoe_held_at_its_back(
+    return condensed_shoe_with_gripped_or_bonded_back(
         shoe,
         rotate_node_axes_of_matrix(S, rotation_angles_of_contact_nodes_to_shoe_frame(shoe, div)),
         R,
     )
 
 
-def condensed_shoe_held_at_its_back(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
+def condensed_shoe_with_gripped_or_bonded_back(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     """The condensed shoe whose back is held by a grip, or is bonded to a rigid body.
 
     The actuation force then acts on the frame, which is the rigid grip or the rigid body. `S` (2n,
     2n) is the stiffness of the contact nodes while the frame is fixed, and `R` (2n, 3) are the
     rigid-body modes of the contact nodes.
     """
-    zeros = np.zeros((len(R), FRAME))
+    zeros = np.zeros((len(R), NUMBER_OF_FRAME_DISPLACEMENTS))
     return CondensedShoe(
         S=stiffness_of_hinge_face_and_contact_nodes(S, R),
-        loads=np.vstack([np.eye(FRAME), zeros]),
-        work=np.zeros((FRAME, FRAME)),
+        loads=np.vstack([np.eye(NUMBER_OF_FRAME_DISPLACEMENTS), zeros]),
+        work=np.zeros((NUMBER_OF_FRAME_DISPLACEMENTS, NUMBER_OF_FRAME_DISPLACEMENTS)),
         centre=shoe.pin_position_in_shoe_frame,
         rigid_mode_forces=zeros,
         force_imbalance=0.0,
-        columns=LoadColumns(((ACTUATION, FRAME),)),
+        columns=ColumnsOfUnitLoads(((ACTUATION_LOAD_NAME, NUMBER_OF_FRAME_DISPLACEMENTS),)),
     )
 
 
@@ -558,7 +570,7 @@ def _condense_shoe_that_hinge_holds(
     shoe: Shoe,
     radius: float,
     div: ShoeDivision,
-    row: _ShoeColumns,
+    row: _CondensedShoeColumns,
     R: Floats,
 ) -> CondensedShoe:
     """The condensed elastic shoe that is held by the hinge at one end and loaded at the other end.
@@ -576,7 +588,9 @@ def _condense_shoe_that_hinge_holds(
     # column under the lining. The assembled columns have the unknowns [rigid face at the hinge |
     # contact nodes | unit loads].
     columns = row.under.copy()
-    columns[0] = _join_first_column_to_body_at_hinge(columns[0], row.before, faces.hinge_modes)
+    columns[0] = _join_first_lining_column_with_body_at_hinge(
+        columns[0], row.before, faces.hinge_modes
+    )
     loaded = condensed_stiffness_of_body_beyond_lining_end(row.after, faces.end_forces)
     columns[-1] = eliminate_nodes_on_column_side(
         columns[-1], loaded, len(faces.end_forces), right=True
@@ -602,7 +616,7 @@ def _condense_shoe_that_hinge_holds(
     )
 
 
-class _EndFacesOfBody(NamedTuple):
+class _EndFaceModesAndUnitLoads(NamedTuple):
     """The rigid-body modes and the unit loads on the two end faces of a shoe's body.
 
     Attributes
@@ -613,13 +627,13 @@ class _EndFacesOfBody(NamedTuple):
     """
 
     hinge_modes: Floats
-    end: LoadedEnd
+    end: UnitLoadsOnLoadedEndFace
     end_forces: Floats
 
 
 def _hinge_face_modes_and_end_face_loads(
     shoe: Shoe, radius: float, div: ShoeDivision
-) -> _EndFacesOfBody:
+) -> _EndFaceModesAndUnitLoads:
     """The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face.
 
     Modes and nodal forces are measured in the axes of the element columns. `div` divides the shoe
@@ -629,19 +643,21 @@ def _hinge_face_modes_and_end_face_loads(
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
     near, far = div.column_ends_before_lining[-1], div.column_ends_behind_lining[-1]
     end = unit_actuation_loads_on_end_face(place(depths, far), depths, div.degree)
-    return _EndFacesOfBody(
+    return _EndFaceModesAndUnitLoads(
         rotate_axes_of_all_nodes_by_one_angle(
             rigid_body_displacements_of_nodes(place(depths, near), shoe.pin_position_in_shoe_frame),
-            angles_of_displacement_axes(shoe, near),
+            displacement_axis_angles_of_shoe_at_positions(shoe, near),
         ),
         end,
-        rotate_axes_of_all_nodes_by_one_angle(end.forces, angles_of_displacement_axes(shoe, far)),
+        rotate_axes_of_all_nodes_by_one_angle(
+            end.forces, displacement_axis_angles_of_shoe_at_positions(shoe, far)
+        ),
     )
 
 
 def condensed_shoe_corrected_for_round_off(
     A: Floats,
-    end: LoadedEnd,
+    end: UnitLoadsOnLoadedEndFace,
     R: Floats,
     pin: Floats,
     forces_in_frame: Callable[[Floats], Floats],
@@ -665,7 +681,11 @@ def condensed_shoe_corrected_for_round_off(
         stiffness (2n, 2n) along the axes of the shoe
     """
     extra = end.columns.number_of_load_columns
-    frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
+    frame, contact, loads = (
+        slice(NUMBER_OF_FRAME_DISPLACEMENTS),
+        slice(NUMBER_OF_FRAME_DISPLACEMENTS, -extra),
+        slice(-extra, None),
+    )
     S = stiffness_in_frame(A[contact, contact])
     load = -forces_in_frame(A[loads, contact]).T
     on_frame = -A[frame, loads]
@@ -677,7 +697,7 @@ def condensed_shoe_corrected_for_round_off(
     corrected = contact_stiffness_without_strain_in_rigid_motion(
         S, R, forces_in_frame(A[frame, contact]).T
     )
-    actuation = end.columns.column_slice_of_each_load[ACTUATION]
+    actuation = end.columns.column_slice_of_each_load[ACTUATION_LOAD_NAME]
     return CondensedShoe(
         S=stiffness_of_hinge_face_and_contact_nodes(corrected.S, R),
         loads=np.concatenate([on_frame, load]),
@@ -689,7 +709,7 @@ def condensed_shoe_corrected_for_round_off(
     )
 
 
-def _contact_stiffness_of_gripped_lining(
+def _contact_stiffness_of_lining_with_back_in_grip(
     row: list[ColumnSubstructure],
     div: ShoeDivision,
     left: Floats | None = None,
@@ -766,7 +786,9 @@ def _assemble_columns_of_linings_and_slots(
     return before.K
 
 
-def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns, div: ShoeDivision) -> Floats:
+def _contact_stiffness_of_shoe_with_back_in_grip(
+    columns: _CondensedShoeColumns, div: ShoeDivision
+) -> Floats:
     """The stiffness of the contact nodes of a shoe whose body is held by a grip on its back.
 
     The parts of the body beyond the lining are free.
@@ -796,10 +818,10 @@ def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns, div: ShoeDivision)
         if after
         else None
     )
-    return _contact_stiffness_of_gripped_lining(row, div, body_before, body_after)
+    return _contact_stiffness_of_lining_with_back_in_grip(row, div, body_before, body_after)
 
 
-def _join_first_column_to_body_at_hinge(
+def _join_first_lining_column_with_body_at_hinge(
     first: ColumnSubstructure, before: list[ColumnSubstructure], held: Floats
 ) -> ColumnSubstructure:
     """The first element column under the lining, joined with the body between lining and hinge.
@@ -850,11 +872,11 @@ def _constrain_element_column_side_to_hinge(
     | frame | other unknowns].
     """
     left = piece.left - len(held)
-    at, frame = slice(left, piece.left), slice(left, left + FRAME)
+    at, frame = slice(left, piece.left), slice(left, left + NUMBER_OF_FRAME_DISPLACEMENTS)
     rest = np.arange(len(piece.K) - len(held))
-    others, n = rest.copy(), len(rest) + FRAME
+    others, n = rest.copy(), len(rest) + NUMBER_OF_FRAME_DISPLACEMENTS
     rest[left:] += len(held)
-    others[left:] += FRAME
+    others[left:] += NUMBER_OF_FRAME_DISPLACEMENTS
     K = np.empty((n, n))
     K[others[:, None], others] = piece.K[rest[:, None], rest]
     K[frame, frame] = held.T @ piece.K[at, at] @ held
@@ -917,11 +939,13 @@ def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
     rigid body, by the modes R (2n, 3).
     """
     SR = S @ R
-    whole = np.empty((FRAME + len(S), FRAME + len(S)))
-    whole[:FRAME, :FRAME] = R.T @ SR
-    whole[:FRAME, FRAME:] = -SR.T
-    whole[FRAME:, :FRAME] = -SR
-    whole[FRAME:, FRAME:] = S
+    whole = np.empty(
+        (NUMBER_OF_FRAME_DISPLACEMENTS + len(S), NUMBER_OF_FRAME_DISPLACEMENTS + len(S))
+    )
+    whole[:NUMBER_OF_FRAME_DISPLACEMENTS, :NUMBER_OF_FRAME_DISPLACEMENTS] = R.T @ SR
+    whole[:NUMBER_OF_FRAME_DISPLACEMENTS, NUMBER_OF_FRAME_DISPLACEMENTS:] = -SR.T
+    whole[NUMBER_OF_FRAME_DISPLACEMENTS:, :NUMBER_OF_FRAME_DISPLACEMENTS] = -SR
+    whole[NUMBER_OF_FRAME_DISPLACEMENTS:, NUMBER_OF_FRAME_DISPLACEMENTS:] = S
     return whole
 
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.beam_axis import Axis, make_beam_axis
+from drumlin.brake.beam_axis import BeamAxis, make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
 from drumlin.brake.units import text_in_mm
@@ -22,12 +22,12 @@ from drumlin.fem.mesh.grading import (
     relative_layer_depths_behind_lining,
 )
 
-PARTS = ("lining", "backing", "shoe")
+BEAM_SHOE_SUBDOMAINS = ("lining", "backing", "shoe")
 """The subdomains of the mesh of a straight-beam shoe, in the order from the contact to the beam.
 
 The subdomain "backing" is the block between lining and beam.
 """
-BEAM_SLACK = 1e-9
+EDGE_ON_BEAM_SHOE_FACE_TOLERANCE = 1e-9
 """Largest distance from a face of the shoe at which the middle of an edge counts as on the face.
 
 The edge is an edge of an element. Distances in depth are relative to the thickness of the layer,
@@ -59,7 +59,7 @@ def reason_why_beam_shoe_cannot_be_meshed(shoe: Shoe, radius: float) -> str | No
 
 
 def _reason_why_no_block_fits_behind_lining(
-    shoe: Shoe, axis: Axis, section: Section, radius: float
+    shoe: Shoe, axis: BeamAxis, section: Section, radius: float
 ) -> str | None:
     """The reason why no block fits between lining and beam, as a text; None if a block fits."""
     back = radius + shoe.lining.thickness
@@ -117,19 +117,19 @@ class _BeamShape(NamedTuple):
     beam : thickness of the beam [m]
     back : radius of the lining's back [m]
     start, end : angles of the lining's ends, counted from the foot of the beam's axis [rad]
-    low, high : positions s of the beam's ends: `start` or `end` plus or minus the beam's overhang
-        beyond the lining [m] divided by `back`
+    position_of_beam_start, position_of_beam_end : positions s of the beam's ends: `start` or `end`
+        plus or minus the beam's overhang beyond the lining [m] divided by `back`
     """
 
-    axis: Axis
+    axis: BeamAxis
     radius: float
     thickness: float
     beam: float
     back: float
     start: float
     end: float
-    low: float
-    high: float
+    position_of_beam_start: float
+    position_of_beam_end: float
 
     @property
     def distance_of_beam_face_from_centre(self) -> float:
@@ -200,9 +200,13 @@ def mesh_of_straight_beam_shoe(
     depth, s = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
     on = {
-        "contact": outer & (depth < BEAM_SLACK),
-        "hinge": outer & (depth > 2) & (s < form.low + BEAM_SLACK),
-        "actuation": outer & (depth > 2) & (s > form.high - BEAM_SLACK),
+        "contact": outer & (depth < EDGE_ON_BEAM_SHOE_FACE_TOLERANCE),
+        "hinge": outer
+        & (depth > 2)
+        & (s < form.position_of_beam_start + EDGE_ON_BEAM_SHOE_FACE_TOLERANCE),
+        "actuation": outer
+        & (depth > 2)
+        & (s > form.position_of_beam_end - EDGE_ON_BEAM_SHOE_FACE_TOLERANCE),
     }
     mesh = shape.from_mesh(grid)
     depth, s = mesh.doflocs
@@ -211,13 +215,15 @@ def mesh_of_straight_beam_shoe(
             form.beam_shoe_points_in_brake_frame(depth, s)
         ).T.copy(),
         mesh.t,
-        _subdomains={name: np.flatnonzero(layer == i) for i, name in enumerate(PARTS)},
+        _subdomains={
+            name: np.flatnonzero(layer == i) for i, name in enumerate(BEAM_SHOE_SUBDOMAINS)
+        },
         _boundaries={name: np.flatnonzero(where) for name, where in on.items()},
     )
 
 
 def _geometry_of_straight_beam_shoe(
-    shoe: Shoe, section: Section, axis: Axis, radius: float, angles: Floats
+    shoe: Shoe, section: Section, axis: BeamAxis, radius: float, angles: Floats
 ) -> _BeamShape:
     """The geometry of a straight-beam shoe.
 
@@ -234,9 +240,19 @@ def _geometry_of_straight_beam_shoe(
     back = radius + thickness
     # Here `foot` has the distances from the hinge along the beam at both ends of the lining's back.
     foot = axis.x_of_perpendicular_foot + back * np.sin(np.array([start, end]))
-    low = start - foot[0] / back
-    high = end + (axis.length - foot[1]) / back
-    return _BeamShape(axis, radius, thickness, section.thickness, back, start, end, low, high)
+    position_of_beam_start = start - foot[0] / back
+    position_of_beam_end = end + (axis.length - foot[1]) / back
+    return _BeamShape(
+        axis,
+        radius,
+        thickness,
+        section.thickness,
+        back,
+        start,
+        end,
+        position_of_beam_start,
+        position_of_beam_end,
+    )
 
 
 def _element_grid_of_beam_shoe(
@@ -256,8 +272,8 @@ def _element_grid_of_beam_shoe(
     import skfem  # noqa: PLC0415
 
     start, end, back = form.start, form.end, form.back
-    before = element_ends_beyond_lining(start, form.low, division)[:0:-1]
-    after = element_ends_beyond_lining(end, form.high, division)[1:]
+    before = element_ends_beyond_lining(start, form.position_of_beam_start, division)[:0:-1]
+    after = element_ends_beyond_lining(end, form.position_of_beam_end, division)[1:]
     s = np.concatenate([before, angles, after])
     # Linear elements bend well only in thin layers, so that they may have more layers. The number
     # of layers through the block follows from its largest thickness.

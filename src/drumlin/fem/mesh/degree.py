@@ -37,14 +37,14 @@ of usual triangles. Straight triangles take less time to integrate.
 """
 
 
-class _Slopes(NamedTuple):
+class _ShapeFunctionGradient(NamedTuple):
     """The gradient of a shape function, `grad` (2, elements, points) [1/m]; scikit-fem's name."""
 
     grad: Floats
 
 
 @dataclass(frozen=True)
-class NodalElement:
+class LagrangeElement:
     """A triangle or a square with Lagrange polynomials of a degree as its shape functions.
 
     The nodes are the corners, then the Gauss-Lobatto points of each side from its first corner to
@@ -167,7 +167,7 @@ class NodalBasis:
     """
 
     mesh: Any
-    elem: NodalElement
+    elem: LagrangeElement
     doflocs: Floats
     element_dofs: Ints
     nodal_dofs: Ints
@@ -226,9 +226,12 @@ class NodalBasis:
         return gradients, np.abs(determinants) * self.W
 
     @property
-    def basis(self) -> list[tuple[_Slopes]]:
+    def basis(self) -> list[tuple[_ShapeFunctionGradient]]:
         """The gradients of each shape function, under the attribute names of scikit-fem's basis."""
-        return [(_Slopes(gradient),) for gradient in self._shape_function_gradients_and_areas[0]]
+        return [
+            (_ShapeFunctionGradient(gradient),)
+            for gradient in self._shape_function_gradients_and_areas[0]
+        ]
 
     @property
     def dx(self) -> Floats:
@@ -276,7 +279,7 @@ class ElementsOfGroups(NamedTuple):
 
 def number_of_nodes_at_degree(mesh: Any, degree: int) -> int:
     """The number of nodes of a scikit-fem mesh if its elements have the given degree."""
-    inside = len(NodalElement(degree, len(mesh.t)).doflocs) - len(mesh.t) * degree
+    inside = len(LagrangeElement(degree, len(mesh.t)).doflocs) - len(mesh.t) * degree
     return int(mesh.nvertices + (degree - 1) * mesh.nfacets + inside * mesh.nelements)
 
 
@@ -304,7 +307,7 @@ def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
 
     If no degree is given, the basis has the degree of the mesh itself, 1 or 2.
     """
-    elem = NodalElement(degree or element_kind_of_mesh(mesh).degree, len(mesh.t))
+    elem = LagrangeElement(degree or element_kind_of_mesh(mesh).degree, len(mesh.t))
     # The mapping of the mesh gives the places of the nodes.
     shape = (2, mesh.nelements, len(elem.doflocs))
     places = np.broadcast_to(mesh.mapping().F(elem.doflocs.T), shape)
@@ -312,7 +315,7 @@ def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
 
 
 def nodal_basis_with_given_node_positions(
-    mesh: Any, elem: NodalElement, places: Floats
+    mesh: Any, elem: LagrangeElement, places: Floats
 ) -> NodalBasis:
     """The basis on a mesh for elements of the type `elem`, with its nodes at given places.
 
@@ -402,7 +405,7 @@ def node_displacements_that_follow_moved_sides(
 
 
 def _node_places_along_side_and_shares_of_its_move(
-    elem: NodalElement, a: int, b: int
+    elem: LagrangeElement, a: int, b: int
 ) -> tuple[Floats, Floats]:
     """How the nodes of an element follow one side: place along the side, and share of its move.
 

@@ -12,7 +12,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 
-EDGE_SIZE = 1 / 32
+RELATIVE_SIZE_OF_LINING_END_ELEMENT = 1 / 32
 """Size of the element at a lining's end, relative to the size of an element in its middle.
 
 The layers of elements at the lining's two faces are thinner than those in its middle by the same
@@ -76,7 +76,11 @@ def divide_lining_into_elements(shoe: Shoe, radius: float, elements: int) -> Lin
     return LiningDivision(
         angles=_element_ends_along_linings_and_slots(shoe, radius, elements),
         depths=points_graded_to_both_ends(
-            0, thickness, number_of_element_layers_in_lining(elements), thickness / 2, EDGE_SIZE
+            0,
+            thickness,
+            number_of_element_layers_in_lining(elements),
+            thickness / 2,
+            RELATIVE_SIZE_OF_LINING_END_ELEMENT,
         ),
         step=(end - start) / elements,
     )
@@ -124,7 +128,9 @@ def element_ends_along_lining(arc: float, shoe: Shoe, radius: float, elements: i
     radius : radius of the drum [m]
     elements : number of elements
     """
-    return points_graded_to_both_ends(0.0, arc, elements, shoe.lining.thickness / radius, EDGE_SIZE)
+    return points_graded_to_both_ends(
+        0.0, arc, elements, shoe.lining.thickness / radius, RELATIVE_SIZE_OF_LINING_END_ELEMENT
+    )
 
 
 def number_of_element_layers_in_lining(elements: int) -> int:

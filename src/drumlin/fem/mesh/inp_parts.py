@@ -13,7 +13,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 
 
-class Member(NamedTuple):
+class DeckSetMember(NamedTuple):
     """An entry of a set of nodes or elements in an Abaqus deck.
 
     Attributes
@@ -27,7 +27,7 @@ class Member(NamedTuple):
 
 
 @dataclass
-class DeckBlock:
+class DeckElementBlock:
     """The elements of one *ELEMENT section of an Abaqus deck.
 
     Attributes
@@ -49,8 +49,8 @@ class DeckPart:
     Parameters
     ----------
     nodes : label of each node -> x, y, z in the file's unit
-    written : label of each node -> its two coordinates as the deck writes them, which show how they
-        were rounded
+    coordinates_as_written : label of each node -> its two coordinates as the deck writes them,
+        which show how they were rounded
     turned : whether a *SYSTEM or a cylindrical system turns the coordinates
     blocks : elements of each *ELEMENT section
     labels : labels of all elements
@@ -61,23 +61,23 @@ class DeckPart:
 
     name: str = ""
     nodes: dict[int, list[float]] = field(default_factory=dict)
-    written: dict[int, list[float]] = field(default_factory=dict)
+    coordinates_as_written: dict[int, list[float]] = field(default_factory=dict)
     turned: bool = False
-    blocks: list[DeckBlock] = field(default_factory=list)
+    blocks: list[DeckElementBlock] = field(default_factory=list)
     labels: set[int] = field(default_factory=set)
-    node_sets: dict[str, list[Member]] = field(default_factory=dict)
-    element_sets: dict[str, list[Member]] = field(default_factory=dict)
+    node_sets: dict[str, list[DeckSetMember]] = field(default_factory=dict)
+    element_sets: dict[str, list[DeckSetMember]] = field(default_factory=dict)
     surfaces: dict[str, tuple[str, list[list[str]]]] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
 
     def add_labelled_node_to_part(
-        self, label: int, xyz: Sequence[float], written: list[float]
+        self, label: int, xyz: Sequence[float], coordinates_as_written: list[float]
     ) -> None:
         """Add a node. ValueError is raised if another node has the same label."""
         if label in self.nodes:
             raise ValueError(f"node {label} is defined twice")
         self.nodes[label] = [*xyz]
-        self.written[label] = written
+        self.coordinates_as_written[label] = coordinates_as_written
 
     def add_labelled_elements_to_part(self, kind: str, elements: dict[int, list[int]]) -> None:
         """Add elements. ValueError is raised if a label belongs to another element already."""
@@ -85,7 +85,7 @@ class DeckPart:
         if taken:
             raise ValueError(f"element {min(taken)} is defined twice")
         self.labels |= elements.keys()
-        self.blocks.append(DeckBlock(kind, elements))
+        self.blocks.append(DeckElementBlock(kind, elements))
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class Placement:
         return bool(np.any(self.turn != np.eye(3)))
 
 
-IN_PLACE = Placement(np.eye(3), np.zeros(3))
+IDENTITY_PLACEMENT = Placement(np.eye(3), np.zeros(3))
 """The placement that leaves a part where it is."""
 
 
@@ -119,7 +119,7 @@ class DeckInstance:
 
     name: str
     part: DeckPart
-    placement: Placement = IN_PLACE
+    placement: Placement = IDENTITY_PLACEMENT
 
 
 def placement_of_instance_in_assembly(rows: list[list[str]], name: str) -> Placement:
@@ -166,7 +166,7 @@ def placement_of_nodes_after_system_section(rows: list[list[str]]) -> Placement:
     empty section ends the system. ValueError is raised for other lines.
     """
     if not rows:
-        return IN_PLACE
+        return IDENTITY_PLACEMENT
     given = parse_numbers_of_data_line(rows[0], "*SYSTEM")
     origin, along = np.array(given[:3]), np.array(given[3:6])
     if len(given) == 3:

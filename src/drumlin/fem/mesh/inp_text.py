@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from drumlin.fem.mesh.content import MOST_NESTED, read_bytes_of_mesh_file
+from drumlin.fem.mesh.content import LARGEST_INCLUDE_DEPTH, read_bytes_of_mesh_file
 
-DATA_STARTS = frozenset("*+-.0123456789")
+FIRST_CHARACTERS_OF_DECK_LINES = frozenset("*+-.0123456789")
 """First characters of lines of an Abaqus input file that begin with a keyword or a number.
 
 After a keyword line that ends with a comma, such a line does not continue the keyword's options.
@@ -85,7 +85,7 @@ def _lines_with_continuations_joined(text: str) -> Iterator[str]:
         line = raw.strip()
         if not line or line.startswith("**"):
             continue
-        if begun and line[0] in DATA_STARTS:
+        if begun and line[0] in FIRST_CHARACTERS_OF_DECK_LINES:
             yield begun
             begun = ""
         line = begun + line
@@ -121,14 +121,14 @@ def _read_text_and_folder_of_included_file(
 
     `folder` is the folder of the including file. `depth` is 0 if this is the mesh file itself, 1 if
     the mesh file includes it, and so on. ValueError is raised for a file that cannot be found, and
-    for a depth of MOST_NESTED.
+    for a depth of LARGEST_INCLUDE_DEPTH.
     """
     name = section.options.get("INPUT", "")
     if not name or folder is None:
         raise ValueError("*INCLUDE names no file that can be found; its option INPUT must name one")
-    if depth >= MOST_NESTED:
+    if depth >= LARGEST_INCLUDE_DEPTH:
         raise ValueError(
-            f"*INCLUDE, INPUT={name}: files include each other over {MOST_NESTED} deep"
+            f"*INCLUDE, INPUT={name}: files include each other over {LARGEST_INCLUDE_DEPTH} deep"
         )
     path = folder / name.replace("\\", "/")
     if not path.is_file():

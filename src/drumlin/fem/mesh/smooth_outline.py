@@ -18,7 +18,7 @@ from drumlin.fem.mesh.degree import (
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.resultants import gauss_lobatto_points
 
-CONVEX_ANGLE = np.radians(185.0)
+LARGEST_NONSINGULAR_CORNER_ANGLE = np.radians(185.0)
 """Largest inner angle of a corner between two free faces of one layer that is no singular point.
 
 Stresses are singular at angles above 180 degrees. Angles slightly above are left out, since the
@@ -178,7 +178,9 @@ def singular_corners_of_mesh(mesh: Any) -> Ints:
     highest = np.zeros(mesh.nvertices, dtype=np.int64)
     np.minimum.at(lowest, mesh.t, layer)
     np.maximum.at(highest, mesh.t, layer)
-    is_singular = (lowest < highest) | (_angles_inside_corners(mesh) > CONVEX_ANGLE)
+    is_singular = (lowest < highest) | (
+        _angles_inside_corners(mesh) > LARGEST_NONSINGULAR_CORNER_ANGLE
+    )
     corners = corners[is_singular[corners]]
     for name in ("contact", "hinge"):
         ends, count = np.unique(mesh.facets[:, mesh.boundaries[name]], return_counts=True)

@@ -9,11 +9,11 @@ import numpy as np
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.fields import Point
-from drumlin.brake.further_loads import NO_LOADS, LoadsOfBrake
+from drumlin.brake.further_loads import NO_LOADS, SpringLeverAndMassLoads
 from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.load_places import points_where_shoe_body_is_loaded
-from drumlin.fem.substructure.body import InnerSystem
+from drumlin.fem.substructure.body import UncondensedBodySystem
 from drumlin.fem.substructure.ring import RingSubstructure
 
 CACHE_BYTES = 400_000_000
@@ -115,7 +115,7 @@ def memory_of_condensed_body(body: ShoeSubstructure | RingSubstructure) -> int:
     # each displacement.
     n = len(body.line.nodes)
     inner = body.condensed.inner
-    factors = inner.factors if isinstance(inner, InnerSystem) else None
+    factors = inner.factors if isinstance(inner, UncondensedBodySystem) else None
     kept = 0 if factors is None else factors.memory
     return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N) + kept
 
@@ -172,5 +172,5 @@ def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
         force._replace(force=(0.0, 0.0)) for force in shoe.forces_at_points_besides_actuation
     ]
     return shoe.model_copy(update=changes).shoe_with_spring_lever_and_mass_loads(
-        LoadsOfBrake(tuple(at_places))
+        SpringLeverAndMassLoads(tuple(at_places))
     )

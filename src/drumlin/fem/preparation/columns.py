@@ -24,7 +24,7 @@ from drumlin.fem.hp.body import (
 )
 from drumlin.fem.hp.corner import pressure_exponents_at_both_lining_corners
 from drumlin.fem.hp.division import (
-    LONGEST_CORNER_CONTACT,
+    LONGEST_CONTACT_WITH_CORNER_COLUMNS,
     Level,
     ShoeDivision,
     Singularity,
@@ -35,8 +35,8 @@ from drumlin.fem.hp.division import (
 from drumlin.fem.hp.ring import condensed_ring_in_hp_elements
 from drumlin.fem.hp.shoe import condense_shoe_to_contact_nodes
 from drumlin.fem.preparation.bodies import (
-    BodyNodes,
-    DividedBody,
+    NodesAndActuationForces,
+    ShoeBodyElements,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
     make_shoe_substructure,
@@ -48,12 +48,15 @@ from drumlin.fem.preparation.cache import (
     memory_of_condensed_body,
     shoe_without_loads_and_clearances,
 )
-from drumlin.fem.preparation.load_places import BODY_PARTS, points_where_shoe_body_is_loaded
+from drumlin.fem.preparation.load_places import (
+    NAMES_OF_BODY_LAYERS,
+    points_where_shoe_body_is_loaded,
+)
 from drumlin.fem.preparation.meshes import nodes_of_changed_shoe_with_mesh_file
 from drumlin.fem.preparation.scene import (
-    DividedBodies,
-    PointsByShape,
-    Seconds,
+    CondensedBodiesOfBrake,
+    SecondsOfEachPhase,
+    SingularPointsByShoeShape,
     add_elapsed_time_of_block_to_phase,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -67,29 +70,30 @@ class _DivisionRule(NamedTuple):
     shoe : the first shoe of the shape
     level : degree of the elements, and their sizes at singular points
     points : singular points of the pressure on the lining
-    tip : whether elements become small towards the loaded end of the shoe's body
-    powers : exponents with which the pressure is a power of the distance from the lining's start
-        and from its end; 0 if the elements do not depend on them
+    has_small_elements_at_loaded_end : whether elements become small towards the loaded end of the
+        shoe's body
+    pressure_exponents_at_lining_ends : exponents with which the pressure is a power of the distance
+        from the lining's start and from its end; 0 if the elements do not depend on them
     division : the division that follows from all other attributes
     """
 
     shoe: Shoe
     level: Level
     points: Sequence[SingularPoint]
-    tip: bool
-    powers: tuple[float, float]
+    has_small_elements_at_loaded_end: bool
+    pressure_exponents_at_lining_ends: tuple[float, float]
     division: ShoeDivision
 
 
 def make_condensed_shoes_of_hp_elements(
     brake: Brake,
     level: Level,
-    places: PointsByShape | None,
+    places: SingularPointsByShoeShape | None,
     alike: Sequence[int],
     cache: Cache,
-    seconds: Seconds,
+    seconds: SecondsOfEachPhase,
     of_files: Mapping[int, ShoeSubstructure] | None = None,
-) -> DividedBodies:
+) -> CondensedBodiesOfBrake:
     """Make the condensed bodies of a brake from hp elements; shoes of one shape share one body.
 
     Parameters
@@ -143,15 +147,15 @@ def make_condensed_shoes_of_hp_elements(
             ring = cache.get(key, partial(ring_under, lines), memory_of_condensed_body)
 
     # Analyses of changed shoes divide a changed shoe by the same rule as the present shoe.
-    nodes_by_shape: dict[int, Callable[[Shoe], BodyNodes]] = {
+    nodes_by_shape: dict[int, Callable[[Shoe], NodesAndActuationForces]] = {
         i: partial(nodes_of_changed_shoe_with_mesh_file, body)
         for i, body in (of_files or {}).items()
     }
     for i, rule in rules.items():
-        nodes_by_shape[i] = partial(_hp_element_nodes_of_changed_shoe, rule, brake.size)
+        nodes_by_shape[i] = partial(_hp_nodes_of_changed_shoe_by_division_rule, rule, brake.size)
     nodes_of = partial(_nodes_of_changed_shoe_divided_as_before, nodes_by_shape, alike)
     divisions = {i: rule.division for i, rule in rules.items()}
-    return DividedBodies(bodies, ring, nodes_of, ring_under, divisions)
+    return CondensedBodiesOfBrake(bodies, ring, nodes_of, ring_under, divisions)
 
 
 def _require_few_contact_nodes(brake: Brake, of_shoes: Sequence[int]) -> None:
@@ -170,20 +174,36 @@ def _require_few_contact_nodes(brake: Brake, of_shoes: Sequence[int]) -> None:
 
 
 def _rule_for_dividing_shoes_of_one_shape(
-    brake: Brake, level: Level, places: PointsByShape, alike: Sequence[int], i: int
+    brake: Brake, level: Level, places: SingularPointsByShoeShape, alike: Sequence[int], i: int
 ) -> _DivisionRule:
     """The rule that divides the shoes of one shape, whose first shoe has the index `i`."""
     shoe = brake.shoes[i]
     points = places.get(i, ())
     # A cam touches the loaded ends of the shoes, so that the cam's forces depend on the
     # displacements of these ends. The elements become small towards the ends to compute them.
-    tip = brake.actuation is not None and brake.actuation.is_cam_or_wedge
-    powers = _smallest_pressure_exponents_at_lining_ends(brake, alike, i, points)
+    has_small_elements_at_loaded_end = (
+        brake.actuation is not None and brake.actuation.is_cam_or_wedge
+    )
+    pressure_exponents_at_lining_ends = _smallest_pressure_exponents_at_lining_ends(
+        brake, alike, i, points
+    )
     level = _refinement_level_for_loads_on_body(shoe, brake.size, level)
     division = divide_shoe_into_hp_elements(
-        shoe, brake.size, level, points, grades_loaded_end=tip, exponents=powers
+        shoe,
+        brake.size,
+        level,
+        points,
+        grades_loaded_end=has_small_elements_at_loaded_end,
+        exponents=pressure_exponents_at_lining_ends,
     )
-    return _DivisionRule(shoe, level, points, tip, powers, division)
+    return _DivisionRule(
+        shoe,
+        level,
+        points,
+        has_small_elements_at_loaded_end,
+        pressure_exponents_at_lining_ends,
+        division,
+    )
 
 
 def _refinement_level_for_loads_on_body(shoe: Shoe, radius: float, level: Level) -> Level:
@@ -197,13 +217,13 @@ def _refinement_level_for_loads_on_body(shoe: Shoe, radius: float, level: Level)
     body = sum(
         layer.thickness
         for layer in shoe_layers_with_their_thickness(shoe, radius)
-        if layer.part in BODY_PARTS
+        if layer.part in NAMES_OF_BODY_LAYERS
     )
     return replace(level, largest_column=min(level.largest_column, body / radius))
 
 
 def _cached_or_newly_condensed_body(
-    brake: Brake, rule: _DivisionRule, cache: Cache, seconds: Seconds
+    brake: Brake, rule: _DivisionRule, cache: Cache, seconds: SecondsOfEachPhase
 ) -> ShoeSubstructure:
     """The condensed body of the shoes of one shape, from the cache or newly made."""
     shoe, division = rule.shoe, rule.division
@@ -219,7 +239,7 @@ def _cached_or_newly_condensed_body(
 
 
 def _condense_and_couple_hp_shoe(
-    shoe: Shoe, radius: float, division: ShoeDivision, friction: bool, seconds: Seconds
+    shoe: Shoe, radius: float, division: ShoeDivision, friction: bool, seconds: SecondsOfEachPhase
 ) -> ShoeSubstructure:
     """Make the condensed body of a parametric shoe, coupled with the drum or the plane."""
     with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
@@ -230,7 +250,7 @@ def _condense_and_couple_hp_shoe(
         if loads := nodal_forces_of_unit_loads_besides_actuation(grid, shoe, radius):
             inner = inner.body_with_further_loads(loads)
     with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
-        divided = DividedBody(grid, grid, line)
+        divided = ShoeBodyElements(grid, grid, line)
         return make_shoe_substructure(
             ShoeSubstructure, shoe, divided, inner, found.centre, friction=friction
         )
@@ -243,9 +263,9 @@ def _smallest_pressure_exponents_at_lining_ends(
 
     Near a corner of the lining the pressure p is a power of the distance to the corner. The shoes
     of one shape may have different exponents, of which the smallest is taken. If all contacts are
-    longer than LONGEST_CORNER_CONTACT or the drum has an elastic ring, the elements do not depend
-    on the exponents, and both are returned as 0. `first` is the index of the first shoe of the
-    shape, and `points` are the singular points of its pressure.
+    longer than LONGEST_CONTACT_WITH_CORNER_COLUMNS or the drum has an elastic ring, the elements do
+    not depend on the exponents, and both are returned as 0. `first` is the index of the first shoe
+    of the shape, and `points` are the singular points of its pressure.
     """
     # An exponent would make the columns of the lining and of the ring at the corner very narrow.
     # Since the ring bends as a whole, round-off in columns of width w changes the forces of a ring
@@ -253,19 +273,21 @@ def _smallest_pressure_exponents_at_lining_ends(
     if brake.ring is not None and brake.ring.section is not None:
         return 0.0, 0.0
     ends = [point.length for point in points if point.kind == Singularity.END]
-    if not any(length <= LONGEST_CORNER_CONTACT for length in ends):
+    if not any(length <= LONGEST_CONTACT_WITH_CORNER_COLUMNS for length in ends):
         return 0.0, 0.0
-    powers = [
+    pressure_exponents_at_lining_ends = [
         pressure_exponents_at_both_lining_corners(brake, j)
         for j, shape in enumerate(alike)
         if shape == first
     ]
-    at_start = min(start for start, _ in powers)
-    at_end = min(end for _, end in powers)
+    at_start = min(start for start, _ in pressure_exponents_at_lining_ends)
+    at_end = min(end for _, end in pressure_exponents_at_lining_ends)
     return at_start, at_end
 
 
-def _hp_element_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
+def _hp_nodes_of_changed_shoe_by_division_rule(
+    rule: _DivisionRule, radius: float, other: Shoe
+) -> NodesAndActuationForces:
     """The nodes of a changed shoe's body, divided by the rule by which the present shoe is divided.
 
     The singular points keep their distance from the lining's start. The columns of a straight beam
@@ -276,25 +298,30 @@ def _hp_element_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other:
     turn = other.arc[0] - shoe.arc[0]
     points = [point._replace(position=point.position + turn) for point in rule.points]
     division = divide_shoe_into_hp_elements(
-        other, radius, rule.level, points, grades_loaded_end=rule.tip, exponents=rule.powers
+        other,
+        radius,
+        rule.level,
+        points,
+        grades_loaded_end=rule.has_small_elements_at_loaded_end,
+        exponents=rule.pressure_exponents_at_lining_ends,
     )
     if isinstance(shoe.body, Beam):
         division = replace(division, angles=rule.division.angles + turn)
     grid = element_grid_of_whole_shoe(other, radius, division)
     if "actuation" not in grid.sets:
-        return BodyNodes(grid.doflocs, np.zeros(grid.doflocs.shape))
+        return NodesAndActuationForces(grid.doflocs, np.zeros(grid.doflocs.shape))
     unit_loads, centre = nodal_forces_of_unit_actuations_and_their_centre(division, grid)
     factors, _ = actuation_force_and_moments_per_newton(centre, other)
     load = unit_loads @ factors
-    return BodyNodes(grid.doflocs, load.reshape(-1, 2).T)
+    return NodesAndActuationForces(grid.doflocs, load.reshape(-1, 2).T)
 
 
 def _nodes_of_changed_shoe_divided_as_before(
-    nodes_by_shape: Mapping[int, Callable[[Shoe], BodyNodes]],
+    nodes_by_shape: Mapping[int, Callable[[Shoe], NodesAndActuationForces]],
     alike: Sequence[int],
     i: int,
     shoe: Shoe,
-) -> BodyNodes:
+) -> NodesAndActuationForces:
     """The nodes that the body of shoe `i` would have if the shoe were changed to `shoe`.
 
     The changed shoe is divided by the rule by which shoe `i` is divided. `nodes_by_shape` has a

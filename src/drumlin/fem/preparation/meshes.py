@@ -24,10 +24,10 @@ from drumlin.fem.mesh.degree import (
     nodal_basis_of_shoe_mesh,
     number_of_nodes_at_degree,
 )
-from drumlin.fem.mesh.from_file import ShoeMesh
+from drumlin.fem.mesh.from_file import ShoeMeshReadFromFile
 from drumlin.fem.preparation.bodies import (
-    BodyNodes,
-    DividedBody,
+    NodesAndActuationForces,
+    ShoeBodyElements,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
     make_shoe_substructure,
@@ -41,10 +41,14 @@ from drumlin.fem.preparation.cache import (
     memory_of_condensed_body,
     shoe_without_loads_and_clearances,
 )
-from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time_of_block_to_phase
+from drumlin.fem.preparation.scene import (
+    CondensedBodiesOfBrake,
+    SecondsOfEachPhase,
+    add_elapsed_time_of_block_to_phase,
+)
 from drumlin.fem.substructure.body import (
-    FRAME,
-    Constraints,
+    NUMBER_OF_FRAME_DISPLACEMENTS,
+    MultiPointConstraints,
     condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
     sparse_stiffness_of_body,
@@ -55,11 +59,11 @@ from drumlin.fem.substructure.interface import (
     make_contact_line_of_lining,
     nodal_forces_of_unit_end_loads_and_end_centre,
 )
-from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
+from drumlin.fem.substructure.loads import ACTUATION_LOAD_NAME, ColumnsOfUnitLoads
 from drumlin.fem.substructure.ring import condense_meshed_drum_ring_to_contact_nodes
 from drumlin.response.response import angle_of_edge_zone_left_out_of_peak_search
 
-ELEMENTS = 80
+DEFAULT_ELEMENTS_ALONG_LINING = 80
 """Default number of elements of a mesh along a lining.
 
 With this number the error of the pressure p in L2 is about 0.2 % on most brakes, and the error of
@@ -80,14 +84,14 @@ The arguments of the function are the shoe and the drum's radius [m].
 """
 
 
-MOST_RAISED_NODES = 150_000
+MOST_NODES_AT_RAISED_DEGREE = 150_000
 """Largest number of nodes of a shoe whose mesh gets elements of a higher degree than in the file.
 
 A solve with this number of nodes takes a minute. A degree that needs more nodes is refused.
 """
 
 
-SHAPE_DEGREE = 5
+DEGREE_OF_ELEMENT_GEOMETRY = 5
 """Degree of the polynomials that map elements when they are split, and so place the new nodes.
 
 Element sides on the drum that are a third of the drum's radius long then follow the drum to 1e-7 of
@@ -96,7 +100,7 @@ changes nothing.
 """
 
 
-class RaisedDegree(NamedTuple):
+class DegreeAndSplittingOfMesh(NamedTuple):
     """The degree of the displacements on a mesh from a file, and how the mesh's elements are split.
 
     Attributes
@@ -118,7 +122,7 @@ class RaisedDegree(NamedTuple):
     keep_factors: bool = False
 
 
-OWN_DEGREE = RaisedDegree()
+UNSPLIT_MESH_AT_FILE_DEGREE = DegreeAndSplittingOfMesh()
 """The degree that the mesh has in its file, without splitting of elements."""
 
 
@@ -128,8 +132,8 @@ def make_condensed_shoes_from_meshes(
     kind: str,
     mesher: Mesher | None,
     cache: Cache,
-    seconds: Seconds,
-) -> DividedBodies:
+    seconds: SecondsOfEachPhase,
+) -> CondensedBodiesOfBrake:
     """Make the condensed bodies of a brake on meshes; shoes of one shape share one body.
 
     The mesh of a file keeps its degree and its elements.
@@ -162,7 +166,13 @@ def make_condensed_shoes_from_meshes(
         if shape not in made:
             key = (*_cache_key_of_meshed_body(brake, shoe), elements, kind)
             make = partial(
-                _mesh_condense_and_couple_shoe, brake, shoe, mesher, seconds, OWN_DEGREE, cache
+                _mesh_condense_and_couple_shoe,
+                brake,
+                shoe,
+                mesher,
+                seconds,
+                UNSPLIT_MESH_AT_FILE_DEGREE,
+                cache,
             )
             made[shape] = cache.get(key, make, memory_of_condensed_body)
     bodies = tuple(made[cache_key_of_shoe_shape(brake, shoe)] for shoe in brake.shoes)
@@ -175,11 +185,15 @@ def make_condensed_shoes_from_meshes(
         with add_elapsed_time_of_block_to_phase(seconds, "ring"):
             ring = cache.get(ring_key, partial(ring_under, lines), memory_of_condensed_body)
     nodes_of = partial(_mesh_nodes_of_changed_shoe, mesher, brake.size, bodies)
-    return DividedBodies(bodies, ring, nodes_of, ring_under)
+    return CondensedBodiesOfBrake(bodies, ring, nodes_of, ring_under)
 
 
 def condensed_bodies_of_mesh_files(
-    brake: Brake, raised: RaisedDegree, alike: Sequence[int], cache: Cache, seconds: Seconds
+    brake: Brake,
+    raised: DegreeAndSplittingOfMesh,
+    alike: Sequence[int],
+    cache: Cache,
+    seconds: SecondsOfEachPhase,
 ) -> dict[int, ShoeSubstructure]:
     """The condensed bodies of all shoes that have mesh files.
 
@@ -222,7 +236,7 @@ def _cache_key_of_meshed_body(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
 
 def _mesh_nodes_of_changed_shoe(
     mesher: Mesher, radius: float, bodies: tuple[ShoeSubstructure, ...], i: int, shoe: Shoe
-) -> BodyNodes:
+) -> NodesAndActuationForces:
     """The nodes that the meshed body of shoe `i` would have if the shoe were changed to `shoe`.
 
     The changed shoe is meshed with the same number and kind of elements. A mesh from a file stays
@@ -234,7 +248,9 @@ def _mesh_nodes_of_changed_shoe(
     return _nodes_and_actuation_forces_of_mesh(mesh, nodal_basis_of_mesh(mesh), shoe)
 
 
-def nodes_of_changed_shoe_with_mesh_file(body: ShoeSubstructure, shoe: Shoe) -> BodyNodes:
+def nodes_of_changed_shoe_with_mesh_file(
+    body: ShoeSubstructure, shoe: Shoe
+) -> NodesAndActuationForces:
     """The nodes of a mesh file's body if its shoe were changed to `shoe`.
 
     In the frame of the shoe the mesh stays the same.
@@ -242,16 +258,18 @@ def nodes_of_changed_shoe_with_mesh_file(body: ShoeSubstructure, shoe: Shoe) -> 
     return _nodes_and_actuation_forces_of_mesh(body.mesh, body.basis, shoe)
 
 
-def _nodes_and_actuation_forces_of_mesh(mesh: Any, basis: Any, shoe: Shoe) -> BodyNodes:
+def _nodes_and_actuation_forces_of_mesh(
+    mesh: Any, basis: Any, shoe: Shoe
+) -> NodesAndActuationForces:
     """The nodes of a mesh with its basis, and the nodal forces of the shoe's actuation."""
     if "actuation" not in mesh.boundaries or shoe.has_support_on_back_of_body:
-        return BodyNodes(basis.doflocs, np.zeros(basis.doflocs.shape))
+        return NodesAndActuationForces(basis.doflocs, np.zeros(basis.doflocs.shape))
     unit_loads, centre = nodal_forces_of_unit_end_loads_and_end_centre(
         basis, mesh.boundaries["actuation"]
     )
     factors, _ = actuation_force_and_moments_per_newton(centre, shoe)
     load = unit_loads @ factors
-    return BodyNodes(basis.doflocs, load.reshape(-1, 2).T)
+    return NodesAndActuationForces(basis.doflocs, load.reshape(-1, 2).T)
 
 
 @dataclass(frozen=True)
@@ -269,23 +287,23 @@ class AssembledShoe:
     loads : unit loads (unknowns, k) by their name, on the unknowns that the constraints leave
     load_centre : (2,) point [m] at which unit force x, unit force y and unit couple of the
         actuation act
-    of_file : the mesh that was read from a file, with notes on how it was adapted; None without a
-        file
+    mesh_read_from_file : the mesh that was read from a file, with notes on how it was adapted; None
+        without a file
     """
 
     mesh: Any
     basis: Any
     line: ContactLine
     K: Any
-    constraints: Constraints
+    constraints: MultiPointConstraints
     loads: dict[str, Floats]
     load_centre: Floats
-    of_file: ShoeMesh | None = None
+    mesh_read_from_file: ShoeMeshReadFromFile | None = None
 
     @cached_property
-    def load_matrix_columns_by_load_name(self) -> LoadColumns:
+    def load_matrix_columns_by_load_name(self) -> ColumnsOfUnitLoads:
         """Which columns of the shoe's load matrix belong to each load, by the load's name."""
-        return LoadColumns.load_columns_of_named_loads(self.loads)
+        return ColumnsOfUnitLoads.columns_of_named_unit_loads(self.loads)
 
 
 def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
@@ -308,8 +326,8 @@ def mesh_and_assemble_shoe(
     brake: Brake,
     shoe: Shoe,
     mesher: Mesher | None,
-    seconds: Seconds,
-    raised: RaisedDegree = OWN_DEGREE,
+    seconds: SecondsOfEachPhase,
+    raised: DegreeAndSplittingOfMesh = UNSPLIT_MESH_AT_FILE_DEGREE,
     cache: Cache | None = None,
 ) -> AssembledShoe:
     """Mesh a shoe, and assemble its stiffness, its constraints and its unit loads.
@@ -329,16 +347,16 @@ def mesh_and_assemble_shoe(
         if a mesh file cannot be used
     """
     with add_elapsed_time_of_block_to_phase(seconds, "mesh"):
-        of_file = read_mesh_file_of_shoe(brake, shoe, cache or Cache())
-        if of_file is not None:
-            mesh = of_file.mesh
+        mesh_read_from_file = read_mesh_file_of_shoe(brake, shoe, cache or Cache())
+        if mesh_read_from_file is not None:
+            mesh = mesh_read_from_file.mesh
             if raised.fitting:
                 # The module loads scipy's interpolation, which takes long.
                 from drumlin.fem.mesh.contact_surface import (  # noqa: PLC0415
                     mesh_without_gaps_below_rounding,
                 )
 
-                slack = of_file.contact.rounded_by
+                slack = mesh_read_from_file.contact.largest_rounding_offset
                 mesh = mesh_without_gaps_below_rounding(mesh, slack, shoe, brake.size)
         else:
             assert mesher is not None
@@ -361,16 +379,18 @@ def mesh_and_assemble_shoe(
             # The actuation force acts on the rigid frame: on the rigid shoe itself, or on the grip
             # that holds the back of the body.
             load_centre = pin
-            actuated = np.zeros((constraints.matrix.shape[1], FRAME))
-            actuated[-FRAME:] = np.eye(FRAME)
+            actuated = np.zeros((constraints.matrix.shape[1], NUMBER_OF_FRAME_DISPLACEMENTS))
+            actuated[-NUMBER_OF_FRAME_DISPLACEMENTS:] = np.eye(NUMBER_OF_FRAME_DISPLACEMENTS)
         others = nodal_forces_of_unit_loads_besides_actuation(basis, shoe, brake.size)
-    loads = {ACTUATION: actuated} | {
+    loads = {ACTUATION_LOAD_NAME: actuated} | {
         name: constraints.matrix.T @ forces for name, forces in others.items()
     }
-    return AssembledShoe(mesh, basis, line, K, constraints, loads, load_centre, of_file)
+    return AssembledShoe(mesh, basis, line, K, constraints, loads, load_centre, mesh_read_from_file)
 
 
-def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float) -> Any:
+def _basis_of_raised_degree(
+    mesh: Any, raised: DegreeAndSplittingOfMesh, shoe: Shoe, radius: float
+) -> Any:
     """The basis of nodes and shape functions on the mesh of a shoe, with `raised` applied to it.
 
     The degree of the displacements may be raised and elements may be split. `radius` is the radius
@@ -383,17 +403,18 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
     from drumlin.fem.mesh import splitting  # noqa: PLC0415
 
     nodes = number_of_nodes_at_degree(mesh, raised.degree)
-    if nodes > MOST_RAISED_NODES:
+    if nodes > MOST_NODES_AT_RAISED_DEGREE:
         raise NoAnswer(
-            f"its mesh has {nodes} nodes at degree {raised.degree}; at most {MOST_RAISED_NODES}"
+            f"its mesh has {nodes} nodes at degree {raised.degree}; "
+            f"at most {MOST_NODES_AT_RAISED_DEGREE}"
         )
 
     if raised.level is None:
         return nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
-    shape = nodal_basis_of_shoe_mesh(mesh, SHAPE_DEGREE, shoe, radius)
+    shape = nodal_basis_of_shoe_mesh(mesh, DEGREE_OF_ELEMENT_GEOMETRY, shoe, radius)
     finest = _largest_allowed_sides_at_singular_points(mesh, raised, shoe, radius)
     # A mesh of triangles of degree p has about p^2 / 2 nodes for each triangle.
-    most = 2 * MOST_RAISED_NODES // raised.degree**2
+    most = 2 * MOST_NODES_AT_RAISED_DEGREE // raised.degree**2
     parts = splitting.split_mesh_into_triangles_towards_points(shape, finest, most)
     if parts is None:
         return nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
@@ -401,12 +422,12 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
 
 
 def _largest_allowed_sides_at_singular_points(
-    mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float
+    mesh: Any, raised: DegreeAndSplittingOfMesh, shoe: Shoe, radius: float
 ) -> Any:
     """The singular points of a shoe's mesh, and the longest side that an element may have there.
 
     Singular points are the corners of the mesh and the singular points of the pressure. The result
-    is a `splitting.FinestSides`.
+    is a `splitting.LargestSidesAtSingularPoints`.
 
     Parameters
     ----------
@@ -417,7 +438,7 @@ def _largest_allowed_sides_at_singular_points(
     """
     # The imported modules load scikit-fem, which takes long. So they are imported only here.
     from drumlin.fem.mesh.smooth_outline import singular_corners_of_mesh  # noqa: PLC0415
-    from drumlin.fem.mesh.splitting import FinestSides  # noqa: PLC0415
+    from drumlin.fem.mesh.splitting import LargestSidesAtSingularPoints  # noqa: PLC0415
 
     level, (start, end) = raised.level, shoe.arc
     assert level is not None
@@ -432,10 +453,12 @@ def _largest_allowed_sides_at_singular_points(
     phi = np.array(angles)
     circle = [phi, 0 * phi] if shoe.is_on_plane else [np.cos(phi), np.sin(phi)]
     on_surface = radius * np.array(circle)
-    return FinestSides(np.hstack([mesh.p[:, corners], on_surface]), np.array(sides))
+    return LargestSidesAtSingularPoints(
+        np.hstack([mesh.p[:, corners], on_surface]), np.array(sides)
+    )
 
 
-def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMesh | None:
+def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMeshReadFromFile | None:
     """Read the mesh of a shoe from its file; None for a shoe without a file.
 
     The mesh is in the frame of the shoe. The cache keeps it until the file changes.
@@ -449,10 +472,10 @@ def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMesh |
     read = partial(
         read_shoe_mesh_with_notes, shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh"
     )
-    return cast("ShoeMesh", cache.get(key, read, _memory_of_mesh_read_from_file))
+    return cast("ShoeMeshReadFromFile", cache.get(key, read, _memory_of_mesh_read_from_file))
 
 
-def _memory_of_mesh_read_from_file(read: ShoeMesh) -> int:
+def _memory_of_mesh_read_from_file(read: ShoeMeshReadFromFile) -> int:
     """The approximate memory [bytes] of a mesh that was read from a file."""
     # Coordinates, elements and sides are some 60 numbers of 8 bytes for each node.
     return 500 * int(read.mesh.doflocs.shape[1])
@@ -462,8 +485,8 @@ def _mesh_condense_and_couple_shoe(
     brake: Brake,
     shoe: Shoe,
     mesher: Mesher | None,
-    seconds: Seconds,
-    raised: RaisedDegree,
+    seconds: SecondsOfEachPhase,
+    raised: DegreeAndSplittingOfMesh,
     cache: Cache,
 ) -> ShoeSubstructure:
     """Mesh and condense a shoe, and couple it with the drum or the plane.
@@ -487,7 +510,7 @@ def _mesh_condense_and_couple_shoe(
             contact_unknowns,
             keep_factors=raised.keep_factors,
         )
-    divided = DividedBody(parts.mesh, parts.basis, parts.line, parts.of_file)
+    divided = ShoeBodyElements(parts.mesh, parts.basis, parts.line, parts.mesh_read_from_file)
     friction = brake.friction > 0
     with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
         return make_shoe_substructure(

@@ -11,15 +11,15 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.heat import is_any_shoe_heated
 from drumlin.fem.hp.division import Level, ShoeDivision, SingularPoint
 from drumlin.fem.mesh import beam as beam_mesh
-from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
+from drumlin.fem.preparation.bodies import NodesAndActuationForces, ShoeSubstructure
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.ring import RingSubstructure
 from drumlin.laws import rigid
 
-Seconds = dict[str, float]
+SecondsOfEachPhase = dict[str, float]
 """The type of a dictionary with the time [s] of each phase of a solve, by the phase's name."""
-PointsByShape = Mapping[int, Sequence[SingularPoint]]
+SingularPointsByShoeShape = Mapping[int, Sequence[SingularPoint]]
 """The singular points of the pressure for each shape of shoe.
 
 The key is the index of the first shoe of the shape.
@@ -27,14 +27,14 @@ The key is the index of the first shoe of the shape.
 
 
 @contextmanager
-def add_elapsed_time_of_block_to_phase(seconds: Seconds, phase: str) -> Iterator[None]:
+def add_elapsed_time_of_block_to_phase(seconds: SecondsOfEachPhase, phase: str) -> Iterator[None]:
     """Measure the time [s] of the block of a `with` statement, and add it to seconds[phase]."""
     start = time.perf_counter()
     yield
     seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start
 
 
-class DividedBodies(NamedTuple):
+class CondensedBodiesOfBrake(NamedTuple):
     """The condensed bodies of a brake: one for each shoe, and one for the drum's ring.
 
     The function `nodes_of_changed_shoe` divides a changed shoe into elements by the rule by which
@@ -46,7 +46,7 @@ class DividedBodies(NamedTuple):
 
     bodies: tuple[ShoeSubstructure, ...]
     ring: RingSubstructure | None
-    nodes_of_changed_shoe: Callable[[int, Shoe], BodyNodes]
+    nodes_of_changed_shoe: Callable[[int, Shoe], NodesAndActuationForces]
     ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure]
     divisions: Mapping[int, ShoeDivision] = {}
 
@@ -80,15 +80,15 @@ class PreparedModel:
     brake: Brake
     bodies: tuple[ShoeSubstructure, ...]
     ring: RingSubstructure | None
-    seconds: Seconds
+    seconds: SecondsOfEachPhase
     left_out: tuple[str, ...]
     apart: bool = False
     model: str = "fem"
-    nodes_of_changed_shoe: Callable[[int, Shoe], BodyNodes] | None = None
+    nodes_of_changed_shoe: Callable[[int, Shoe], NodesAndActuationForces] | None = None
     ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
     divisions: Mapping[int, ShoeDivision] = field(default_factory=dict)
     level: Level | None = None
-    points: PointsByShape = field(default_factory=dict)
+    points: SingularPointsByShoeShape = field(default_factory=dict)
 
     @cached_property
     def cache_keys_of_shoe_shapes(self) -> list[tuple[object, ...]]:
@@ -103,7 +103,7 @@ class PreparedModel:
         ]
 
 
-def reason_why_brake_is_not_modelled(brake: Brake) -> str | None:
+def reason_against_finite_element_model(brake: Brake) -> str | None:
     """The reason why finite elements do not apply to a brake; None if they apply."""
     if brake.reason_why_shoes_cannot_be_meshed() is not None:
         return brake.reason_why_shoes_cannot_be_meshed()

@@ -23,7 +23,7 @@ from drumlin.fem.substructure.elasticity import (
     unit_vectors_through_thickness_of_layers,
 )
 
-Strains = Mapping[str, Callable[[Floats], Floats]]
+FreeStrainFunctionByLayer = Mapping[str, Callable[[Floats], Floats]]
 """For each layer that expands, by its name, a function that returns its free strains.
 
 The function takes points (2, ...) [m] and returns the free strains (2, ...) along and through the
@@ -47,7 +47,7 @@ def stress_times_width_of_free_strain(
 
 
 def nodal_forces_of_thermal_expansion(
-    basis: Any, layers: Mapping[str, ElasticLayer], strains: Strains
+    basis: Any, layers: Mapping[str, ElasticLayer], strains: FreeStrainFunctionByLayer
 ) -> Floats:
     """Nodal forces (2 nodes,) [N] that deform a body as the free strains of its layers do.
 

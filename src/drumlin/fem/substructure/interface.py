@@ -31,10 +31,10 @@ from drumlin.response.resultants import (
     lagrange_shape_function_values,
     polynomial_nodes_on_linings_and_slots,
     shape_functions_and_derivatives_at_gauss_points,
-    slots_between_nodes,
+    slots_from_nodes_and_lining_mask,
 )
 
-Directions = Callable[[Floats], tuple[Floats, Floats]]
+NormalsAndTangentsFunction = Callable[[Floats], tuple[Floats, Floats]]
 """Function that takes points (2, ...) [m] and returns unit normals and unit tangents (2, ...).
 
 They are normal and tangential to the drum or the plane on which the lining slides.
@@ -68,7 +68,9 @@ class ContactLine:
         """Polynomial degree of the interpolation along an edge of the contact line."""
         return len(self.pieces) - 1
 
-    def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> "Coupling":
+    def couple_lining_with_drum_or_plane(
+        self, width: float, directions: NormalsAndTangentsFunction
+    ) -> "ContactCouplingMatrices":
         """The matrices that couple this contact line with the drum or the plane.
 
         `width` is the width of the lining [m], and `directions` gives the surface's unit vectors.
@@ -83,7 +85,7 @@ class ContactLine:
             phi,
             self.interpolation_degree_along_contact_line,
             self.edge,
-            slots_between_nodes(phi, on_lining),
+            slots_from_nodes_and_lining_mask(phi, on_lining),
         )
 
     def split_nodal_values_by_lining(self, values: Floats) -> list[Floats]:
@@ -133,7 +135,7 @@ class ContactLine:
 
 
 @dataclass(frozen=True)
-class Coupling:
+class ContactCouplingMatrices:
     """The matrices that couple a lining's nodal pressures with its displacements (mortar method).
 
     b is the width of the lining, and psi_i are the shape functions of the contact nodes.
@@ -160,7 +162,7 @@ class Coupling:
         return self.M.sum(axis=1)
 
 
-class EdgePoints(NamedTuple):
+class EdgeQuadraturePoints(NamedTuple):
     """The q quadrature points on each of m element edges of a mesh.
 
     Attributes
@@ -175,7 +177,9 @@ class EdgePoints(NamedTuple):
     ds: Floats
 
 
-def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> EdgePoints:
+def edge_quadrature_points(
+    xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS
+) -> EdgeQuadraturePoints:
     """The quadrature points on element edges, with the shape functions and lengths there.
 
     scikit-fem's boundary bases are not used: they invert the map of the element with an absolute
@@ -196,7 +200,7 @@ def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEI
         )
     )
     xy = xy.transpose(0, 2, 1)
-    return EdgePoints(psi, xy @ psi, np.hypot(*(xy @ slope)) * weights)
+    return EdgeQuadraturePoints(psi, xy @ psi, np.hypot(*(xy @ slope)) * weights)
 
 
 def nodal_forces_of_unit_end_loads_and_end_centre(
@@ -253,10 +257,11 @@ def make_contact_line_of_lining(
     return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces, edge=edge)
 
 
-def function_that_returns_drum_normals_and_tangents(sign: int) -> Directions:
-    """The function that returns unit normals sign e_r and unit tangents e_phi of a drum about O.
+def function_that_returns_drum_normals_and_tangents(sign: int) -> NormalsAndTangentsFunction:
+    """The function that returns the unit normals and the unit tangents e_phi of a drum.
 
-    `sign` is 1 for shoes inside the drum, and -1 for shoes outside.
+    The centre of the drum is the origin. The normal is e_r for shoes inside the drum (`sign` 1),
+    and -e_r for shoes outside (`sign` -1).
     """
 
     def drum_normals_and_tangents(x: Floats) -> tuple[Floats, Floats]:
@@ -274,9 +279,9 @@ def plane_normals_and_tangents(x: Floats) -> tuple[Floats, Floats]:
 
 
 def weak_coupling_of_contact_line(
-    line: ContactLine, width: float, directions: Directions
-) -> Coupling:
-    """The matrices that couple a lining with the drum or the plane, see `Coupling`.
+    line: ContactLine, width: float, directions: NormalsAndTangentsFunction
+) -> ContactCouplingMatrices:
+    """The matrices that couple a lining with the drum or the plane, see `ContactCouplingMatrices`.
 
     Parameters
     ----------
@@ -302,7 +307,7 @@ def weak_coupling_of_contact_line(
     N = np.array(parts[:2]).transpose(1, 2, 0).reshape(n, 2 * n)
     T = np.array(parts[2:]).transpose(1, 2, 0).reshape(n, 2 * n)
     lever = _sum_values_with_equal_position(line.pieces.T.ravel(), (weight * r) @ psi.T, n)
-    return Coupling(M, N, T, lever)
+    return ContactCouplingMatrices(M, N, T, lever)
 
 
 def _sum_values_with_equal_position(at: Ints, values: Floats, count: int) -> Floats:

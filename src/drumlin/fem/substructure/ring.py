@@ -28,14 +28,14 @@ from drumlin.brake.components import Ring, Section
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.grading import (
-    EDGE_SIZE,
+    RELATIVE_SIZE_OF_LINING_END_ELEMENT,
     element_ends_along_lining,
     number_of_element_layers_in_lining,
     number_of_elements_on_each_lining,
     points_graded_to_both_ends,
 )
 from drumlin.fem.substructure.body import (
-    FRAME,
+    NUMBER_OF_FRAME_DISPLACEMENTS,
     CondensedBody,
     condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
@@ -60,12 +60,12 @@ MOST_RAY_CROSSING_STEPS = 8
 
 Each step about squares the error, so that three or four steps reach round-off.
 """
-LAST_RAY_CROSSING_STEP = float(np.sqrt(np.finfo(float).eps))
+RAY_CROSSING_STEP_TOLERANCE = float(np.sqrt(np.finfo(float).eps))
 """Step of Newton's iteration, in local coordinates from -1 to 1, after which it ends.
 
 The error after a step is about the square of the step, and this square is the round-off.
 """
-RIM = "rim"
+RIM_LOAD_NAME = "rim"
 """Name of the unit loads on a free ring's far edge, which balance the forces of the linings."""
 
 
@@ -96,7 +96,7 @@ class RingSubstructure:
     friction_half_flexibilities: tuple[Floats, ...]
     coupling_matrices: tuple[tuple[Floats, Floats], ...]
     held: Ints
-    rim_balance: "RimBalance | None"
+    rim_balance: "FreeRingForceBalance | None"
 
     def displacements_of_ring_nodes(
         self, pressures: list[Floats], dragging: list[Floats], drags: list[float]
@@ -113,18 +113,18 @@ class RingSubstructure:
         nodal = np.zeros(2 * len(self.line.nodes))
         for i, (N, T) in enumerate(self.coupling_matrices):
             nodal += N.T @ pressures[i] - drags[i] * (T.T @ dragging[i])
-        frame = np.zeros(FRAME)
+        frame = np.zeros(NUMBER_OF_FRAME_DISPLACEMENTS)
         if self.rim_balance is None:
             return self.condensed.nodal_displacements_in_one_case(
                 nodal, frame, self.condensed.columns.column_factors_of_all_loads({})
             )
         on_rim = self.condensed.columns.column_factors_of_all_loads(
-            {RIM: -self.rim_balance.factors @ nodal}
+            {RIM_LOAD_NAME: -self.rim_balance.factors @ nodal}
         )
         u = self.condensed.nodal_displacements_in_one_case(nodal, frame, on_rim)
         # A rigid-body motion is subtracted, so that the mean motion of the ring's far edge is zero.
         modes_by_node = rigid_body_displacements_of_nodes(self.basis.doflocs, np.zeros(2)).reshape(
-            -1, 2, FRAME
+            -1, 2, NUMBER_OF_FRAME_DISPLACEMENTS
         )
         modes = np.ascontiguousarray(modes_by_node.transpose(2, 1, 0))
         mean_of_modes = np.einsum("kci,cil->kl", modes, self.rim_balance.forces)
@@ -152,7 +152,7 @@ def mesh_of_drum_ring(ring: Section, radius: float, shoes: tuple[Shoe, ...], ele
         ring.thickness,
         number_of_element_layers_in_lining(elements),
         ring.thickness / 2,
-        EDGE_SIZE,
+        RELATIVE_SIZE_OF_LINING_END_ELEMENT,
     )
     return quadratic_mesh_of_closed_ring(
         angles, depths, radius, shoes[0].sign_of_internal_shoe, "drum"
@@ -250,7 +250,7 @@ def condense_meshed_drum_ring_to_contact_nodes(
     elements : number of elements along each lining
     linings : contact line of each lining, in its shoe's frame
     """
-    # `scene.reason_why_brake_is_not_modelled` refuses a ring without a section.
+    # `scene.reason_against_finite_element_model` refuses a ring without a section.
     ring = brake.ring
     assert ring is not None and ring.section is not None
     mesh = mesh_of_drum_ring(ring.section, brake.size, brake.shoes, elements)
@@ -277,9 +277,9 @@ def condense_meshed_drum_ring_to_contact_nodes(
         )
         rim = rim_forces_distributed_like_rigid_modes(basis, mesh.boundaries["support"])
         condensed = condense_body_to_contact_and_hinge_face(
-            K, constraints, {RIM: constraints.matrix.T @ rim}, n
+            K, constraints, {RIM_LOAD_NAME: constraints.matrix.T @ rim}, n
         )
-        rim_balance = RimBalance.force_balance_of_free_ring(basis, rim, condensed, line)
+        rim_balance = FreeRingForceBalance.force_balance_of_free_ring(basis, rim, condensed, line)
     return couple_ring_with_linings(brake, linings, mesh, basis, line, condensed, held, rim_balance)
 
 
@@ -314,7 +314,7 @@ def couple_ring_with_linings(
     line: ContactLine,
     condensed: CondensedBody,
     held: Ints,
-    rim_balance: "RimBalance | None",
+    rim_balance: "FreeRingForceBalance | None",
 ) -> RingSubstructure:
     """A condensed ring with its half flexibilities under the pressure and friction of all linings.
 
@@ -331,11 +331,11 @@ def couple_ring_with_linings(
         line,
         condensed,
         normal_half_flexibilities=tuple(
-            _inverse_cholesky_factor_times_ring_forces(condensed, N.T, rim_balance)
+            _half_flexibility_of_ring_under_nodal_forces(condensed, N.T, rim_balance)
             for N, _ in matrices
         ),
         friction_half_flexibilities=tuple(
-            _inverse_cholesky_factor_times_ring_forces(condensed, -T.T, rim_balance)
+            _half_flexibility_of_ring_under_nodal_forces(condensed, -T.T, rim_balance)
             for _, T in matrices
         ),
         coupling_matrices=tuple(matrices),
@@ -577,7 +577,7 @@ def _edge_coordinates_where_rays_cross(xy: Floats, angle: Floats) -> Floats:
         slope = np.einsum("kiq,kiq->iq", lagrange_shape_function_derivatives(order, xi), side)
         step = value / slope
         xi = xi - step
-        if np.abs(step).max(initial=0.0) < LAST_RAY_CROSSING_STEP:
+        if np.abs(step).max(initial=0.0) < RAY_CROSSING_STEP_TOLERANCE:
             break
     return np.clip(xi, -1.0, 1.0)
 
@@ -593,9 +593,9 @@ def rim_forces_distributed_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
     weight = ds / ds.sum()
     modes = np.array([[np.ones_like(ds), 0 * ds], [0 * ds, np.ones_like(ds)], [-x[1], x[0]]])
-    loads = np.zeros((basis.N, 2, FRAME))
+    loads = np.zeros((basis.N, 2, NUMBER_OF_FRAME_DISPLACEMENTS))
     np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, modes, weight))
-    return loads.reshape(-1, FRAME)
+    return loads.reshape(-1, NUMBER_OF_FRAME_DISPLACEMENTS)
 
 
 def indices_of_displacements_that_hold_free_ring(basis: Any, support: Ints) -> Ints:
@@ -611,7 +611,7 @@ def indices_of_displacements_that_hold_free_ring(basis: Any, support: Ints) -> I
 
 
 @dataclass(frozen=True)
-class RimBalance:
+class FreeRingForceBalance:
     """The balance of a free ring: forces on its far edge that balance the forces of the linings.
 
     The far edge, or rim, is the edge opposite to the friction surface. The rim forces -B lambda
@@ -626,18 +626,18 @@ class RimBalance:
     forces : (2, nodes, 3) rim forces B
     factors : (3, 2n) lambda per nodal force on the contact
     half_flexibility : (2n, 3) Y_B, the half flexibility under B
-    root_of_work : (3, 3) square root of beta
+    root_of_rim_force_work : (3, 3) square root of beta
     """
 
     forces: Floats
     factors: Floats
     half_flexibility: Floats
-    root_of_work: Floats
+    root_of_rim_force_work: Floats
 
     @classmethod
     def force_balance_of_free_ring(
         cls, basis: Any, rim: Floats, condensed: CondensedBody, line: ContactLine
-    ) -> "RimBalance":
+    ) -> "FreeRingForceBalance":
         """The rim balance of a ring that is condensed with the rim forces B as its loads.
 
         Parameters
@@ -648,23 +648,27 @@ class RimBalance:
         line : contact line of the ring
         """
         modes = rigid_body_displacements_of_nodes(basis.doflocs, np.zeros(2))
-        on_contact = modes.reshape(-1, 2, FRAME)[line.nodes].reshape(-1, FRAME).T
+        on_contact = (
+            modes.reshape(-1, 2, NUMBER_OF_FRAME_DISPLACEMENTS)[line.nodes]
+            .reshape(-1, NUMBER_OF_FRAME_DISPLACEMENTS)
+            .T
+        )
         factors = np.linalg.solve(modes.T @ rim, on_contact)
         # The import of scipy.linalg takes time, and brakes with a rigid drum do without it.
         from scipy.linalg import sqrtm  # noqa: PLC0415
 
         return cls(
-            forces=rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
+            forces=rim.reshape(-1, 2, NUMBER_OF_FRAME_DISPLACEMENTS).transpose(1, 0, 2),
             factors=np.asarray(factors),
             half_flexibility=condensed.inverse_cholesky_factor_times_nodal_forces(
                 condensed.load_on_contact
             ),
-            root_of_work=sqrtm(condensed.load_work).real,
+            root_of_rim_force_work=sqrtm(condensed.load_work).real,
         )
 
 
-def _inverse_cholesky_factor_times_ring_forces(
-    condensed: CondensedBody, forces: Floats, rim_balance: RimBalance | None
+def _half_flexibility_of_ring_under_nodal_forces(
+    condensed: CondensedBody, forces: Floats, rim_balance: FreeRingForceBalance | None
 ) -> Floats:
     """The half flexibility W (m, k) of a drum ring under nodal forces on its contact nodes.
 
@@ -684,4 +688,4 @@ def _inverse_cholesky_factor_times_ring_forces(
         return Y
     rim_factors = rim_balance.factors @ forces
     on_contact = Y - rim_balance.half_flexibility @ rim_factors
-    return np.vstack([on_contact, rim_balance.root_of_work @ rim_factors])
+    return np.vstack([on_contact, rim_balance.root_of_rim_force_work @ rim_factors])

@@ -31,9 +31,9 @@ from drumlin.brake.brake import Shoe
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.response.resultants import GAUSS, WEIGHTS, gauss_lobatto_points
 
-SAME_SIDE = 1e-9
+SAME_HALF_WIDTH_TOLERANCE = 1e-9
 """Relative difference up to which the half widths of two parts count as equal."""
-BESIDE_WEB = (1.0, 2.5)
+BREAK_DISTANCES_BESIDE_WEB = (1.0, 2.5)
 """Distances of extra breaks from the side of a web that a lining overhangs.
 
 The distances are in thicknesses of the lining. Pressure and displacements change fast over the
@@ -54,14 +54,16 @@ a break inside the web divides the error of p with degree 3 by 15, and on six ot
 1.7, for 1.6 times the unknowns. On these six brakes degree 4 without the break costs less and gains
 at least as much, and so there is no break inside a web.
 """
-LEAST_OUTER_PIECE = 0.75
+LEAST_LENGTH_BETWEEN_BREAK_AND_SIDE = 0.75
 """Least length that a break beside a web leaves up to the lining's side, in lining thicknesses.
 
 In shorter pieces additional functions of z improve the answer little. A larger value takes breaks
 from long overhangs, and a smaller value puts the break of a short overhang too far from the web.
 """
-SHORT_OVERHANG = 0.25
-"""Distance of the break beside a web whose overhang is too short for the distances in BESIDE_WEB.
+BREAK_POSITION_IN_SHORT_OVERHANG = 0.25
+"""Distance of the break beside a web with an overhang too short for two breaks.
+
+The usual distances are BREAK_DISTANCES_BESIDE_WEB.
 
 It is relative to the overhang. On seven random brakes with overhangs of 0.7 to 1.6 thicknesses of
 the lining the error of p with degree 3 is 1.4 to 8 times smaller with a break at about this
@@ -69,7 +71,7 @@ distance than with no break, or with a break at one thickness. On one of them di
 0.25 of the overhang are equally good; with half the overhang the error with degree 2 is twice as
 large.
 """
-LEAST_OVERHANG = 0.5
+LARGEST_OVERHANG_WITHOUT_BREAK = 0.5
 """Overhang up to which there is no break beside a web, in thicknesses of the lining.
 
 A lining that hardly overhangs its web bends little there, so that a break would only add unknowns.
@@ -97,16 +99,16 @@ class WidthIntegrals(NamedTuple):
     ----------
     even, even_slopes : (n, n) Int e_k e_l dz [m], Int e_k' e_l' dz [1/m]
     odd, odd_slopes : (m, m) Int o_k o_l dz [m], Int o_k' o_l' dz [1/m]
-    even_odd_slopes : (n, m) Int e_k o_l' dz [1]
-    even_slopes_odd : (n, m) Int e_k' o_l dz [1]
+    even_times_odd_slopes : (n, m) Int e_k o_l' dz [1]
+    even_slopes_times_odd : (n, m) Int e_k' o_l dz [1]
     """
 
     even: Floats
     even_slopes: Floats
     odd: Floats
     odd_slopes: Floats
-    even_odd_slopes: Floats
-    even_slopes_odd: Floats
+    even_times_odd_slopes: Floats
+    even_slopes_times_odd: Floats
 
 
 @dataclass(frozen=True)
@@ -146,7 +148,7 @@ class WidthFunctions:
 
         `half` [m] is the half width of the part.
         """
-        within = np.array(self.breaks[1:]) <= half * (1 + SAME_SIDE)
+        within = np.array(self.breaks[1:]) <= half * (1 + SAME_HALF_WIDTH_TOLERANCE)
         return int(np.count_nonzero(within))
 
     def counts_of_even_and_odd_functions_on_part(self, half: float) -> tuple[int, int]:
@@ -232,8 +234,8 @@ def integrals_of_function_products_over_width(
         even_slopes=(e_slopes * weights) @ e_slopes.T,
         odd=(o * weights) @ o.T,
         odd_slopes=(o_slopes * weights) @ o_slopes.T,
-        even_odd_slopes=(e * weights) @ o_slopes.T,
-        even_slopes_odd=(e_slopes * weights) @ o.T,
+        even_times_odd_slopes=(e * weights) @ o_slopes.T,
+        even_slopes_times_odd=(e_slopes * weights) @ o.T,
     )
 
 
@@ -276,7 +278,7 @@ def half_widths_of_parts(shoe: Shoe) -> dict[str, float]:
 def has_parts_of_different_widths(shoe: Shoe) -> bool:
     """Whether some parts of a shoe are wider than others."""
     halves = half_widths_of_parts(shoe).values()
-    return max(halves) > min(halves) * (1 + SAME_SIDE)
+    return max(halves) > min(halves) * (1 + SAME_HALF_WIDTH_TOLERANCE)
 
 
 def piece_ends_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
@@ -294,7 +296,7 @@ def piece_ends_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> 
     halves = half_widths_of_parts(shoe)
     lining = halves["lining"]
     places = list(halves.values())
-    inner = [half for half in places if half < lining * (1 - SAME_SIDE)]
+    inner = [half for half in places if half < lining * (1 - SAME_HALF_WIDTH_TOLERANCE)]
     if beside and inner:
         thickness = shoe.lining.thickness
         overhang = (lining - max(inner)) / thickness
@@ -303,7 +305,7 @@ def piece_ends_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> 
         ]
     breaks = [0.0]
     for place in sorted(places):
-        if place - breaks[-1] > SAME_SIDE * place:
+        if place - breaks[-1] > SAME_HALF_WIDTH_TOLERANCE * place:
             breaks.append(place)
     return tuple(breaks)
 
@@ -313,9 +315,13 @@ def distances_of_breaks_from_web(overhang: float) -> list[float]:
 
     The distances and the `overhang` are in thicknesses of the lining.
     """
-    found = [own for own in BESIDE_WEB if overhang - own > LEAST_OUTER_PIECE]
-    if not found and overhang > LEAST_OVERHANG:
-        found = [SHORT_OVERHANG * overhang]
+    found = [
+        own
+        for own in BREAK_DISTANCES_BESIDE_WEB
+        if overhang - own > LEAST_LENGTH_BETWEEN_BREAK_AND_SIDE
+    ]
+    if not found and overhang > LARGEST_OVERHANG_WITHOUT_BREAK:
+        found = [BREAK_POSITION_IN_SHORT_OVERHANG * overhang]
     return found
 
 

@@ -6,11 +6,11 @@ one by one and then added up: the section's error, due to the hp elements, and t
 due to the degree across the width.
 
 - For the section's error the brake is solved with a low degree across the width on finer and finer
-  levels, until the error is at most SECTION_SHARE of the tolerance. If all parts of each shoe have
-  one width, the degree is 0, plane stress. Else the degree is SECTION_DEGREE, and the error is
-  multiplied by the safety factors `section_pressure` and `section_force`. The error of a coarser
-  level is the distance of its answer from the answer of the last level, plus the stated error of
-  the last answer.
+  levels, until the error is at most SECTION_SHARE_OF_TOLERANCE of the tolerance. If all parts of
+  each shoe have one width, the degree is 0, plane stress. Else the degree is
+  WIDTH_DEGREE_OF_SECTION_ESTIMATE, and the error is multiplied by the safety factors
+  `section_pressure` and `section_force`. The error of a coarser level is the distance of its answer
+  from the answer of the last level, plus the stated error of the last answer.
 - For the width's error degrees are compared on the same hp elements: coarse ones, on which degrees
   cost little, or the first level of a solve if a shoe has parts of several widths. There the
   distances of the answer with the degree q from the answers with the degrees q + 1 and q + 2 are
@@ -18,10 +18,10 @@ due to the degree across the width.
   degrees fall at different rates. The larger distance is extrapolated to an infinite degree.
 
 The degrees are tried from low to high, and for each degree all solved levels from coarse to fine,
-until the sum of both errors meets the tolerance. A coarse level with an error above SECTION_SHARE
-of the tolerance can thus go with a degree whose error is small, and the answer that was compared is
-often the answer that is returned. Higher degrees are not tried once the error of p no longer falls,
-or if the elements alone miss the tolerance.
+until the sum of both errors meets the tolerance. A coarse level with an error above
+SECTION_SHARE_OF_TOLERANCE of the tolerance can thus go with a degree whose error is small, and the
+answer that was compared is often the answer that is returned. Higher degrees are not tried once the
+error of p no longer falls, or if the elements alone miss the tolerance.
 
 Where most of a lining overhangs its web, the distance of the lowest degree from the next one alone,
 extrapolated to an infinite degree, gives a provisional error with the safety factors
@@ -29,10 +29,11 @@ NEXT_DEGREE_FACTORS. Where this error meets the tolerance, the second higher deg
 
 The width's error e falls as a power of the degree where a side of the shoe is free or a part
 overhangs another part. From e(q) = C q^-k follows e(q) = d / (1 - (q/(q + 2))^k) with the distance
-d = e(q) - e(q + 2). The estimate is this e(q) times a safety factor of SOLID_FACTORS. The factor of
-forces is larger than the factor of pressures, because the distances of forces may cancel by
-accident. The power k is SLOWEST_FALL. It is not fitted to the distances of a brake, because the
-distances of few degrees scatter. With k = 1 the distance is multiplied by (q + 2)/2.
+d = e(q) - e(q + 2). The estimate is this e(q) times a safety factor of
+SAFETY_FACTORS_OF_SOLID_ERRORS. The factor of forces is larger than the factor of pressures, because
+the distances of forces may cancel by accident. The power k is ASSUMED_WIDTH_ERROR_EXPONENT. It is
+not fitted to the distances of a brake, because the distances of few degrees scatter. With k = 1 the
+distance is multiplied by (q + 2)/2.
 
 Beside a web the pressure changes fast across the width and along it, so that smaller elements need
 higher degrees there. Had the distances been computed on coarse elements, the estimate without its
@@ -55,7 +56,8 @@ elements of the face. Between any two degrees, and between any two levels, p the
 0.5 % ("built" 510004 and "free" 510017), spread over the whole contact. The difference does not
 become smaller with columns of at most a twelfth of the contact. It becomes smaller with more pieces
 across the overhang: with degree 3 on quarters of the overhang the error of p is 0.24 %, and 0.61 %
-with the break of `functions.BESIDE_WEB`, but such a shoe has 1.6 times the unknowns.
+with the break of `functions.BREAK_DISTANCES_BESIDE_WEB`, but such a shoe has 1.6 times the
+unknowns.
 """
 
 import math
@@ -69,7 +71,11 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
-from drumlin.fem.error_control.estimate import QUANTITIES, Errors, read_safety_factors
+from drumlin.fem.error_control.estimate import (
+    QUANTITIES_WITH_STATED_ERROR,
+    Errors,
+    read_safety_factors,
+)
 from drumlin.fem.error_control.levels import (
     LEVELS,
     ResponseFunction,
@@ -79,13 +85,13 @@ from drumlin.fem.error_control.levels import (
 )
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp.division import Level, ShoeDivision
-from drumlin.fem.model import PENALTY, solve_prepared_model
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.scene import PointsByShape, PreparedModel
+from drumlin.fem.preparation.scene import PreparedModel, SingularPointsByShoeShape
 from drumlin.fem.width.error import (
-    WIDTH_DEGREE,
+    WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS,
     plane_stress_solution_on_coarse_hp_elements,
-    relative_distances_of_shoe_responses,
+    relative_torque_pressure_and_reaction_differences,
 )
 from drumlin.fem.width.functions import (
     has_parts_of_different_widths,
@@ -93,13 +99,13 @@ from drumlin.fem.width.functions import (
 )
 from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
-    MakeFunctions,
+    MakeWidthFunctionsOfShoe,
     prepare_model_with_shoe_widths,
     prepare_model_with_widths_on_given_elements,
 )
 from drumlin.response.response import Response
 
-SLOWEST_FALL = 1.0
+ASSUMED_WIDTH_ERROR_EXPONENT = 1.0
 """Assumed power k with which the error due to the degree q across the width falls, as q^-k.
 
 Where the displacements have a singularity r^a, polynomials of degree q leave an error of q^-2a in
@@ -107,10 +113,10 @@ the energy norm (Babuska, Szabo & Katz 1981, SIAM J. Numer. Anal. 18, 515). The 
 singularity at a corner has a = 1/2, and so k = 1. A larger k makes stated errors smaller, a smaller
 k makes them larger. On 17 random brakes with parts of several widths the smallest ratio of the
 stated error, without a safety factor, to the true error is 1.6 with k = 1, and 1.2 with k = 1.5.
-On coarse elements of 21 random brakes with the breaks of `functions.BESIDE_WEB` the smallest ratio
-with k = 1 is 1.6 for the pressure and 1.3 for forces, with the degrees 2 and 3.
+On coarse elements of 21 random brakes with the breaks of `functions.BREAK_DISTANCES_BESIDE_WEB` the
+smallest ratio with k = 1 is 1.6 for the pressure and 1.3 for forces, with the degrees 2 and 3.
 """
-SECTION_DEGREE = 1
+WIDTH_DEGREE_OF_SECTION_ESTIMATE = 1
 """Degree across the width for the estimate of the hp elements' error if parts have several widths.
 
 Degree 1 represents the bending of a table over its web by straight lines. The error is estimated
@@ -128,21 +134,23 @@ mid-plane, and no level has small elements at all of these ends. On such a brake
 `drumlin_studies.solid_error`) the error of the pressure falls only from 0.5 % on the first level to
 0.3 % on the third level. If a tolerance must be reached, one more level is allowed; with degree 5
 across the width it has some 300 000 unknowns. The level is allowed as well if the last one has at
-most LARGEST_SECTION unknowns.
+most MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL unknowns.
 """
-LARGEST_SECTION = 9_000
-"""Unknowns of a shoe, with SECTION_DEGREE across the width, up to which one more level is allowed.
+MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL = 9_000
+"""Unknowns of a shoe up to which one more level of the section is allowed.
+
+They are counted with WIDTH_DEGREE_OF_SECTION_ESTIMATE across the width.
 
 Short contacts have few columns of elements. On one random brake with 8900 unknowns ("free" 510007
 of `drumlin_studies.solid_error`) the stated error of p falls from 3.2 to 0.84 %. With degree 4
 across the width the third level then has 101 000 unknowns, and the process takes 1.1 GB. With a
 larger limit solves take more memory, with a smaller limit the error of short contacts stays larger.
 """
-MOST_DEGREE = 5
+LARGEST_DEGREE_IF_TOLERANCE_MAY_BE_MISSED = 5
 """Largest degree across the width for parts of several widths, if a tolerance may be missed.
 
-If the tolerance must be met, LARGEST_STATED_DEGREE is the limit. With degree 7 the brake "built"
-3201 of `drumlin_studies.solid_error` takes 2 GB on the first level.
+If the tolerance must be met, LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR is the limit. With degree 7 the
+brake "built" 3201 of `drumlin_studies.solid_error` takes 2 GB on the first level.
 """
 LARGEST_SOLID = 90_000
 """Largest number of unknowns of a shoe with parts of several widths, if a tolerance may be missed.
@@ -156,28 +164,31 @@ LEAST_FALL = 0.8
 below which the error counts as falling.
 
 With larger values the degree is raised although the error hardly falls, until memory runs out. With
-smaller values solves end before the tolerance is reached. By the power SLOWEST_FALL the ratio is
-0.67 from degree 2 to degree 3. Where a lining lifts off beside a web, the ends of the contact move
-from node to node of the face, and change p by 0.3 to 0.5 % whatever the degree.
+smaller values solves end before the tolerance is reached. By the power ASSUMED_WIDTH_ERROR_EXPONENT
+the ratio is 0.67 from degree 2 to degree 3. Where a lining lifts off beside a web, the ends of the
+contact move from node to node of the face, and change p by 0.3 to 0.5 % whatever the degree.
 """
-SECTION_SHARE = 0.5
+SECTION_SHARE_OF_TOLERANCE = 0.5
 """Fraction of the tolerance for the error of the section's hp elements.
 
 The error due to the degree across the width may take the rest of the tolerance.
 """
-LOOKED_AHEAD = 2
+NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES = 2
 """Number of higher degrees across the width whose answers give the error of a degree.
 
 Of the two next higher degrees one is even and the other odd.
 """
-LARGEST_STATED_DEGREE = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD
+LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR = (
+    LARGEST_WIDTH_DEGREE - NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES
+)
 """Largest degree across the width whose error can be stated.
 
-The error follows from answers with the LOOKED_AHEAD next higher degrees, which must be allowed.
+The error follows from answers with the NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES next higher degrees,
+which must be allowed.
 """
 
 
-class SolidFactors(NamedTuple):
+class SafetyFactorsOfSolidErrors(NamedTuple):
     """Safety factors of the errors stated for shoes with widths.
 
     The factors `force` hold for torques and reactions, the factors `pressure` for pressures.
@@ -187,7 +198,8 @@ class SolidFactors(NamedTuple):
     pressure, force : of the error due to the degree across the width, relative to the extrapolated
         distance between degrees
     section_pressure, section_force : of the error of the section's hp elements if parts have
-        several widths, relative to the error estimated with SECTION_DEGREE across the width
+        several widths, relative to the error estimated with WIDTH_DEGREE_OF_SECTION_ESTIMATE across
+        the width
     """
 
     pressure: float
@@ -196,14 +208,16 @@ class SolidFactors(NamedTuple):
     section_force: float
 
 
-SOLID_FACTORS = SolidFactors(**read_safety_factors(Path(__file__).with_name("factors.json")))
+SAFETY_FACTORS_OF_SOLID_ERRORS = SafetyFactorsOfSolidErrors(
+    **read_safety_factors(Path(__file__).with_name("factors.json"))
+)
 """Safety factors of the errors stated for shoes with widths, fitted by `make calibrate`.
 
 The file factors.json says to which brakes they are fitted, and what each factor does.
 """
 
 
-class ErrorFactors(NamedTuple):
+class PressureAndForceErrorFactors(NamedTuple):
     """Two factors by which errors are multiplied.
 
     `pressure` multiplies errors of pressures, and `force` multiplies errors of torques and
@@ -214,13 +228,14 @@ class ErrorFactors(NamedTuple):
     force: float
 
 
-NEXT_DEGREE_FACTORS = ErrorFactors(pressure=1.5, force=1.5)
+NEXT_DEGREE_FACTORS = PressureAndForceErrorFactors(pressure=1.5, force=1.5)
 """Safety factors of an error by the distance from the next degree across the width alone.
 
-They are relative to this distance, extrapolated to an infinite degree with the power SLOWEST_FALL.
-On 17 random brakes with at most LARGEST_FIRST_PIECE of the lining in the first piece (of "free"
-1000 to 1019, and nine "free" and "built" from 510000) the ratio of the true error of degree 2 to
-the extrapolated distance is at most 0.68. The factors are twice as large as these brakes need.
+They are relative to this distance, extrapolated to an infinite degree with the power
+ASSUMED_WIDTH_ERROR_EXPONENT. On 17 random brakes with at most LARGEST_FIRST_PIECE of the lining in
+the first piece (of "free" 1000 to 1019, and nine "free" and "built" from 510000) the ratio of the
+true error of degree 2 to the extrapolated distance is at most 0.68. The factors are twice as large
+as these brakes need.
 """
 LARGEST_FIRST_PIECE = 0.5
 """Part of the lining's width in the first piece up to which the next degree alone gives an error.
@@ -237,7 +252,7 @@ it ("free" 510023). The value one half is a judgement: most of the lining then h
 class SolidErrors(NamedTuple):
     """Relative errors of a brake's `torque`, and relative errors of each of its shoes.
 
-    `shoes` has the errors of each shoe by the names in QUANTITIES.
+    `shoes` has the errors of each shoe by the names in QUANTITIES_WITH_STATED_ERROR.
     """
 
     torque: float
@@ -268,13 +283,13 @@ class SolidErrors(NamedTuple):
         """
         shoes = []
         for one, two in zip(self.shoes, other.shoes, strict=True):
-            both = {name: one[name] + two[name] for name in QUANTITIES}
+            both = {name: one[name] + two[name] for name in QUANTITIES_WITH_STATED_ERROR}
             shoes.append(both | {"peak": min(both["peak"], 1.0)})
         return SolidErrors(self.torque + other.torque, tuple(shoes))
 
-    def errors_times_factors(self, factors: ErrorFactors) -> "SolidErrors":
+    def errors_times_factors(self, factors: PressureAndForceErrorFactors) -> "SolidErrors":
         """These errors times factors: one factor for pressures, one for torques and reactions."""
-        by_name = dict.fromkeys(QUANTITIES, factors.force)
+        by_name = dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, factors.force)
         by_name |= {"pressure": factors.pressure, "peak": factors.pressure}
         shoes = [{name: by_name[name] * own for name, own in shoe.items()} for shoe in self.shoes]
         return SolidErrors(factors.force * self.torque, tuple(shoes))
@@ -298,7 +313,7 @@ class SectionError(NamedTuple):
     size: float = 1.0
 
 
-class LevelClimb(NamedTuple):
+class SolvedLevelsWithLastResponse(NamedTuple):
     """The solved levels of a brake, from coarse to fine, and the answer with its stated errors.
 
     `response` is the answer on the last level.
@@ -308,7 +323,7 @@ class LevelClimb(NamedTuple):
     response: Response
 
 
-class ComparedSection(NamedTuple):
+class SectionForComparingWidthDegrees(NamedTuple):
     """The hp elements of a brake's shoes on which degrees across the width are compared.
 
     `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
@@ -366,7 +381,7 @@ def solve_brake_with_widths_to_tolerance(
     tolerance: Tolerance,
     *,
     must: bool = True,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     cache: Cache | None = None,
 ) -> Response:
     """Solve a brake with widths so that its estimated errors meet a tolerance.
@@ -384,7 +399,7 @@ def solve_brake_with_widths_and_keep_model(
     *,
     must: bool = True,
     across: int | None = None,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     cache: Cache | None = None,
 ) -> SolvedLevel:
     """Solve a brake with widths to a tolerance; return the response with its prepared model.
@@ -415,8 +430,16 @@ def solve_brake_with_widths_and_keep_model(
         brake, sections.plane, penalty=penalty, cache=cache
     )
     several = has_shoe_with_parts_of_different_widths(brake)
-    largest_degree = MOST_DEGREE if several and not must else LARGEST_STATED_DEGREE
-    degrees = range(WIDTH_DEGREE, largest_degree + 1) if across is None else (across,)
+    largest_degree = (
+        LARGEST_DEGREE_IF_TOLERANCE_MAY_BE_MISSED
+        if several and not must
+        else LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR
+    )
+    degrees = (
+        range(WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS, largest_degree + 1)
+        if across is None
+        else (across,)
+    )
     errors = errors_of_degrees_across_width(
         brake, sections.plane, compared, degrees, penalty=penalty, cache=cache
     )
@@ -457,21 +480,30 @@ def _cross_section_meshes_with_errors(
 ) -> SectionErrors:
     """The levels of the section's hp elements that a solve to a tolerance needs, with their errors.
 
-    The last level has an error of at most SECTION_SHARE of the tolerance, unless it is the finest
-    one that is allowed. The parameters are those of `solve_brake_with_widths_and_keep_model`.
+    The last level has an error of at most SECTION_SHARE_OF_TOLERANCE of the tolerance, unless it is
+    the finest one that is allowed. The parameters are those of
+    `solve_brake_with_widths_and_keep_model`.
     """
-    share = Tolerance(SECTION_SHARE * tolerance.pressure, SECTION_SHARE * tolerance.torque)
+    share = Tolerance(
+        SECTION_SHARE_OF_TOLERANCE * tolerance.pressure,
+        SECTION_SHARE_OF_TOLERANCE * tolerance.torque,
+    )
     answer = partial(solve_prepared_model, penalty=penalty)
     if not has_shoe_with_parts_of_different_widths(brake):
         climb = refine_cross_section_mesh_until_tolerance_is_met(brake, share, answer, cache)
         return SectionErrors(
-            errors_of_solved_cross_section_meshes(brake, climb, ErrorFactors(1.0, 1.0)),
+            errors_of_solved_cross_section_meshes(
+                brake, climb, PressureAndForceErrorFactors(1.0, 1.0)
+            ),
             climb.response,
         )
     # Plane stress only has to show where the first elements of the shoes with widths are small.
     first = solve_brake_on_finer_and_finer_mesh_levels(brake, answer, cache, LEVELS[:1])
     plane = next(iter(first)).response
-    factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
+    factors = PressureAndForceErrorFactors(
+        SAFETY_FACTORS_OF_SOLID_ERRORS.section_pressure,
+        SAFETY_FACTORS_OF_SOLID_ERRORS.section_force,
+    )
     asked = Tolerance(share.pressure / factors.pressure, share.torque / factors.force)
     climb = refine_cross_section_mesh_until_tolerance_is_met(
         brake, asked, answer, cache, LEVELS[: MOST_SECTION_LEVELS + 1], plane, must=must
@@ -494,7 +526,8 @@ def cheapest_choice_within_tolerance(
     ----------
     sections : levels of the section's hp elements with their errors, from coarse to fine
     widths : errors due to the degree across the width, from low to high degrees. No more degrees
-        are taken after LOOKED_AHEAD degrees in a row whose error of p does not fall.
+        are taken after NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES degrees in a row whose error of p
+        does not fall.
     tolerance : relative errors that are allowed
     most_unknowns : largest number of unknowns of a shoe on any level but the first
     """
@@ -518,7 +551,7 @@ def cheapest_choice_within_tolerance(
         # If the elements alone miss the tolerance, the degree need not be better than they are.
         enough = finest.smallest_tolerance_that_errors_meet
         is_enough = not can_sections_meet_tolerance and best.error.is_within_error_tolerance(enough)
-        if is_enough or degrees_without_fall == LOOKED_AHEAD:
+        if is_enough or degrees_without_fall == NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES:
             break
     assert best is not None
     enough = best.error.smallest_tolerance_that_errors_meet
@@ -531,7 +564,9 @@ def cheapest_choice_within_tolerance(
     return SolidChoice(last, best)
 
 
-def _is_choice_solved(brake: Brake, choice: SolidChoice, compared: ComparedSection) -> bool:
+def _is_choice_solved(
+    brake: Brake, choice: SolidChoice, compared: SectionForComparingWidthDegrees
+) -> bool:
     """Whether the model on which the chosen degree was compared is the model to be solved.
 
     It must have the chosen level of elements, and small elements at the ends of its own contact.
@@ -550,10 +585,10 @@ def _is_choice_solved(brake: Brake, choice: SolidChoice, compared: ComparedSecti
 def solve_cross_section_mesh_with_width_degree(
     brake: Brake,
     level: Level,
-    degree: int | MakeFunctions,
+    degree: int | MakeWidthFunctionsOfShoe,
     start: Response,
     *,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     cache: Cache | None = None,
 ) -> SolvedLevel:
     """Solve a brake with widths on one level of hp elements, with a degree across the width.
@@ -575,7 +610,9 @@ def solve_cross_section_mesh_with_width_degree(
         where the level has no answer
     """
 
-    def prepare_model_with_width_degree(divided: Level, points: PointsByShape) -> PreparedModel:
+    def prepare_model_with_width_degree(
+        divided: Level, points: SingularPointsByShoeShape
+    ) -> PreparedModel:
         """The prepared model of the brake, with small elements at the singular points."""
         return prepare_model_with_shoe_widths(brake, divided, degree, points, cache=cache)
 
@@ -625,7 +662,7 @@ def refine_cross_section_mesh_until_tolerance_is_met(
     start: Response | None = None,
     *,
     must: bool = True,
-) -> LevelClimb:
+) -> SolvedLevelsWithLastResponse:
     """Solve a brake on finer and finer levels, with a low degree across the width, to a tolerance.
 
     Parameters
@@ -634,11 +671,12 @@ def refine_cross_section_mesh_until_tolerance_is_met(
     tolerance : relative errors that are allowed
     answer : function that computes the response on a prepared model
     cache : substructures of earlier solves
-    levels : levels of a solve with SECTION_DEGREE across the width; if empty, the brake is solved
-        in plane stress on the levels LEVELS
+    levels : levels of a solve with WIDTH_DEGREE_OF_SECTION_ESTIMATE across the width; if empty, the
+        brake is solved in plane stress on the levels LEVELS
     start : an earlier answer; the first division has small elements at the ends of its contact
     must : whether all `levels` are solved if the tolerance needs them; otherwise the climb ends on
-        level MOST_SECTION_LEVELS if it has more than LARGEST_SECTION unknowns
+        level MOST_SECTION_LEVELS if it has more than MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL
+        unknowns
 
     Raises
     ------
@@ -646,9 +684,13 @@ def refine_cross_section_mesh_until_tolerance_is_met(
         if no two levels have answers
     """
 
-    def prepare_model_with_width_degree(level: Level, points: PointsByShape) -> PreparedModel:
-        """The prepared model of the brake on a level, with SECTION_DEGREE across the width."""
-        return prepare_model_with_shoe_widths(brake, level, SECTION_DEGREE, points, cache=cache)
+    def prepare_model_with_width_degree(
+        level: Level, points: SingularPointsByShoeShape
+    ) -> PreparedModel:
+        """The prepared model of the brake on a level, with the low degree of section estimates."""
+        return prepare_model_with_shoe_widths(
+            brake, level, WIDTH_DEGREE_OF_SECTION_ESTIMATE, points, cache=cache
+        )
 
     climbed: list[SolvedLevel] = []
 
@@ -665,7 +707,7 @@ def refine_cross_section_mesh_until_tolerance_is_met(
         for step in steps:
             climbed.append(step)
             yield step
-            is_large = largest_number_of_unknowns(step) > LARGEST_SECTION
+            is_large = largest_number_of_unknowns(step) > MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL
             is_large = is_large and len(climbed) >= MOST_SECTION_LEVELS
             if levels and is_large and not must:
                 return
@@ -673,11 +715,11 @@ def refine_cross_section_mesh_until_tolerance_is_met(
     last = solve_brake_to_tolerance(
         brake, tolerance, answer, must=False, levels=solve_levels_and_keep_each()
     )
-    return LevelClimb(climbed, last.response)
+    return SolvedLevelsWithLastResponse(climbed, last.response)
 
 
 def errors_of_solved_cross_section_meshes(
-    brake: Brake, climb: LevelClimb, factors: ErrorFactors
+    brake: Brake, climb: SolvedLevelsWithLastResponse, factors: PressureAndForceErrorFactors
 ) -> list[SectionError]:
     """The solved levels of the section's hp elements with their errors, from coarse to fine.
 
@@ -724,14 +766,18 @@ def _message_on_unreached_error_tolerance(tolerance: Tolerance, choice: SolidCho
 
 
 def hp_elements_to_compare_width_degrees(
-    brake: Brake, plane: Response, *, penalty: float = PENALTY, cache: Cache | None = None
-) -> ComparedSection:
+    brake: Brake,
+    plane: Response,
+    *,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: Cache | None = None,
+) -> SectionForComparingWidthDegrees:
     """The hp elements of the shoes on which degrees across the width are compared.
 
     If all parts of each shoe have one width, the elements are coarse. Otherwise the elements of the
     first level of a solve are taken, as coarse elements show too little of the error beside a web.
-    This level is solved with degree WIDTH_DEGREE across the width, so that it has small elements at
-    the ends of the contact with widths.
+    This level is solved with degree WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS across the width, so
+    that it has small elements at the ends of the contact with widths.
 
     Parameters
     ----------
@@ -750,28 +796,37 @@ def hp_elements_to_compare_width_degrees(
         coarse = plane_stress_solution_on_coarse_hp_elements(
             brake, plane, penalty=penalty, cache=cache
         )
-        return ComparedSection(coarse.divisions, None, {})
+        return SectionForComparingWidthDegrees(coarse.divisions, None, {})
     wide = solve_cross_section_mesh_with_width_degree(
-        brake, LEVELS[0], WIDTH_DEGREE, plane, penalty=penalty, cache=cache
+        brake,
+        LEVELS[0],
+        WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS,
+        plane,
+        penalty=penalty,
+        cache=cache,
     )
     divisions = wide.prepared_model.divisions
-    return ComparedSection(divisions, LEVELS[0], {WIDTH_DEGREE: wide})
+    return SectionForComparingWidthDegrees(
+        divisions, LEVELS[0], {WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS: wide}
+    )
 
 
 def errors_of_degrees_across_width(
     brake: Brake,
     plane: Response,
-    section: ComparedSection,
-    degrees: Sequence[int] = range(WIDTH_DEGREE, LARGEST_STATED_DEGREE + 1),
+    section: SectionForComparingWidthDegrees,
+    degrees: Sequence[int] = range(
+        WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS, LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR + 1
+    ),
     *,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     cache: Cache | None = None,
 ) -> Iterator[WidthError]:
     """Yield the errors due to degrees across the width, one degree after the other.
 
     Where most of each lining overhangs its web, a provisional error comes before the error of the
-    degree WIDTH_DEGREE. The errors end before a degree whose error needs an answer that the brake
-    does not have.
+    degree WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS. The errors end before a degree whose error needs
+    an answer that the brake does not have.
 
     Parameters
     ----------
@@ -804,12 +859,12 @@ def errors_of_degrees_across_width(
     for degree in degrees:
         try:
             solved = solve_with_degree_across_width(degree)
-            if overhangs and degree == WIDTH_DEGREE:
+            if overhangs and degree == WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS:
                 following = solve_with_degree_across_width(degree + 1).response
                 moved = largest_relative_differences(brake, solved.response, [following])
                 error = moved.errors_times_factors(error_factors_of_distance(degree, 1))
                 yield WidthError(degree, error, solved, provisional=True)
-            ahead = range(degree + 1, degree + LOOKED_AHEAD + 1)
+            ahead = range(degree + 1, degree + NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES + 1)
             further = [solve_with_degree_across_width(each).response for each in ahead]
         except NoAnswer:
             # With a higher degree the brake may have too many contact nodes, or no equilibrium.
@@ -817,7 +872,9 @@ def errors_of_degrees_across_width(
                 raise
             return
         largest = largest_relative_differences(brake, solved.response, further)
-        error = largest.errors_times_factors(error_factors_of_distance(degree, LOOKED_AHEAD))
+        error = largest.errors_times_factors(
+            error_factors_of_distance(degree, NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES)
+        )
         yield WidthError(degree, error, solved)
 
 
@@ -827,16 +884,18 @@ def _has_narrow_first_piece(shoe: Shoe) -> bool:
     return first <= LARGEST_FIRST_PIECE * shoe.lining.width / 2
 
 
-def error_factors_of_distance(degree: int, ahead: int) -> ErrorFactors:
+def error_factors_of_distance(degree: int, ahead: int) -> PressureAndForceErrorFactors:
     """The stated errors of a degree across the width, divided by its distance from higher degrees.
 
     The `ahead` next degrees are compared.
     """
     ratio = error_divided_by_distance_to_next_degrees(degree, ahead)
     factors = NEXT_DEGREE_FACTORS
-    if ahead == LOOKED_AHEAD:
-        factors = ErrorFactors(SOLID_FACTORS.pressure, SOLID_FACTORS.force)
-    return ErrorFactors(ratio * factors.pressure, ratio * factors.force)
+    if ahead == NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES:
+        factors = PressureAndForceErrorFactors(
+            SAFETY_FACTORS_OF_SOLID_ERRORS.pressure, SAFETY_FACTORS_OF_SOLID_ERRORS.force
+        )
+    return PressureAndForceErrorFactors(ratio * factors.pressure, ratio * factors.force)
 
 
 def largest_relative_differences(
@@ -846,18 +905,22 @@ def largest_relative_differences(
     moved = [_relative_differences_from_better_response(brake, response, each) for each in others]
     shoes = []
     for own in zip(*(each.shoes for each in moved), strict=True):
-        shoes.append({name: max(each[name] for each in own) for name in QUANTITIES})
+        shoes.append(
+            {name: max(each[name] for each in own) for name in QUANTITIES_WITH_STATED_ERROR}
+        )
     return SolidErrors(max(each.torque for each in moved), tuple(shoes))
 
 
-def error_divided_by_distance_to_next_degrees(degree: int, ahead: int = LOOKED_AHEAD) -> float:
+def error_divided_by_distance_to_next_degrees(
+    degree: int, ahead: int = NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES
+) -> float:
     """The error of a degree across the width, divided by its distance from higher degrees.
 
     The distance is the largest of the distances between the answer with `degree` and the answers
     with the `ahead` next higher degrees. The error is assumed to fall as the degree to the power
-    -SLOWEST_FALL.
+    -ASSUMED_WIDTH_ERROR_EXPONENT.
     """
-    left = (degree / (degree + ahead)) ** SLOWEST_FALL
+    left = (degree / (degree + ahead)) ** ASSUMED_WIDTH_ERROR_EXPONENT
     return 1 / (1 - left)
 
 
@@ -871,7 +934,7 @@ def _relative_differences_from_better_response(
         apart = abs(shoe.peak_pressure - better.peak_pressure) / peak
         shoes.append(
             {
-                **relative_distances_of_shoe_responses(
+                **relative_torque_pressure_and_reaction_differences(
                     brake.surface_coordinate_per_phi, shoe, better
                 ),
                 "peak": apart,

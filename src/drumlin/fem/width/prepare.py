@@ -19,32 +19,36 @@ from drumlin.fem.hp.body import (
     contact_line_of_lining_face_nodes,
 )
 from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe_into_hp_elements
-from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
+from drumlin.fem.preparation.bodies import (
+    ShoeBodyElements,
+    ShoeSubstructure,
+    make_shoe_substructure,
+)
 from drumlin.fem.preparation.cache import (
     Cache,
     indices_of_first_shoes_of_equal_shape,
     shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.scene import (
-    PointsByShape,
     PreparedModel,
-    Seconds,
+    SecondsOfEachPhase,
+    SingularPointsByShoeShape,
     add_elapsed_time_of_block_to_phase,
     messages_on_rigid_parts,
     messages_on_shoes_of_equal_shape,
 )
-from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled as plane_why_not
-from drumlin.fem.width.columns import BackEdge
-from drumlin.fem.width.face import WidthFace
+from drumlin.fem.preparation.scene import reason_against_finite_element_model as plane_why_not
+from drumlin.fem.width.columns import BackEdgeCondition
+from drumlin.fem.width.face import ContactFaceWithWidth
 from drumlin.fem.width.functions import (
     WidthFunctions,
     functions_across_width_of_shoe,
     half_widths_of_parts,
 )
-from drumlin.fem.width.recovery import WidthUnknowns
+from drumlin.fem.width.recovery import EliminatedWidthUnknowns
 from drumlin.fem.width.shoe import condense_shoe_with_width, layers_with_width_functions
 
-LARGEST_WIDTH_NU = 0.499
+LARGEST_POISSON_RATIO_OF_WIDTH_MODEL = 0.499
 """Largest Poisson's ratio for which the model of the width can be used.
 
 For nearly incompressible materials, pressures would have to be unknowns as well as displacements.
@@ -54,16 +58,16 @@ LARGEST_WIDTH_DEGREE = 9
 
 The Gauss rule over the width is exact for products of two polynomials up to degree 11.
 """
-INTERIOR = "interior fields: recovered only for a file or a picture"
+NO_INTERIOR_RESULTS_MESSAGE = "interior fields: recovered only for a file or a picture"
 """Message that a prepared model of solid shoes has no displacements and stresses inside bodies."""
-OTHER_HALF = "the other half of each shoe: symmetric"
+ONLY_HALF_OF_SOLID_SHOES_MESSAGE = "the other half of each shoe: symmetric"
 """Message that a prepared model of solid shoes has only one half of each, beside the mid-plane."""
 
-MakeFunctions = Callable[[Shoe], WidthFunctions]
+MakeWidthFunctionsOfShoe = Callable[[Shoe], WidthFunctions]
 """The type of a function that returns the functions of z across the width of a given shoe."""
 
 
-class NodesOverWidth(NamedTuple):
+class NumberOfWidthUnknowns(NamedTuple):
     """The number of displacements of a body with functions across its width, `unknowns`.
 
     It takes the place of the basis on a mesh that a body in plane stress has. Only this number is
@@ -73,7 +77,7 @@ class NodesOverWidth(NamedTuple):
     unknowns: int
 
 
-class WidthBody(ShoeSubstructure):
+class ShoeSubstructureWithWidth(ShoeSubstructure):
     """The condensed body of a shoe whose displacements are polynomials across its width."""
 
     @property
@@ -113,17 +117,18 @@ def _reason_against_modelling_width_of_shoe(shoe: Shoe) -> str | None:
         return "its bending_stiffness is not that of a section of its thickness and width"
     for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
         material = getattr(part, "material", None)
-        if isinstance(material, Material) and material.nu > LARGEST_WIDTH_NU:
+        if isinstance(material, Material) and material.nu > LARGEST_POISSON_RATIO_OF_WIDTH_MODEL:
             given = f"{name}.material.nu = {material.nu:g}"
-            return f"{given} is all but incompressible; at most {LARGEST_WIDTH_NU:g}"
+            largest = f"{LARGEST_POISSON_RATIO_OF_WIDTH_MODEL:g}"
+            return f"{given} is all but incompressible; at most {largest}"
     return None
 
 
 def prepare_model_with_shoe_widths(
     brake: Brake,
     level: Level,
-    degree: int | MakeFunctions,
-    points: PointsByShape | None = None,
+    degree: int | MakeWidthFunctionsOfShoe,
+    points: SingularPointsByShoeShape | None = None,
     *,
     cache: Cache | None = None,
 ) -> PreparedModel:
@@ -185,7 +190,7 @@ def refinement_level_for_narrow_shoes(brake: Brake, level: Level) -> Level:
 def prepare_model_with_widths_on_given_elements(
     brake: Brake,
     divisions: Mapping[int, ShoeDivision],
-    degree: int | MakeFunctions,
+    degree: int | MakeWidthFunctionsOfShoe,
     *,
     cache: Cache | None = None,
 ) -> PreparedModel:
@@ -206,7 +211,7 @@ def prepare_model_with_widths_on_given_elements(
         for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
     """
     make = degree if callable(degree) else partial(functions_across_width_of_shoe, degree=degree)
-    seconds: Seconds = {}
+    seconds: SecondsOfEachPhase = {}
     cache = cache or Cache()
     alike = indices_of_first_shoes_of_equal_shape(brake)
     made: dict[int, ShoeSubstructure] = {}
@@ -236,8 +241,8 @@ def prepare_model_with_widths_on_given_elements(
         made[i] = cache.get(key, body, _memory_of_condensed_solid_shoe)
     bodies = tuple(made[i] for i in alike)
     left_out = (
-        INTERIOR,
-        OTHER_HALF,
+        NO_INTERIOR_RESULTS_MESSAGE,
+        ONLY_HALF_OF_SOLID_SHOES_MESSAGE,
         *messages_on_shoes_of_equal_shape(brake, len(made)),
         *messages_on_rigid_parts(brake),
     )
@@ -267,7 +272,7 @@ def condense_and_couple_shoe_with_width(
     division: ShoeDivision,
     functions: WidthFunctions,
     friction: bool,
-    seconds: Seconds,
+    seconds: SecondsOfEachPhase,
 ) -> ShoeSubstructure:
     """Condense a shoe with a width, and couple the condensed body with the drum or the plane.
 
@@ -288,24 +293,26 @@ def condense_and_couple_shoe_with_width(
     with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
         found = condense_shoe_with_width(shoe, radius, division, functions)
         condensed = condensed_body_with_cholesky_factor(
-            found, WidthUnknowns(shoe, radius, division, functions)
+            found, EliminatedWidthUnknowns(shoe, radius, division, functions)
         )
     with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
-        face = friction_surface_of_shoe_with_width(shoe, radius, division, functions)
-        basis = NodesOverWidth(number_of_displacement_unknowns_of_shoe(shoe, division, functions))
-        divided = DividedBody(basis, basis, face)
+        face = contact_face_of_shoe_with_width(shoe, radius, division, functions)
+        basis = NumberOfWidthUnknowns(
+            number_of_displacement_unknowns_of_shoe(shoe, division, functions)
+        )
+        divided = ShoeBodyElements(basis, basis, face)
         return make_shoe_substructure(
-            WidthBody, shoe, divided, condensed, found.centre, friction=friction
+            ShoeSubstructureWithWidth, shoe, divided, condensed, found.centre, friction=friction
         )
 
 
-def friction_surface_of_shoe_with_width(
+def contact_face_of_shoe_with_width(
     shoe: Shoe, radius: float, division: ShoeDivision, functions: WidthFunctions
-) -> WidthFace:
+) -> ContactFaceWithWidth:
     """The friction surface of a divided shoe with functions across the shoe's width."""
     line, half = contact_line_of_lining_face_nodes(shoe, radius, division), shoe.lining.width / 2
     count = len(functions.node_distances_across_half_width_of_part(half))
-    return WidthFace(
+    return ContactFaceWithWidth(
         nodes=np.arange(len(line.nodes) * count),
         xy=np.repeat(line.xy, count, axis=1),
         phi=np.repeat(line.phi, count),
@@ -336,7 +343,7 @@ def number_of_displacement_unknowns_of_shoe(
         if first == division.number_of_element_layers:
             continue
         stack = layers.layers_of_element_column_from_given_layer(
-            p, first, contact=False, back=BackEdge.FREE
+            p, first, contact=False, back=BackEdgeCondition.FREE
         )
         for row in range((division.number_of_element_layers - first) * p + 1):
             even, odd = stack.counts_of_even_and_odd_functions_at_node_row(row)

@@ -21,15 +21,15 @@ from drumlin.brake.brake import Shoe
 from drumlin.fem.hp.body import element_grid_of_whole_shoe
 from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.element import reference_element_of_degree
-from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
-from drumlin.fem.substructure.elimination import SINGULAR_BODY
+from drumlin.fem.substructure.elimination import SINGULAR_BODY_MESSAGE
 from drumlin.fem.width.columns import (
     AssembledColumns,
-    BackEdge,
-    ColumnPlan,
-    WidthUnknown,
-    assembled_stiffness_of_columns,
+    BackEdgeCondition,
+    ColumnCondensationPlan,
+    ColumnDisplacementUnknown,
+    column_stiffnesses_without_inner_element_unknowns,
     condensation_plan_of_column,
     displacements_inside_elements,
     indices_of_unknowns_along_node_row,
@@ -39,11 +39,11 @@ from drumlin.fem.width.functions import (
     WidthFunctions,
     matrix_from_node_values_to_function_factors,
 )
-from drumlin.fem.width.integrals import SectionIntegrals, cross_section_integrals_of_any_shape
+from drumlin.fem.width.integrals import CrossSectionIntegrals, cross_section_integrals_of_any_shape
 from drumlin.fem.width.shoe import WidthLayers, layers_with_width_functions
 
 
-class _LineFactor(NamedTuple):
+class _CholeskyFactorOfNodeLine(NamedTuple):
     """The part of the Cholesky factor that belongs to a line of nodes between two element columns.
 
     Attributes
@@ -51,18 +51,18 @@ class _LineFactor(NamedTuple):
     own : (n,) numbers of the line's unknowns among the unknowns of the shoe
     later : (k,) numbers of the unknowns of the next line
     L : (n, n) lower Cholesky factor of the line's stiffness
-    below : (k, n) rows of the factor for the unknowns of the next line
+    rows_of_later_unknowns : (k, n) rows of the factor for the unknowns of the next line
     forces : (n, m) L^-1 f with the forces f on the line in m load cases
     """
 
     own: Ints
     later: Ints
     L: Floats
-    below: Floats
+    rows_of_later_unknowns: Floats
     forces: Floats
 
 
-class _Column(NamedTuple):
+class _ElementColumnOfShoe(NamedTuple):
     """A column of elements: its nodes, and the numbers of its unknowns.
 
     The numbers of unknowns count all unknowns of the shoe.
@@ -80,7 +80,7 @@ class _Column(NamedTuple):
 
     nodes: Ints
     first: int
-    plan: ColumnPlan
+    plan: ColumnCondensationPlan
     kept: Ints
     rest: Ints
     boundary: tuple[Ints, ...]
@@ -88,13 +88,13 @@ class _Column(NamedTuple):
 
 
 @dataclass(frozen=True)
-class WidthUnknowns:
-    """The displacements of a shoe with a width that its condensation has eliminated.
+class EliminatedWidthUnknowns:
+    """The displacements that the condensation of a three-dimensional shoe has eliminated.
 
-    The class fulfils the protocol `substructure.body.InnerUnknowns`. Each unknown of a node of the
-    section is the factor of a function of z in a displacement: of an even function in u_x or u_y,
-    or of an odd function in u_z. Functions that are zero on the parts at a node have the factor
-    zero there.
+    The class fulfils the protocol `substructure.body.EliminatedUnknowns`. Each node of the section
+    has several unknowns. An unknown is the factor of one function of z: of an even function in the
+    displacement u_x or u_y, or of an odd function in u_z. The factor is zero if the function is
+    zero over the width of the parts at the node.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class WidthUnknowns:
     functions: WidthFunctions
 
     @cached_property
-    def grid(self) -> ColumnGrid:
+    def grid(self) -> HpElementGrid:
         """All nodes and elements of the section."""
         return element_grid_of_whole_shoe(self.shoe, self.radius, self.division)
 
@@ -231,7 +231,7 @@ class WidthUnknowns:
             held[numbers[line.z == 0]] = True
         return held
 
-    def element_columns_from_hinge_to_far_end(self) -> list[_Column]:
+    def element_columns_from_hinge_to_far_end(self) -> list[_ElementColumnOfShoe]:
         """All columns of elements of the shoe, from the end at its hinge to the other end."""
         p, div = self.division.degree, self.division
         under, *beyond = (block.number for block in self.grid.blocks)
@@ -248,7 +248,7 @@ class WidthUnknowns:
         assert all(column.nodes.shape[1] == p + 1 for block in columns for column in block)
         return [column for block in columns for column in block]
 
-    def _element_columns_of_one_block(self, number: Ints, first: int) -> list[_Column]:
+    def _element_columns_of_one_block(self, number: Ints, first: int) -> list[_ElementColumnOfShoe]:
         """The element columns of a block of elements, from left to right.
 
         `number` (rows, nodes of a row) are the numbers of the block's nodes. `first` is the number
@@ -256,7 +256,7 @@ class WidthUnknowns:
         """
         p = self.division.degree
         stack = self.layers.layers_of_element_column_from_given_layer(
-            p, first, contact=False, back=BackEdge.FREE
+            p, first, contact=False, back=BackEdgeCondition.FREE
         )
         along = indices_of_unknowns_along_node_row(p)
         plan, names = (
@@ -268,7 +268,7 @@ class WidthUnknowns:
             nodes = number[:, start : start + p + 1]
 
             def indices_of_column_unknowns(
-                unknowns: list[WidthUnknown], nodes: Ints = nodes
+                unknowns: list[ColumnDisplacementUnknown], nodes: Ints = nodes
             ) -> Ints:
                 """The numbers of a column's unknowns among the unknowns of the shoe."""
                 z, place, row, function = np.array(unknowns, dtype=int).reshape(-1, 4).T
@@ -281,10 +281,12 @@ class WidthUnknowns:
                 indices_of_column_unknowns(names.kept),
                 indices_of_column_unknowns(names.rest),
             )
-            found.append(_Column(nodes, first, plan, kept, rest, boundary, within))
+            found.append(_ElementColumnOfShoe(nodes, first, plan, kept, rest, boundary, within))
         return found
 
-    def _cross_section_integrals_of_layers(self, column: _Column) -> list[SectionIntegrals]:
+    def _cross_section_integrals_of_layers(
+        self, column: _ElementColumnOfShoe
+    ) -> list[CrossSectionIntegrals]:
         """For each layer of a column, the integrals over the section of the layer's element."""
         p, order = self.division.degree, reference_element_of_degree(self.division.degree).order
         found = []
@@ -296,7 +298,7 @@ class WidthUnknowns:
         return found
 
     def _assembled_stiffness_of_element_column(
-        self, column: _Column, held: Bools
+        self, column: _ElementColumnOfShoe, held: Bools
     ) -> AssembledColumns:
         """The assembled stiffness of one column, with held unknowns decoupled from free ones.
 
@@ -304,7 +306,7 @@ class WidthUnknowns:
         """
         widths = self.layers.width_function_integrals_of_layers(column.first)
         parts = self._cross_section_integrals_of_layers(column)
-        made = assembled_stiffness_of_columns(parts, widths, column.plan)
+        made = column_stiffnesses_without_inner_element_unknowns(parts, widths, column.plan)
         kept, rest = ~held[column.kept], ~held[column.rest]
         own = made.rest[0] * np.outer(rest, rest)
         # A held unknown gets the stiffness 1, coupled with no other unknown, so that it becomes
@@ -324,7 +326,7 @@ class WidthUnknowns:
         columns = self.element_columns_from_hinge_to_far_end()
         u = np.zeros(forces.shape)
         for line in reversed(self._cholesky_factors_of_node_lines(columns, held, forces.copy())):
-            rest = line.forces - line.below.T @ u[line.later]
+            rest = line.forces - line.rows_of_later_unknowns.T @ u[line.later]
             u[line.own] = dtrsm(1.0, line.L, rest, lower=1, trans_a=1)
         for column in columns:
             # The displacements of both sides give the displacements of the other edges of elements,
@@ -342,8 +344,8 @@ class WidthUnknowns:
         return u
 
     def _cholesky_factors_of_node_lines(
-        self, columns: list[_Column], held: Bools, forces: Floats
-    ) -> list[_LineFactor]:
+        self, columns: list[_ElementColumnOfShoe], held: Bools, forces: Floats
+    ) -> list[_CholeskyFactorOfNodeLine]:
         """The Cholesky factors of all lines of nodes between element columns, from the hinge on.
 
         Parameters
@@ -379,9 +381,12 @@ class WidthUnknowns:
             to_next = np.zeros((len(own), len(right)))
             to_next[at] = K[:line, line:]
             factor = _cholesky_factor_of_node_line(own, right, D, to_next, forces)
-            forces[right] -= factor.below @ factor.forces
+            forces[right] -= factor.rows_of_later_unknowns @ factor.forces
             found.append(factor)
-            earlier, S = right, K[line:, line:] - factor.below @ factor.below.T
+            earlier, S = (
+                right,
+                K[line:, line:] - factor.rows_of_later_unknowns @ factor.rows_of_later_unknowns.T,
+            )
         S += np.diag(held[earlier].astype(float))
         none = np.zeros((len(earlier), 0))
         return [
@@ -394,13 +399,13 @@ def _cholesky_factor(K: Floats) -> Floats:
     """The lower Cholesky factor of a stiffness; raises NoAnswer where it is singular."""
     L, info = dpotrf(K, lower=1)
     if info:
-        raise NoAnswer(SINGULAR_BODY)
+        raise NoAnswer(SINGULAR_BODY_MESSAGE)
     return np.asarray(L)
 
 
 def _cholesky_factor_of_node_line(
     own: Ints, later: Ints, D: Floats, to_next: Floats, forces: Floats
-) -> _LineFactor:
+) -> _CholeskyFactorOfNodeLine:
     """The part of the Cholesky factor that belongs to a line of nodes.
 
     Parameters
@@ -411,7 +416,7 @@ def _cholesky_factor_of_node_line(
     forces : (unknowns, m) forces on all unknowns of the shoe
     """
     L = _cholesky_factor(D)
-    return _LineFactor(
+    return _CholeskyFactorOfNodeLine(
         own,
         later,
         L,

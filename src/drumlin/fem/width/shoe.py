@@ -24,11 +24,11 @@ from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.element import replace_matrix_by_schur_complement
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
-    LoadedEnd,
-    angles_of_displacement_axes,
+    UnitLoadsOnLoadedEndFace,
     condensed_shoe_corrected_for_round_off,
-    condensed_shoe_held_at_its_back,
+    condensed_shoe_with_gripped_or_bonded_back,
     condensed_stiffness_of_body_beyond_lining_end,
+    displacement_axis_angles_of_shoe_at_positions,
     function_from_depth_and_angle_to_point,
     group_equal_element_columns_of_shoe,
     node_coordinates_of_layers_and_columns,
@@ -38,13 +38,16 @@ from drumlin.fem.hp.shoe import (
     unit_actuation_loads_on_end_face,
 )
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
-from drumlin.fem.substructure.body import FRAME, rigid_body_displacements_of_nodes
+from drumlin.fem.substructure.body import (
+    NUMBER_OF_FRAME_DISPLACEMENTS,
+    rigid_body_displacements_of_nodes,
+)
 from drumlin.fem.width.columns import (
-    BackEdge,
-    ColumnLayers,
+    BackEdgeCondition,
+    LayersOfElementColumn,
+    column_beside_grip_with_shared_node_held,
     column_layers_of_shoe,
-    column_with_back_held_beside_grip,
-    condense_columns_of_any_shape,
+    condense_element_columns_of_any_shape,
     condense_mirror_symmetric_columns,
     indices_of_unknowns_along_symmetric_half_row,
 )
@@ -56,9 +59,9 @@ from drumlin.fem.width.functions import (
     matrix_from_node_values_to_function_factors,
 )
 from drumlin.fem.width.integrals import (
-    SYMMETRIES,
+    SYMMETRIC_AND_ANTISYMMETRIC,
+    CrossSectionIntegrals,
     LameConstants,
-    SectionIntegrals,
     angular_factors_of_section_integrals,
     cross_section_integrals_between_circles,
     cross_section_integrals_of_any_shape,
@@ -90,8 +93,8 @@ class WidthLayers(NamedTuple):
         ]
 
     def layers_of_element_column_from_given_layer(
-        self, p: int, first: int, *, contact: bool, back: BackEdge
-    ) -> ColumnLayers:
+        self, p: int, first: int, *, contact: bool, back: BackEdgeCondition
+    ) -> LayersOfElementColumn:
         """The layers of an element column whose first layer is the shoe's layer `first`.
 
         Layers are counted from the contact. The other parameters are those of
@@ -101,20 +104,20 @@ class WidthLayers(NamedTuple):
             self.functions, self.halves[first:], p, contact=contact, back=back
         )
 
-    def unknowns_across_body_thickness(self, div: ShoeDivision) -> "BodyLine":
+    def unknowns_across_body_thickness(self, div: ShoeDivision) -> "UnknownsAcrossBodyThickness":
         """The unknowns on a line of nodes through the thickness of the body."""
         stack = self.layers_of_element_column_from_given_layer(
-            div.degree, div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
+            div.degree, div.index_of_first_body_layer, contact=False, back=BackEdgeCondition.FREE
         )
         line = stack.unknowns_on_left_or_right_side_of_column(
             indices_of_unknowns_along_symmetric_half_row(div.degree, 0).left
         )
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
-        return BodyLine(z, component, row, function)
+        return UnknownsAcrossBodyThickness(z, component, row, function)
 
     def unit_loads_on_end_face(
         self, div: ShoeDivision, xy: Floats, angle: Floats
-    ) -> "EndFaceLoads":
+    ) -> "UnitLoadsOnEndFaceWithWidth":
         """The unit loads on the loaded end face of the body, uniform over the width of each layer.
 
         Parameters
@@ -138,24 +141,24 @@ class WidthLayers(NamedTuple):
             row[: len(even)] = even / even[0]
         forces = [unit_actuation_loads_on_end_face(xy, depths, p, own).forces for own in share.T]
         turned = [rotate_axes_of_all_nodes_by_one_angle(own, angle) for own in forces]
-        return EndFaceLoads(
+        return UnitLoadsOnEndFaceWithWidth(
             unit_actuation_loads_on_end_face(xy, depths, p),
             line.values_on_unknowns_of_thickness_line(turned),
         )
 
 
-class EndFaceLoads(NamedTuple):
+class UnitLoadsOnEndFaceWithWidth(NamedTuple):
     """The unit loads on the end face of a shoe with a width.
 
     `end` has the unit loads on the end face of the plane section. `forces` (n, 3) are the same
-    three loads as forces on the n unknowns of the shoe's `BodyLine`.
+    three loads as forces on the n unknowns of the shoe's `UnknownsAcrossBodyThickness`.
     """
 
-    end: LoadedEnd
+    end: UnitLoadsOnLoadedEndFace
     forces: Floats
 
 
-class BodyLine(NamedTuple):
+class UnknownsAcrossBodyThickness(NamedTuple):
     """The n unknowns on a line of nodes through the thickness of a shoe's body, as arrays (n,).
 
     Attributes
@@ -207,7 +210,7 @@ def layers_with_width_functions(
     )
 
 
-class _WidthColumns(NamedTuple):
+class _CondensedColumnsWithWidth(NamedTuple):
     """The columns of elements of a shoe: under the lining, before the lining and behind the lining.
 
     `grip` has the numbers of the first column in the grip and of the first column behind it,
@@ -220,7 +223,7 @@ class _WidthColumns(NamedTuple):
     grip: tuple[int, int]
 
 
-ColumnsFrom = Callable[[Ints, int, ColumnLayers], list[ColumnSubstructure]]
+MakeColumnsOfKinds = Callable[[Ints, int, LayersOfElementColumn], list[ColumnSubstructure]]
 """The type of a function that makes one condensed column of elements for each given kind.
 
 Columns of one kind have equal shape. The arguments are the kinds (c,), the number of the columns'
@@ -230,7 +233,7 @@ first layer, counted from the contact, and the layers of the columns.
 
 def _function_that_makes_columns_and_kind_of_each_column(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
-) -> tuple[ColumnsFrom, Ints]:
+) -> tuple[MakeColumnsOfKinds, Ints]:
     """The function that makes the columns of a shoe's elements, and the kind of each column.
 
     Columns of one kind have equal shape and equal stiffness.
@@ -242,18 +245,18 @@ def _function_that_makes_columns_and_kind_of_each_column(
     radii = radius - shoe.sign_of_internal_shoe * div.depths
 
     def condense_columns_on_arc(
-        kinds: Ints, first: int, stack: ColumnLayers
+        kinds: Ints, first: int, stack: LayersOfElementColumn
     ) -> list[ColumnSubstructure]:
         """One condensed column of elements for each of `kinds`, with the layers from `first` on.
 
-        `ColumnsFrom` explains the parameters. The layers lie between circles or, in a flat shoe,
-        between planes.
+        `MakeColumnsOfKinds` explains the parameters. The layers lie between circles or, in a flat
+        shoe, between planes.
 
         Each column is its own mirror image, so that its symmetric and its antisymmetric
         displacements are condensed separately.
         """
-        parts: list[list[SectionIntegrals]] = []
-        for symmetry in SYMMETRIES:
+        parts: list[list[CrossSectionIntegrals]] = []
+        for symmetry in SYMMETRIC_AND_ANTISYMMETRIC:
             angular = angular_factors_of_section_integrals(
                 along[kinds], p, symmetry, flat=shoe.is_on_plane
             )
@@ -270,11 +273,11 @@ def _function_that_makes_columns_and_kind_of_each_column(
         )
 
     def condense_columns_of_any_cell_shape(
-        kinds: Ints, first: int, stack: ColumnLayers
+        kinds: Ints, first: int, stack: LayersOfElementColumn
     ) -> list[ColumnSubstructure]:
         """Condensed columns of elements of any shape, for example under a straight beam.
 
-        `ColumnsFrom` explains the parameters.
+        `MakeColumnsOfKinds` explains the parameters.
         """
         xy = node_coordinates_of_layers_and_columns(
             function_from_depth_and_angle_to_point(shoe, radius),
@@ -287,7 +290,7 @@ def _function_that_makes_columns_and_kind_of_each_column(
             cross_section_integrals_of_any_shape(own, each, p)
             for own, each in zip(xy, lame, strict=True)
         ]
-        return condense_columns_of_any_shape(
+        return condense_element_columns_of_any_shape(
             parts, layers.width_function_integrals_of_layers(first), stack
         )
 
@@ -301,7 +304,7 @@ def _function_that_makes_columns_and_kind_of_each_column(
 
 def _condensed_element_columns_of_shoe(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
-) -> _WidthColumns:
+) -> _CondensedColumnsWithWidth:
     """The condensed columns of elements of a shoe.
 
     The parameters are those of `condense_shoe_with_width`, and `layers` are the shoe's layers.
@@ -310,12 +313,12 @@ def _condensed_element_columns_of_shoe(
     make, which = _function_that_makes_columns_and_kind_of_each_column(shoe, radius, div, layers)
 
     def condensed_columns_from_given_layer_on(
-        row: Ints, first: int, *, contact: bool, back: BackEdge
+        row: Ints, first: int, *, contact: bool, back: BackEdgeCondition
     ) -> list[ColumnSubstructure]:
         """The condensed columns of the given kinds, with the layers from number `first` on.
 
         `row` has the kind of each column, and layers are counted from the contact. `contact` and
-        `back` are attributes of `ColumnLayers`.
+        `back` are attributes of `LayersOfElementColumn`.
         """
         if not len(row):
             return []
@@ -334,28 +337,30 @@ def _condensed_element_columns_of_shoe(
     ends = shoe.interval_of_body_back_held_by_support(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     back = (
-        BackEdge.BONDED
+        BackEdgeCondition.BONDED
         if div.index_of_first_body_layer == div.number_of_element_layers
-        else BackEdge.FREE
+        else BackEdgeCondition.FREE
     )
     free = condensed_columns_from_given_layer_on(
         np.concatenate([which[:a], which[b:under]]), 0, contact=True, back=back
     )
     gripped = condensed_columns_from_given_layer_on(
-        which[a:b], 0, contact=True, back=BackEdge.GRIPPED
+        which[a:b], 0, contact=True, back=BackEdgeCondition.GRIPPED
     )
     rest = condensed_columns_from_given_layer_on(
-        which[under:], div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
+        which[under:], div.index_of_first_body_layer, contact=False, back=BackEdgeCondition.FREE
     )
     row = [*free[:a], *gripped, *free[a:]]
     # A column beside the grip shares one of its sides with a gripped column. The grip holds the
     # node of this side that is farthest from the contact.
-    stack = layers.layers_of_element_column_from_given_layer(p, 0, contact=True, back=BackEdge.FREE)
+    stack = layers.layers_of_element_column_from_given_layer(
+        p, 0, contact=True, back=BackEdgeCondition.FREE
+    )
     if a < b and a > 0:
-        row[a - 1] = column_with_back_held_beside_grip(row[a - 1], stack, right=True)
+        row[a - 1] = column_beside_grip_with_shared_node_held(row[a - 1], stack, right=True)
     if a < b < under:
-        row[b] = column_with_back_held_beside_grip(row[b], stack, right=False)
-    return _WidthColumns(row, rest[:before], rest[before:], (a, b))
+        row[b] = column_beside_grip_with_shared_node_held(row[b], stack, right=False)
+    return _CondensedColumnsWithWidth(row, rest[:before], rest[before:], (a, b))
 
 
 def condense_shoe_with_width(
@@ -414,11 +419,11 @@ def condense_shoe_with_width(
     columns[0] = eliminate_nodes_on_column_side(columns[0], ends[0], first)
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], ends[1], last, right=True)
     S = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
-    face = _FaceAxes.conversion_to_displacements_of_face_nodes(shoe, div, layers)
-    return condensed_shoe_held_at_its_back(shoe, face.stiffness_of_face_nodes(S), R)
+    face = _ColumnToFaceConversion.conversion_to_displacements_of_face_nodes(shoe, div, layers)
+    return condensed_shoe_with_gripped_or_bonded_back(shoe, face.stiffness_of_face_nodes(S), R)
 
 
-class _FaceAxes(NamedTuple):
+class _ColumnToFaceConversion(NamedTuple):
     """The conversion between the contact unknowns of columns and the nodes of the contact face.
 
     The contact unknowns of columns are factors of functions of z, for displacements along the
@@ -438,7 +443,7 @@ class _FaceAxes(NamedTuple):
     @classmethod
     def conversion_to_displacements_of_face_nodes(
         cls, shoe: Shoe, div: ShoeDivision, layers: WidthLayers
-    ) -> "_FaceAxes":
+    ) -> "_ColumnToFaceConversion":
         """The conversion for the contact face of a divided shoe."""
         inverse = matrix_from_node_values_to_function_factors(layers.functions, layers.halves[0])
         angles = np.repeat(rotation_angles_of_contact_nodes_to_shoe_frame(shoe, div), len(inverse))
@@ -472,7 +477,7 @@ def _condense_hinged_shoe_with_width(
     radius: float,
     div: ShoeDivision,
     layers: WidthLayers,
-    row: _WidthColumns,
+    row: _CondensedColumnsWithWidth,
     R: Floats,
 ) -> CondensedShoe:
     """Condense an elastic shoe that is held at its hinge and loaded at its other end.
@@ -497,10 +502,10 @@ def _condense_hinged_shoe_with_width(
     line = layers.unknowns_across_body_thickness(div)
     modes = rotate_axes_of_all_nodes_by_one_angle(
         rigid_body_displacements_of_nodes(place(depths, near), pin),
-        angles_of_displacement_axes(shoe, near),
+        displacement_axis_angles_of_shoe_at_positions(shoe, near),
     )
     end, end_forces = layers.unit_loads_on_end_face(
-        div, place(depths, far), angles_of_displacement_axes(shoe, far)
+        div, place(depths, far), displacement_axis_angles_of_shoe_at_positions(shoe, far)
     )
 
     # The assembled columns have the unknowns [frame | face | loads].
@@ -523,7 +528,7 @@ def _condense_hinged_shoe_with_width(
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], loaded, len(end_forces), right=True)
     count = layers.functions.counts_of_even_and_odd_functions_on_part(layers.halves[0])[0]
     A = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
-    face = _FaceAxes.conversion_to_displacements_of_face_nodes(shoe, div, layers)
+    face = _ColumnToFaceConversion.conversion_to_displacements_of_face_nodes(shoe, div, layers)
     return condensed_shoe_corrected_for_round_off(
         A, end, R, pin, face.forces_on_face_nodes, face.stiffness_of_face_nodes
     )
@@ -544,12 +549,12 @@ def _column_with_left_side_tied_to_hinge_face(
     n = len(piece.K)
     free = np.setdiff1d(np.arange(piece.left), tied)
     rest = np.arange(piece.left, n)
-    T = np.zeros((n, FRAME + len(rest)))
-    T[tied, :FRAME] = modes
-    T[rest, FRAME + np.arange(len(rest))] = 1.0
+    T = np.zeros((n, NUMBER_OF_FRAME_DISPLACEMENTS + len(rest)))
+    T[tied, :NUMBER_OF_FRAME_DISPLACEMENTS] = modes
+    T[rest, NUMBER_OF_FRAME_DISPLACEMENTS + np.arange(len(rest))] = 1.0
     KT = piece.K @ T
     K = np.ascontiguousarray(T.T @ KT)
     if len(free):
         inner = np.ascontiguousarray(piece.K[np.ix_(free, free)])
         replace_matrix_by_schur_complement(K, np.ascontiguousarray(KT[free]), inner)
-    return ColumnSubstructure(K, FRAME, piece.right)
+    return ColumnSubstructure(K, NUMBER_OF_FRAME_DISPLACEMENTS, piece.right)

@@ -20,7 +20,7 @@ from drumlin.brake.one_sided import (
     all_choices_of_bearing_supports,
     forces_of_one_sided_supports_on_shoe,
 )
-from drumlin.brake.support import Freedoms, displacements_in_rigid_body_motions
+from drumlin.brake.support import SupportRigidBodyModes, displacements_in_rigid_body_motions
 from drumlin.verification.triangles.equations import ContactEquations
 from drumlin.verification.triangles.face import CondensedFace
 from drumlin.verification.triangles.one_sided import (
@@ -35,7 +35,7 @@ MOST_SETS_TRIED = 600
 """Largest number of contact sets that are tried before the solver raises NoAnswer.
 
 A contact set is the set of nodes that carry contact forces."""
-SETS_WITHOUT_PROGRESS = 8
+SETS_BEFORE_SINGLE_NODE_CHANGES = 8
 """Number of contact sets without progress after which only one node at a time is changed.
 
 A node is wrong if it carries a tensile force or penetrates the drum. A set without progress has no
@@ -122,7 +122,7 @@ def solve_contact_complementarity(equations: ContactEquations, first: Bools) -> 
     A, q, B, weight = equations.A, equations.q, equations.B, equations.weight
     active = first.copy()
     scale = float(np.median(np.abs(np.diag(A)) * weight))
-    fewest, spare, least = len(q) + 1, SETS_WITHOUT_PROGRESS, math.inf
+    fewest, spare, least = len(q) + 1, SETS_BEFORE_SINGLE_NODE_CHANGES, math.inf
     best: ContactForces | None = None
     for step in range(MOST_SETS_TRIED):
         # The active nodes have zero gap: their forces and the rigid-body motions are solved for.
@@ -145,9 +145,9 @@ def solve_contact_complementarity(equations: ContactEquations, first: Bools) -> 
             assert best is not None
             return best
         # All wrong nodes change while their number falls. If it has not fallen for
-        # SETS_WITHOUT_PROGRESS sets, only the last wrong node changes.
+        # SETS_BEFORE_SINGLE_NODE_CHANGES sets, only the last wrong node changes.
         if len(wrong) < fewest:
-            fewest, spare = len(wrong), SETS_WITHOUT_PROGRESS
+            fewest, spare = len(wrong), SETS_BEFORE_SINGLE_NODE_CHANGES
         else:
             spare -= 1
         chosen = wrong if spare > 0 else wrong[-1:]
@@ -248,7 +248,8 @@ class _ContactMatrices(NamedTuple):
     ----------
     A, q, B, C, h, weight : the shoe's blocks of the matrices of `ContactEquations`
     normal : (n, 2n) matrix that gives the normal components of the displacements of the nodes
-    pull : (2n, n) matrix that turns normal forces into nodal forces on the lining, with friction
+    nodal_forces_per_normal_force : (2n, n) matrix that turns normal forces into nodal forces on the
+        lining, with friction
     """
 
     A: Floats
@@ -258,7 +259,7 @@ class _ContactMatrices(NamedTuple):
     h: Floats
     weight: Floats
     normal: Floats
-    pull: Floats
+    nodal_forces_per_normal_force: Floats
 
 
 def friction_forces_per_contact_force(brake: Brake, shoe: Shoe, one: CondensedFace) -> Floats:
@@ -281,7 +282,7 @@ def forces_of_drum_on_lining_nodes(
 
 
 def _contact_matrices_of_shoe(
-    one: CondensedFace, freedoms: Freedoms, drag: Floats
+    one: CondensedFace, freedoms: SupportRigidBodyModes, drag: Floats
 ) -> _ContactMatrices:
     """The matrices of one shoe in the contact problem, on a rigid drum.
 
@@ -293,24 +294,24 @@ def _contact_matrices_of_shoe(
         growing theta
     """
     m = len(one.theta)
-    normal, pull = np.zeros((m, 2 * m)), np.zeros((2 * m, m))
+    normal, nodal_forces_per_normal_force = np.zeros((m, 2 * m)), np.zeros((2 * m, m))
     for c in range(2):
         normal[np.arange(m), 2 * np.arange(m) + c] = one.normal[:, c]
-        pull[c::2] = one.tangent[:, c, None] * drag
-        pull[2 * np.arange(m) + c, np.arange(m)] -= one.normal[:, c]
+        nodal_forces_per_normal_force[c::2] = one.tangent[:, c, None] * drag
+        nodal_forces_per_normal_force[2 * np.arange(m) + c, np.arange(m)] -= one.normal[:, c]
     by_motion, tested = (
         displacements_in_rigid_body_motions(motions, one.xy.T).transpose(1, 0, 2).reshape(2 * m, -1)
         for motions in (freedoms.motions, freedoms.test_modes)
     )
     return _ContactMatrices(
-        A=-normal @ one.compliance @ pull,
+        A=-normal @ one.compliance @ nodal_forces_per_normal_force,
         q=one.gap - normal @ one.loaded,
         B=-normal @ by_motion,
-        C=tested.T @ pull,
+        C=tested.T @ nodal_forces_per_normal_force,
         h=-freedoms.work_of_all_loads_on_test_modes,
         weight=one.mass.sum(axis=1),
         normal=normal,
-        pull=pull,
+        nodal_forces_per_normal_force=nodal_forces_per_normal_force,
     )
 
 
@@ -348,10 +349,12 @@ def _solve_for_abutment_friction_senses(
         under = [(2 * nodes[:, None] + np.arange(2)).ravel() for nodes in rim.of]
         for i, j in np.ndindex(len(faces), len(faces)):
             compliance = rim.compliance[np.ix_(under[i], under[j])]
-            change = own[i].normal @ compliance @ own[j].pull
+            change = own[i].normal @ compliance @ own[j].nodal_forces_per_normal_force
             A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= change
     places = [
-        ShoeInEquations(shoe, face, one.normal, one.pull, slice(*nodes), slice(*modes))
+        ShoeInEquations(
+            shoe, face, one.normal, one.nodal_forces_per_normal_force, slice(*nodes), slice(*modes)
+        )
         for shoe, face, one, nodes, modes in zip(
             shoes, faces, own, pairwise(begin.tolist()), pairwise(rows.tolist()), strict=True
         )

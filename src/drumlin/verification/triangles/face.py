@@ -66,8 +66,8 @@ class CondensedFace:
     loaded : (2n,) displacements of the nodes under the actuation and other loads, without heat [m]
     elastic_actuation_work : work [N m] of these loads on the elastic displacements that they cause
         by themselves
-    pushed : (2n, m) displacements of the nodes under a push of 1 N by each of the m one-sided
-        supports of the shoe [m/N]
+    displacements_under_unit_pushes : (2n, m) displacements of the nodes under a push of 1 N by each
+        of the m one-sided supports of the shoe [m/N]
     push_travel : (m,) displacement [m] of the shoe at the point of each of these pushes, along the
         push, under actuation, other loads and heat, without contact forces
     push_compliance : (m, m) displacements at the point of each push, along the push, under a push
@@ -87,7 +87,7 @@ class CondensedFace:
     compliance: Floats
     loaded: Floats
     elastic_actuation_work: float
-    pushed: Floats
+    displacements_under_unit_pushes: Floats
     push_travel: Floats
     push_compliance: Floats
     gap: Floats
@@ -199,7 +199,7 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         compliance=compliance.of,
         loaded=compliance.loaded[:, 0],
         elastic_actuation_work=float(compliance.work[0, 0]),
-        pushed=compliance.loaded[:, 2:],
+        displacements_under_unit_pushes=compliance.loaded[:, 2:],
         push_travel=compliance.work[2:, :2].sum(axis=1),
         push_compliance=compliance.work[2:, 2:],
         gap=clearance.gaps_between_unloaded_lining_and_surface(brake, shoe, theta) - growth,

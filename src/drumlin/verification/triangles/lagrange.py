@@ -243,7 +243,8 @@ def nodal_forces_of_heated_triangles(
         G = np.einsum("ndq,mqdc->mncq", slopes, np.linalg.inv(J))
         area = np.abs(np.linalg.det(J)) * weights
         points = np.einsum("mnc,nq->cmq", x, values)
-        # The coordinate d across the layers grows by one over the thickness of each layer.
+        # The coordinate across the layers counts layers. From the near face to the far face of this
+        # layer it grows from `number` to `number` + 1.
         through = np.einsum("mn,nq->mq", nodes.at[of, 1], values) - number
         near, far = layer.free_strains[:, :, None, None].swapaxes(0, 1)
         strains = near + (far - near) * through

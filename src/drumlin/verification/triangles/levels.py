@@ -28,8 +28,8 @@ from drumlin.verification.triangles.face import (
     triangle_body_with_nodes_and_stiffness,
 )
 from drumlin.verification.triangles.outline import (
-    DraftShoeMesh,
     Outline,
+    ShoeMeshOfTriangleCorners,
     SingularPlaces,
     TriangleLevel,
     make_graded_shoe_mesh,
@@ -48,7 +48,7 @@ MOST_HALVINGS_AT_CONTACT_ENDS = 13
 
 The pressure p is small at an end of the contact, so that smaller triangles change nothing. The
 number is also the limit at a kink of the gap that does not point to the drum."""
-END_SLACK = 1e-9
+LINING_END_TOLERANCE = 1e-9
 """Distance from an end of the lining, relative to the lining's length, within which a kink or an
 end of the contact counts as lying at the end of the lining."""
 NARROWEST_CONTACT = 1e-4
@@ -61,7 +61,7 @@ the triangles are as small as in a contact of this length.
 CONTACT_FINDING_LEVEL = TriangleLevel(3, 8, 1.4, 1.0)
 """Degree and grading of the coarse meshes on which the ends of the contact are found.
 
-The arguments of TriangleLevel are degree, halvings, steep and size.
+The arguments of TriangleLevel are degree, halvings, longest_over_corner_distance and size.
 """
 MOST_FINDING_PASSES = 6
 """Largest number of times that the brake is solved on coarse meshes to find the contact's ends.
@@ -73,7 +73,7 @@ FIRST_FRICTION_FRACTIONS = (0.0, 0.5)
 With much friction a brake may have several solutions. The right one is the solution that the brake
 reaches as the friction grows from zero.
 """
-SETTLED_ENDS = 2e-3
+LARGEST_RELATIVE_MOVEMENT_OF_FOUND_CONTACT_ENDS = 2e-3
 """Movement of the ends of a contact between two solutions, relative to the contact's length, below
 which the ends count as found."""
 TRIANGLE_LEVELS = (
@@ -183,7 +183,7 @@ def solve_brake_on_one_triangle_mesh(
 
 def _mesh_shoe_graded_to_corners_and_contact_ends(
     brake: Brake, shoe: Shoe, before: ShoeSolution | None, level: TriangleLevel
-) -> DraftShoeMesh:
+) -> ShoeMeshOfTriangleCorners:
     """The mesh of a shoe, graded to its corners and to the ends of its contact.
 
     Parameters
@@ -273,7 +273,7 @@ def _places_where_pressure_is_not_smooth(
         places += [
             (float(end), min(shape.triangle_length_before_first_halving, width / 4)) for end in arc
         ]
-    slack = END_SLACK * (lining.end - lining.start)
+    slack = LINING_END_TOLERANCE * (lining.end - lining.start)
     inside = [
         one
         for one in places
@@ -290,7 +290,10 @@ def _mask_of_nodes_in_contact_at_start(one: CondensedFace, before: ShoeSolution 
     """
     if before is None:
         return np.ones(len(one.theta), dtype=bool)
-    inside = [(one.theta > a - END_SLACK) & (one.theta < b + END_SLACK) for a, b in before.arcs]
+    inside = [
+        (one.theta > a - LINING_END_TOLERANCE) & (one.theta < b + LINING_END_TOLERANCE)
+        for a, b in before.arcs
+    ]
     return np.any(inside, axis=0)
 
 
@@ -332,7 +335,13 @@ def solve_brake_on_sequence_of_triangle_meshes(
 
 
 def _have_same_contact_arcs(a: Floats, b: Floats) -> bool:
-    """Whether the ends of the contact arcs (k, 2) [rad] of two solutions agree to SETTLED_ENDS."""
+    """Whether the ends of the contact arcs (k, 2) [rad] of two solutions agree.
+
+    They may differ by LARGEST_RELATIVE_MOVEMENT_OF_FOUND_CONTACT_ENDS.
+    """
     return a.shape == b.shape and bool(
-        (np.abs(a - b).max(axis=1) < SETTLED_ENDS * np.diff(b, axis=1)[:, 0]).all()
+        (
+            np.abs(a - b).max(axis=1)
+            < LARGEST_RELATIVE_MOVEMENT_OF_FOUND_CONTACT_ENDS * np.diff(b, axis=1)[:, 0]
+        ).all()
     )

@@ -10,7 +10,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
-from drumlin.brake.beam_axis import Axis, make_beam_axis
+from drumlin.brake.beam_axis import BeamAxis, make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
 from drumlin.brake.elasticity import ElasticLayer
@@ -24,7 +24,7 @@ from drumlin.verification.triangles.triangulation import (
     triangulate_grid_of_layered_body,
 )
 
-LONGEST_TRIANGLE_RATIO = 12.0
+LONGEST_TRIANGLE_OVER_THINNEST_LAYER = 12.0
 """Largest length of triangles far from all corners, relative to the thickness of the thinnest
 layer."""
 
@@ -36,13 +36,14 @@ class TriangleLevel(NamedTuple):
     ----------
     degree : polynomial degree of the triangles
     halvings : number of times that the triangles are halved towards each corner
-    steep : largest length of a triangle near a corner, relative to its distance from the corner
+    longest_over_corner_distance : largest length of a triangle near a corner, relative to its
+        distance from the corner
     size : factor on the lengths of all triangles before they are halved
     """
 
     degree: int
     halvings: int
-    steep: float
+    longest_over_corner_distance: float
     size: float
 
 
@@ -169,7 +170,7 @@ def _layers_and_thicknesses_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer]
     layers, thickness = [], list[float]()
     heated = {layer.key: layer for layer in heated_layers_of_shoe(shoe)}
 
-    def free_strains(key: str, part_thickness: float) -> Floats | None:
+    def strains_of_heated_layer(key: str, part_thickness: float) -> Floats | None:
         """Free strains (2, 2) of a layer, at its near and its far face; None without heat."""
         near = sum(thickness)
         faces = np.array([near, near + part_thickness])
@@ -180,14 +181,14 @@ def _layers_and_thicknesses_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer]
     for key, part in (("lining", lining), ("backing", backing)):
         if part is not None:
             elastic = ElasticLayer.make_layer_in_plane_stress(part.material, lining.width)
-            strains = free_strains(key, part.thickness)
+            strains = strains_of_heated_layer(key, part.thickness)
             layers.append(TriangleLayer(lining.start, lining.end, elastic, lining.slots, strains))
             thickness.append(part.thickness)
     if body is not None:
         assert not isinstance(body, Beam)
         for plate in body.plates.values():
             elastic = ElasticLayer.make_layer_in_plane_stress(plate.material, plate.width)
-            strains = free_strains("body", plate.thickness)
+            strains = strains_of_heated_layer("body", plate.thickness)
             layers.append(TriangleLayer(body.start, body.end, elastic, free_strains=strains))
             thickness.append(plate.thickness)
     return layers, thickness
@@ -238,7 +239,7 @@ class _BeamShoeDimensions(NamedTuple):
     lining, beam : thickness of the lining and of the beam [m]
     """
 
-    axis: Axis
+    axis: BeamAxis
     first: float
     last: float
     low: float
@@ -253,7 +254,7 @@ class _BeamShoeDimensions(NamedTuple):
         return self.beam / 2
 
     @property
-    def smallest_block_thickness(self) -> float:
+    def smallest_thickness_between_lining_and_beam(self) -> float:
         """Smallest thickness [m] of the block between lining and beam."""
         nearest = min(math.cos(self.first), math.cos(self.last))
         return (
@@ -297,7 +298,9 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
     return Outline(
         place=_function_from_coordinates_to_beam_shoe_points(size, R),
         layers=layers,
-        thickness=np.array([size.lining, size.smallest_block_thickness, size.beam]),
+        thickness=np.array(
+            [size.lining, size.smallest_thickness_between_lining_and_beam, size.beam]
+        ),
         s=_sorted_distinct_values([low, *ends, high]),
         corners=np.unique(corners, axis=0),
         held=low,
@@ -372,7 +375,12 @@ def initial_grid_lines_of_body(
     least = min(thinnest, arc / 4) * size
     most = max(
         least,
-        min(LONGEST_TRIANGLE_RATIO * float(shape.thickness.min()), arc / 8, wavelength / 4) * size,
+        min(
+            LONGEST_TRIANGLE_OVER_THINNEST_LAYER * float(shape.thickness.min()),
+            arc / 8,
+            wavelength / 4,
+        )
+        * size,
     )
     dense = np.concatenate([shape.s, points])
     ends = (dense > face.start - 1e-9) & (dense < face.end + 1e-9)
@@ -415,7 +423,7 @@ def _grid_lines_across_layers(shape: Outline, size: float, least: float) -> list
     return d
 
 
-class DraftShoeMesh(NamedTuple):
+class ShoeMeshOfTriangleCorners(NamedTuple):
     """A shoe's mesh of triangles with corners only, before nodes on edges and inside are added.
 
     Attributes
@@ -434,7 +442,7 @@ class DraftShoeMesh(NamedTuple):
 
 def make_graded_shoe_mesh(
     shape: Outline, sharp: SingularPlaces, level: TriangleLevel, wavelength: float
-) -> DraftShoeMesh:
+) -> ShoeMeshOfTriangleCorners:
     """Mesh a shoe by triangles that shrink towards its corners and the places `sharp` on its face.
 
     Parameters
@@ -455,7 +463,7 @@ def make_graded_shoe_mesh(
         ]
     )
     at = shape.place(points[:, 0], points[:, 1])
-    return DraftShoeMesh(
+    return ShoeMeshOfTriangleCorners(
         shape,
         s,
         sharp,
@@ -464,6 +472,6 @@ def make_graded_shoe_mesh(
             shape.place,
             at,
             smallest,
-            level.steep,
+            level.longest_over_corner_distance,
         ),
     )

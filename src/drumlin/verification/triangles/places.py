@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 SPREAD_OVER_THICKNESS = 0.5
 """Standard deviation of the length over which a force is spread, divided by the body's thickness.
 
-The finite elements that are verified spread forces over the same length, see `load_places.SPREAD`.
-With another value the triangles would solve a different load.
+The finite elements that are verified spread forces over the same length, see
+`load_places.FORCE_SPREAD_OVER_BODY_THICKNESS`. With another value the triangles would solve a
+different load.
 """
 
 
@@ -122,7 +123,7 @@ def _force_density_on_mass(
 ) -> Floats:
     """The force density (m, q, 2) [N/m^2] of gravity and rotation on the mass of a shoe."""
     assert shoe.mass is not None
-    loads, mass, centre = shoe.loads_of_brake, shoe.mass.mass, shoe.mass.point.xy
+    loads, mass, centre = shoe.spring_lever_and_mass_loads, shoe.mass.mass, shoe.mass.point.xy
     volume = float((points.width[:, None] * points.area).sum())
     thickness = mass / volume * points.width[:, None, None]
     density = thickness * (np.array(loads.gravity) + loads.square_of_speed * points.xy)

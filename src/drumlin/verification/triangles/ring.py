@@ -22,7 +22,7 @@ from drumlin.verification.triangles.face import (
     node_numbers_along_edges,
     triangle_body_with_nodes_and_stiffness,
 )
-from drumlin.verification.triangles.outline import DraftShoeMesh, Outline, TriangleLevel
+from drumlin.verification.triangles.outline import Outline, ShoeMeshOfTriangleCorners, TriangleLevel
 from drumlin.verification.triangles.triangulation import (
     TriangleLayer,
     Triangles,
@@ -64,7 +64,7 @@ class _LiningOnRing(NamedTuple):
 
 
 def mesh_drum_ring_and_refine_shoe_meshes_to_match(
-    brake: Brake, drafts: list[DraftShoeMesh], level: TriangleLevel
+    brake: Brake, drafts: list[ShoeMeshOfTriangleCorners], level: TriangleLevel
 ) -> tuple[list[Triangles], MeshedBody]:
     """Mesh the drum ring, and refine the shoes' meshes until their nodes lie opposite ring nodes.
 
@@ -87,7 +87,7 @@ def mesh_drum_ring_and_refine_shoe_meshes_to_match(
 
 
 def _positions_of_linings_on_one_turn_of_ring(
-    brake: Brake, drafts: list[DraftShoeMesh]
+    brake: Brake, drafts: list[ShoeMeshOfTriangleCorners]
 ) -> list[_LiningOnRing]:
     """Where each lining lies on the ring, with all linings on one turn."""
     first = min(shoe.lining.start for shoe in brake.shoes)
@@ -104,7 +104,7 @@ def _positions_of_linings_on_one_turn_of_ring(
 def _ring_outline_and_mesh_graded_to_linings(
     brake: Brake,
     section: Section,
-    drafts: list[DraftShoeMesh],
+    drafts: list[ShoeMeshOfTriangleCorners],
     linings: list[_LiningOnRing],
     level: TriangleLevel,
 ) -> tuple[Outline, Triangles]:
@@ -143,12 +143,12 @@ def _ring_outline_and_mesh_graded_to_linings(
         shape.place,
         shape.place(at, 0 * at),
         smallest,
-        level.steep,
+        level.longest_over_corner_distance,
     )
     return shape, mesh
 
 
-def _ring_angles_of_lining_ends(lining: _LiningOnRing, draft: DraftShoeMesh) -> Floats:
+def _ring_angles_of_lining_ends(lining: _LiningOnRing, draft: ShoeMeshOfTriangleCorners) -> Floats:
     """Angles [rad] on the ring of the ends of a shoe's linings, also of the ends at slots."""
     face = draft.shape.layers[0]
     return lining.ring_angles_at_face_coordinates(
@@ -156,7 +156,9 @@ def _ring_angles_of_lining_ends(lining: _LiningOnRing, draft: DraftShoeMesh) -> 
     )
 
 
-def _ring_angles_of_lining_grid_lines(lining: _LiningOnRing, draft: DraftShoeMesh) -> Floats:
+def _ring_angles_of_lining_grid_lines(
+    lining: _LiningOnRing, draft: ShoeMeshOfTriangleCorners
+) -> Floats:
     """Angles [rad], growing, of a lining's grid lines, which the ring's mesh has as well."""
     face = draft.shape.layers[0]
     within = (draft.s > face.start - ANGLE_SLACK) & (draft.s < face.end + ANGLE_SLACK)

@@ -29,12 +29,12 @@ class _SolvedShoe(NamedTuple):
     ----------
     shoe : the shoe, with the known force as its actuation
     forces : its contact forces and rigid-body motion
-    tip_travel : displacement of the point at which the force acts, along the force [m]
+    load_point_travel : displacement of the point at which the force acts, along the force [m]
     """
 
     shoe: Shoe
     forces: ContactForces
-    tip_travel: float
+    load_point_travel: float
 
 
 def solve_shoes_with_cam_or_strut_forces(
@@ -59,7 +59,7 @@ def solve_shoes_with_cam_or_strut_forces(
     """
     names = [shoe.name for shoe in brake.shoes]
 
-    def solve_shoe(i: int, force: float) -> _SolvedShoe:
+    def solve_numbered_shoe_under_force(i: int, force: float) -> _SolvedShoe:
         """Solve shoe i under a force [N]."""
         return _solve_shoe_under_force(
             brake, brake.shoes[i], faces[i], first.contact_at_start_of_some_shoes([i]), force
@@ -71,14 +71,22 @@ def solve_shoes_with_cam_or_strut_forces(
     if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         a, b, total = free[0], free[1], brake.actuation.force_of_cylinder_or_sum_of_cam_forces
         force = brentq(
-            lambda force: solve_shoe(a, force).tip_travel - solve_shoe(b, total - force).tip_travel,
+            lambda force: (
+                solve_numbered_shoe_under_force(a, force).load_point_travel
+                - solve_numbered_shoe_under_force(b, total - force).load_point_travel
+            ),
             1e-3 * total,
             0.999 * total,
             xtol=1e-12 * total,
         )
-        found = {a: solve_shoe(a, force), b: solve_shoe(b, total - force)}
+        found = {
+            a: solve_numbered_shoe_under_force(a, force),
+            b: solve_numbered_shoe_under_force(b, total - force),
+        }
     else:
-        found = {i: solve_shoe(i, brake.shoes[i].actuation.force) for i in free}
+        found = {
+            i: solve_numbered_shoe_under_force(i, brake.shoes[i].actuation.force) for i in free
+        }
     left = list(brake.links)
     # Struts form a chain from shoe to shoe. The next strut to follow is one that starts at a solved
     # shoe.
@@ -87,7 +95,7 @@ def solve_shoes_with_cam_or_strut_forces(
         left.remove(link)
         source = names.index(link.source)
         force = _force_of_foot_on_strut(brake, faces[source], found[source])
-        found[names.index(link.to)] = solve_shoe(names.index(link.to), force)
+        found[names.index(link.to)] = solve_numbered_shoe_under_force(names.index(link.to), force)
     solved = [found[i] for i in range(len(names))]
     return [one.shoe for one in solved], [one.forces for one in solved]
 

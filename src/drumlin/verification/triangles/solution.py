@@ -17,7 +17,7 @@ from drumlin.verification.triangles.face import (
     edge_shape_function_values_and_derivatives,
 )
 
-SLOT_EDGE = 1e-12
+TRIANGLE_PRESSURE_DROP_LENGTH_AT_SLOT = 1e-12
 """Length [rad] of the polynomial pieces on which the pressure falls to 0 at a slot.
 
 A slot is the space between two linings of a shoe. The force on such a piece is 1e-12 of the force
@@ -128,7 +128,7 @@ def _insert_open_nodes_in_slots(
 
     In each slot between two linings there are three pieces. On the first piece p falls to 0, on the
     second it is 0, and on the third it rises to its value on the next lining. The first and the
-    third piece are SLOT_EDGE long. The added nodes are open.
+    third piece are TRIANGLE_PRESSURE_DROP_LENGTH_AT_SLOT long. The added nodes are open.
 
     Parameters
     ----------
@@ -139,7 +139,14 @@ def _insert_open_nodes_in_slots(
     """
     theta, points = one.theta, lagrange.lobatto_points_on_unit_interval(one.degree)
     for first, last in reversed(shoe.lining.slots):
-        ends = np.array([first, first + SLOT_EDGE, last - SLOT_EDGE, last])
+        ends = np.array(
+            [
+                first,
+                first + TRIANGLE_PRESSURE_DROP_LENGTH_AT_SLOT,
+                last - TRIANGLE_PRESSURE_DROP_LENGTH_AT_SLOT,
+                last,
+            ]
+        )
         inner = (ends[:-1, None] + np.diff(ends)[:, None] * points[:-1]).ravel()[1:]
         at = int(np.searchsorted(theta, 0.5 * (first + last)))
         theta, p = np.insert(theta, at, inner), np.insert(p, at, 0 * inner)
